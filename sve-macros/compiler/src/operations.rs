@@ -12,7 +12,7 @@ use crate::discretise::equations;
 use crate::errors::Errors;
 use crate::interpret;
 use crate::model::Symbols;
-use crate::program::{Operation, Scheduler, Tier};
+use crate::program::{self, Array, Kernel, Scheduler};
 use crate::rules::action;
 use crate::structure::{self, Solution};
 use crate::syntax::parse;
@@ -79,30 +79,8 @@ fn count(attribute: TokenStream, block: ItemImpl) -> syn::Result<Operations> {
 }
 
 fn straight(arena: &Arena, symbols: &Symbols, roots: &[Expr]) -> usize {
-    let tiers = roots
-        .iter()
-        .flat_map(|&e| arena.symbols_of(e))
-        .map(|s| (s, Tier::State))
-        .collect();
-    let mut scheduler = Scheduler::new(arena, symbols, tiers, roots);
-    let values = scheduler.values(roots);
-    let program = scheduler.finish(&values);
-    let weight = |operation| match operation {
-        Operation::Constant(_)
-        | Operation::Input(_)
-        | Operation::SinOf(_)
-        | Operation::CosOf(_) => 0,
-        Operation::Add(..)
-        | Operation::Sub(..)
-        | Operation::Mul(..)
-        | Operation::Div(..)
-        | Operation::Neg(_)
-        | Operation::Abs(_)
-        | Operation::Recip(_) => 1,
-        Operation::Call(..)
-        | Operation::Call2(..)
-        | Operation::SinCos(_)
-        | Operation::AngleAddition(..) => CALL,
-    };
-    program.all().map(|(_, i)| weight(i.operation)).sum()
+    let scheduler = Scheduler::of_one_tier(arena, symbols, roots);
+    let kernel = Kernel::new(scheduler, &[Array::unnamed(roots)]);
+    let counted = program::Operations::of(&kernel.program, |_| true);
+    counted.arithmetic + CALL * (counted.transcendental + counted.angle_additions)
 }

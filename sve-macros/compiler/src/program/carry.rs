@@ -6,6 +6,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::instructions::{Operation, Program, Tier, Value, operands};
+use super::limits::{CALL, DIVISION};
 use super::step::Step;
 use crate::algebra::Function;
 use crate::model::{Meaning, Quantity, Symbols};
@@ -13,10 +14,6 @@ use crate::structure::{Returns, Solution};
 
 /// Work that a carried value has to save, in additions: it is stored and loaded between two steps.
 const WORTH: usize = 3;
-
-/// Work of a call, and of a division or a root, in additions.
-const CALL: usize = 30;
-const DIVISION: usize = 4;
 
 /// The values that a trajectory carries from a step to the next.
 pub(crate) struct Carried {

@@ -52,13 +52,8 @@ impl Labels {
     }
 
     /// Labels the entries of the matrix that is multiplied with the state `map_0_1`, rows and columns in the order q, p.
-    pub(crate) fn map(
-        &mut self,
-        scheduler: &Scheduler<'_>,
-        arena: &Arena,
-        symbols: &Symbols,
-        rows: &[Expr],
-    ) {
+    pub(crate) fn map(&mut self, scheduler: &Scheduler<'_>, rows: &[Expr]) {
+        let (arena, symbols) = (scheduler.arena, scheduler.symbols);
         let column = |e: Expr| match arena.node(e) {
             algebra::Node::Symbol(symbol) => match symbols.meaning(*symbol) {
                 Meaning::Start(Quantity::Position, j) => Some(*j),
@@ -87,21 +82,15 @@ impl Labels {
         }
     }
 
-    /// Labels all subexpressions of `roots` that are quantities at a node, are in `given`, or are functions of such expressions.
-    pub(crate) fn expressions(
-        &mut self,
-        scheduler: &Scheduler<'_>,
-        arena: &Arena,
-        symbols: &Symbols,
-        given: &[(Expr, String)],
-        roots: &[Expr],
-    ) {
+    /// Labels all subexpressions of the scheduler's roots that are quantities at a node, are in `given`, or are functions of such expressions.
+    pub(crate) fn expressions(&mut self, scheduler: &Scheduler<'_>, given: &[(Expr, String)]) {
+        let (arena, symbols) = (scheduler.arena, scheduler.symbols);
         let words = Words {
             arena,
             symbols,
             given,
         };
-        for e in arena.reachable(roots, |_| true) {
+        for e in arena.reachable(&scheduler.roots, |_| true) {
             let Some(value) = scheduler.known(e) else {
                 continue;
             };

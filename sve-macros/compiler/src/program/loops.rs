@@ -5,26 +5,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::limits::in_lanes as limits;
 use super::step::Step;
 use super::{Operation, Tier, Value, operands};
 use crate::algebra::{Arena, Expr};
 use crate::model::Symbols;
 use crate::structure::{Block, Matrix, Scheme, Solution, Storage};
-
-/// Largest number of unknowns of a block that is solved in lanes.
-const MAX_UNKNOWNS: usize = 6;
-
-/// Largest number of unknowns of a block with multipliers of constraints: most entries of its Jacobian are zero, and not computed.
-const MAX_CONSTRAINED: usize = 16;
-
-/// Number of unknowns up to which a matrix is solved by a formula.
-pub(crate) const BY_FORMULA: usize = 2;
-
-/// Largest number of instructions of a step in lanes. The values of a longer step fit neither the registers nor the first-level cache.
-const MAX_INSTRUCTIONS: usize = 1500;
-
-/// Largest number of values that are kept between loops, for the same reason.
-const MAX_KEPT: usize = 96;
 
 /// Returns the step of a scheme in lanes, or `None` if the step is too large.
 pub(crate) fn in_lanes(
@@ -40,11 +26,11 @@ pub(crate) fn in_lanes(
         return None;
     }
     let step = Step::new(&for_lanes(scheme), symbols, arena);
-    if step.program.all().count() > MAX_INSTRUCTIONS {
+    if step.program.all().count() > limits::INSTRUCTIONS {
         return None;
     }
     let loops = Loops::new(&step);
-    (loops.rows.len() <= MAX_KEPT).then_some((step, loops))
+    (loops.rows.len() <= limits::KEPT).then_some((step, loops))
 }
 
 /// Returns whether a block can be solved in lanes: it is small, its Jacobian is dense, and no matrix is banded. If the block is
@@ -54,23 +40,24 @@ fn fits(block: &Block<Expr>, is_constrained: bool, arena: &Arena) -> bool {
     let is_banded = |matrix: &Matrix<Expr>| matches!(matrix.storage, Storage::Banded(_));
     let has_pivots = |matrix: &Matrix<Expr>| {
         let pivots = block.pivots.as_ref();
-        matrix.size() <= BY_FORMULA || pivots.is_some_and(|pivots| pivots.suit(matrix, arena))
+        matrix.size() <= limits::BY_FORMULA
+            || pivots.is_some_and(|pivots| pivots.suit(matrix, arena))
     };
     let (fits, largest) = match &block.solution {
-        Solution::Formula(_) => (true, MAX_UNKNOWNS),
+        Solution::Formula(_) => (true, limits::UNKNOWNS),
         Solution::System { linear, .. } if is_constrained => {
-            (has_pivots(&linear.matrix), MAX_CONSTRAINED)
+            (has_pivots(&linear.matrix), limits::CONSTRAINED)
         }
-        Solution::System { linear, .. } => (!is_banded(&linear.matrix), MAX_UNKNOWNS),
+        Solution::System { linear, .. } => (!is_banded(&linear.matrix), limits::UNKNOWNS),
         Solution::Iteration(iteration) if iteration.needs_guess => (
             has_pivots(&iteration.guess.matrix) && has_pivots(&iteration.jacobian),
-            MAX_CONSTRAINED,
+            limits::CONSTRAINED,
         ),
         Solution::Iteration(iteration) => (
             iteration.judge.is_some()
                 && iteration.jacobian.storage == Storage::Dense
                 && !is_banded(&iteration.guess.matrix),
-            MAX_UNKNOWNS,
+            limits::UNKNOWNS,
         ),
     };
     fits && block.unknowns.len() <= largest

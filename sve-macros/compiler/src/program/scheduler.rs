@@ -22,6 +22,8 @@ pub(crate) struct Scheduler<'a> {
     pub(super) angles: Angles,
     /// Bases that are denominators of more than one product.
     pub(super) shared_denominators: HashSet<Expr>,
+    /// What is computed.
+    pub(super) roots: Vec<Expr>,
     /// Whether the denominators of a product that are shared have one reciprocal together. A division in vectors takes as long as many multiplications.
     joins_reciprocals: bool,
 }
@@ -62,8 +64,16 @@ impl<'a> Scheduler<'a> {
                 .filter(|d| d.1 > 1)
                 .map(|d| d.0)
                 .collect(),
+            roots: roots.to_vec(),
             joins_reciprocals: false,
         }
+    }
+
+    /// Creates a scheduler of one tier: all is computed where the code stands.
+    pub(crate) fn of_one_tier(arena: &'a Arena, symbols: &'a Symbols, roots: &[Expr]) -> Self {
+        let inputs = roots.iter().flat_map(|&e| arena.symbols_of(e));
+        let tiers = inputs.map(|symbol| (symbol, Tier::State)).collect();
+        Self::new(arena, symbols, tiers, roots)
     }
 
     /// Disables the computation of sines and cosines by angle addition.

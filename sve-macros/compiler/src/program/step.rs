@@ -57,10 +57,10 @@ impl Step {
         let mut labels = Labels::default();
         if scheme.returns.is_matrix() {
             let rows = [scheme.dq.as_slice(), &scheme.dp].concat();
-            labels.map(&scheduler, arena, symbols, &rows);
+            labels.map(&scheduler, &rows);
         }
         let formulas = formulas(&scheme.blocks, symbols);
-        labels.expressions(&scheduler, arena, symbols, &formulas, &roots);
+        labels.expressions(&scheduler, &formulas);
         let mut first = 0;
         for block in &lowered.blocks {
             block.solution.label(first, &mut labels);

@@ -6,92 +6,39 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
 use super::calls::{call, call_in_lane, call2, call2_in_lane};
+use super::function::Formulas;
 use super::{ident, number};
-use crate::model::{Axis, Meaning, Quantity, Symbols};
-use crate::program::{Labels, Names, Operation, Program, Tier, Value, operands, symbol_name};
-
-/// Rows and columns from which on a matrix may be written by its entries.
-const LARGE: usize = 7;
-
-/// Tokens of an assignment to an entry, in those of a zero and its comma.
-const SPARSE: usize = 4;
+use crate::model::{Axis, Meaning, Quantity};
+use crate::program::limits::{SPARSE_ENTRY, SPARSE_SIZE};
+use crate::program::{
+    Array, Labels, Names, Operation, Program, Shape, Tier, Value, operands, symbol_name,
+};
+use crate::structure::Storage;
 
 /// Variables of emitted code that are no values of the program.
-const DECLARED: [&str; 51] = [
-    "angle",
-    "limit",
-    "q",
-    "v",
-    "p",
-    "h",
-    "t",
-    "dw",
-    "dq",
-    "dv",
-    "dp",
-    "dqt",
-    "dvt",
-    "time",
-    "state",
-    "value",
-    "newton",
-    "prepared",
-    "states",
-    "kept",
-    "lane",
-    "any",
-    "next",
-    "q_lane",
-    "p_lane",
-    "guess",
-    "origin",
-    "refinement",
-    "factors",
-    "fallback",
-    "rounding",
-    "unknowns",
-    "rhs",
-    "solution",
-    "start",
-    "stage",
-    "stages",
-    "poison",
-    "impulses",
-    "inverse",
-    "masses",
-    "offset",
-    "motion",
-    "kicks",
-    "memory",
-    "carried",
-    "tangents",
-    "pairs",
-    "varied",
-    "seeds",
-    "radii",
-];
+const DECLARED: &str = "angle limit q v p h t dw dq dv dp dqt dvt time state value newton prepared states kept \
+    lane any next q_lane p_lane guess origin refinement factors fallback rounding unknowns rhs \
+    solution start stage stages poison impulses inverse masses offset motion kicks memory \
+    carried tangents pairs varied seeds radii";
 
 /// What printed statements are part of.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+pub(super) enum Place {
     /// A step of a single state.
     Single,
     /// A loop over states.
     Lanes,
-    /// A loop over the stages of a step. Inputs are those of a single state, bound before the statements.
+    /// A loop over stages or states. Inputs are those of a single state, bound before the statements.
     Stages,
 }
 
 /// Prints a program.
 pub(super) struct Printer<'a> {
     program: &'a Program,
-    symbols: &'a Symbols,
-    /// Path of what generated code calls.
-    private: TokenStream,
+    formulas: Formulas<'a>,
     names: Names,
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
-    /// What the statements are part of.
     place: Place,
     /// Values that are not printed.
     omitted: BTreeSet<Value>,
@@ -99,18 +46,18 @@ pub(super) struct Printer<'a> {
 
 impl<'a> Printer<'a> {
     pub(super) fn new(
+        place: Place,
         program: &'a Program,
-        symbols: &'a Symbols,
         labels: &Labels,
-        private: &TokenStream,
+        formulas: Formulas<'a>,
     ) -> Self {
+        let declared: Vec<&str> = DECLARED.split_whitespace().collect();
         Self {
             program,
-            symbols,
-            private: private.clone(),
-            names: Names::new(program, symbols, labels, &DECLARED),
+            formulas,
+            names: Names::new(program, formulas.symbols, labels, &declared),
             prepared: HashMap::new(),
-            place: Place::Single,
+            place,
             omitted: BTreeSet::new(),
         }
     }
@@ -120,32 +67,6 @@ impl<'a> Printer<'a> {
         Self {
             omitted: omitted.clone(),
             ..self
-        }
-    }
-
-    /// A printer of loops over lanes.
-    pub(super) fn of_lanes(
-        program: &'a Program,
-        symbols: &'a Symbols,
-        labels: &Labels,
-        private: &TokenStream,
-    ) -> Self {
-        Self {
-            place: Place::Lanes,
-            ..Self::new(program, symbols, labels, private)
-        }
-    }
-
-    /// A printer of loops over stages.
-    pub(super) fn of_stages(
-        program: &'a Program,
-        symbols: &'a Symbols,
-        labels: &Labels,
-        private: &TokenStream,
-    ) -> Self {
-        Self {
-            place: Place::Stages,
-            ..Self::new(program, symbols, labels, private)
         }
     }
 
@@ -242,7 +163,7 @@ impl<'a> Printer<'a> {
         };
         let (height, width) = (rows.len(), rows.first().map_or(0, Vec::len));
         let count: usize = (0..height).map(|row| entries(row).count()).sum();
-        if height >= LARGE && width >= LARGE && SPARSE * count <= height * width {
+        if height >= SPARSE_SIZE && width >= SPARSE_SIZE && SPARSE_ENTRY * count <= height * width {
             let assignments = (0..height).flat_map(|row| {
                 let i = Literal::usize_unsuffixed(row);
                 entries(row).map(move |(column, &value)| {
@@ -261,6 +182,32 @@ impl<'a> Printer<'a> {
         quote!([#(#rows),*])
     }
 
+    /// An array, in its shape.
+    pub(super) fn shaped(&self, array: &Array<Value>) -> TokenStream {
+        let rows = &array.rows;
+        match array.shape {
+            Shape::Number => self.operand(rows[0][0]),
+            Shape::Vector => self.array(&rows[0]),
+            Shape::Matrix(storage) => self.stored(storage, rows),
+        }
+    }
+
+    /// Rows of stored entries as a matrix of the runtime.
+    pub(super) fn stored(&self, storage: Storage, rows: &[Vec<Value>]) -> TokenStream {
+        let (private, size) = (self.formulas.private, rows.len());
+        let rows = self.matrix(rows);
+        match storage {
+            Storage::Dense => rows,
+            Storage::Cofactors => quote!(#private::Cofactors(#rows)),
+            Storage::Diagonal => quote!(#private::Diagonal(#rows)),
+            Storage::Banded(band) => {
+                let numbers = [size, band.lower, band.width()];
+                let [size, lower, width] = numbers.map(Literal::usize_unsuffixed);
+                quote!(#private::Banded::<#size, #lower, #width>(#rows))
+            }
+        }
+    }
+
     pub(super) fn is_zero(&self, value: Value) -> bool {
         self.program.get(value).operation == Operation::Constant(0)
     }
@@ -276,11 +223,14 @@ impl<'a> Printer<'a> {
                 return TokenStream::new();
             }
             Operation::Input(symbol) => {
-                match input(self.symbols.meaning(symbol), self.place == Place::Lanes) {
+                match input(
+                    self.formulas.symbols.meaning(symbol),
+                    self.place == Place::Lanes,
+                ) {
                     Some(access) => {
                         let name = self.name(value);
-                        let access = match self.symbols.meaning(symbol) {
-                            Meaning::Parameter { .. } => number(&access, &self.private),
+                        let access = match self.formulas.symbols.meaning(symbol) {
+                            Meaning::Parameter { .. } => number(&access, self.formulas.private),
                             _ => access,
                         };
                         return quote!(let #name: f64 = #access;);
@@ -305,22 +255,24 @@ impl<'a> Printer<'a> {
                 quote!(1f64 / #a)
             }
             Operation::Call(function, a) if self.is_vector() => {
-                call_in_lane(function, &of(a), &self.private)
+                call_in_lane(function, &of(a), self.formulas.private)
             }
             Operation::Call(function, a) => call(function, &of(a)),
             Operation::Call2(function, a, b) if self.is_vector() => {
-                call2_in_lane(function, &of(a), &of(b), &self.private)
+                call2_in_lane(function, &of(a), &of(b), self.formulas.private)
             }
-            Operation::Call2(function, a, b) => call2(function, &of(a), &of(b), &self.private),
+            Operation::Call2(function, a, b) => {
+                call2(function, &of(a), &of(b), self.formulas.private)
+            }
             Operation::AngleAddition(sin, cos, by) => {
                 let [sin_name, cos_name] = self.names.pair(value).map(|name| ident(&name));
-                let (sin, cos, by, private) = (of(sin), of(cos), of(by), &self.private);
+                let (sin, cos, by, private) = (of(sin), of(cos), of(by), self.formulas.private);
                 let module = self.is_vector().then(|| quote!(lane::));
                 return quote!(let (#sin_name, #cos_name) = #private::#module sin_cos_of_sum(#sin, #cos, #by););
             }
             Operation::SinCos(a) => {
                 let [sin, cos] = self.names.pair(value).map(|name| ident(&name));
-                let (a, private) = (of(a), &self.private);
+                let (a, private) = (of(a), self.formulas.private);
                 if self.is_vector() {
                     return quote!(let (#sin, #cos) = #private::lane::sin_cos(#a););
                 }
@@ -333,7 +285,7 @@ impl<'a> Printer<'a> {
 
     fn name(&self, value: Value) -> Ident {
         match self.program.get(value).operation {
-            Operation::Input(symbol) => ident(&symbol_name(self.symbols, symbol)),
+            Operation::Input(symbol) => ident(&symbol_name(self.formulas.symbols, symbol)),
             Operation::SinOf(both) => ident(&self.names.pair(both)[0]),
             Operation::CosOf(both) => ident(&self.names.pair(both)[1]),
             _ => ident(&self.names.of(value)),

@@ -6,67 +6,55 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::Printer;
-use crate::algebra::{Arena, Expr};
-use crate::model::Model;
-use crate::program::{Labels, Program, Scheduler, Tier, Tiers, Value};
+use super::Context;
+use super::code::Place;
+use super::start::row_of_lane;
+use crate::program::limits::in_lanes;
+use crate::program::{Array, Kernel, Scheduler, Tier, Tiers, Value, entries};
 use crate::system::energy::Energy;
 
-/// Largest number of instructions, beyond which the loop is not worth its code.
-const MAX_INSTRUCTIONS: usize = 1500;
-
 /// Returns the function, unless the energy takes too many operations.
-pub(super) fn energy_lanes(
-    energy: &Energy,
-    model: &Model,
-    private: &TokenStream,
-    arena: &Arena,
-) -> Option<TokenStream> {
+pub(super) fn energy_lanes(energy: &Energy, context: &Context<'_>) -> Option<TokenStream> {
     let Energy {
         lagrangian,
         mass,
         has_diagonal_mass,
         at_rest,
     } = energy;
+    let (model, private, formulas) = (context.model, context.private, context.formulas());
     let n = model.dof();
-    let entries = mass.iter().flatten().chain(at_rest);
-    let roots: Vec<Expr> = entries.chain([lagrangian]).copied().collect();
+    let mass = Array::rows("", mass).without_names();
+    let arrays = [
+        mass,
+        Array::unnamed(at_rest),
+        Array::unnamed(&[*lagrangian]),
+    ];
     let early = model.q.iter().chain([&model.time]);
     let mut tiers: Tiers = early.map(|&s| (s, Tier::State)).collect();
     tiers.extend(model.v.iter().map(|&s| (s, Tier::Iterate(0))));
-    let mut scheduler = Scheduler::new(arena, &model.symbols, tiers, &roots);
-    let values = scheduler.values(&roots);
-    let mut labels = Labels::default();
-    labels.expressions(&scheduler, arena, &model.symbols, &[], &roots);
-    let program: Program = scheduler.finish(&values);
-    if program.all().count() > MAX_INSTRUCTIONS {
+    let scheduler = Scheduler::new(context.arena, formulas.symbols, tiers, &entries(&arrays));
+    let kernel = Kernel::new(scheduler, &arrays);
+    if kernel.program.all().count() > in_lanes::INSTRUCTIONS {
         return None;
     }
-    let printer = Printer::of_stages(&program, &model.symbols, &labels, private);
+    let printer = formulas.printer(&kernel, Place::Stages);
     let [before, known, late] =
         [Tier::Prepare, Tier::State, Tier::Iterate(0)].map(|tier| printer.statements(tier));
-    let (matrix, rest) = values.split_at(n * n);
-    let velocity = if *has_diagonal_mass {
-        let diagonal: Vec<Value> = (0..n).map(|i| matrix[i * n + i]).collect();
-        let diagonal = printer.array(&diagonal);
-        quote!(#private::lane::solve_diagonal(&#diagonal, &rhs))
+    let [mass, at_rest, lagrangian] = [0, 1, 2].map(|at| &kernel.arrays[at]);
+    let (solve, matrix) = if *has_diagonal_mass {
+        let diagonal: Vec<Value> = (0..n).map(|i| mass.rows[i][i]).collect();
+        (quote!(solve_diagonal), printer.array(&diagonal))
     } else {
-        let rows: Vec<Vec<Value>> = matrix.chunks(n).map(<[Value]>::to_vec).collect();
-        let matrix = printer.matrix(&rows);
-        quote!(#private::lane::solve(&#matrix, &rhs))
+        (quote!(solve), printer.shaped(mass))
     };
     let index = || (0..n).map(Literal::usize_unsuffixed);
-    let of_lane = |row: &TokenStream| {
-        let entries = index().map(|i| quote!(states.#row[#i][lane]));
-        quote!([#(#entries),*])
-    };
-    let (q, p) = (of_lane(&quote!(q)), of_lane(&quote!(p)));
-    let rhs = index().zip(rest).map(|(i, &value)| {
+    let [q, p] = [quote!(states.q), quote!(states.p)].map(|rows| row_of_lane(&rows, n));
+    let rhs = index().zip(at_rest.entries()).map(|(i, value)| {
         let at_rest = printer.operand(value);
         quote!(p[#i] - #at_rest)
     });
     let terms = index().map(|i| quote!(+ p[#i] * v[#i]));
-    let lagrangian = printer.operand(rest[n]);
+    let lagrangian = printer.operand(lagrangian.rows[0][0]);
     let size = Literal::usize_unsuffixed(n);
     Some(quote! {
         #[inline(always)]
@@ -78,7 +66,7 @@ pub(super) fn energy_lanes(
                 let p: [f64; #size] = #p;
                 #known
                 let rhs: [f64; #size] = [#(#rhs),*];
-                let v: [f64; #size] = #velocity;
+                let v: [f64; #size] = #private::lane::#solve(&#matrix, &rhs);
                 #late
                 next[lane] = -#lagrangian #(#terms)*;
             }

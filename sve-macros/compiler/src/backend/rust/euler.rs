@@ -6,24 +6,13 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::Printer;
-use crate::algebra::{Arena, Expr};
-use crate::model::Model;
-use crate::program::{Labels, Operation, Program, Scheduler, Tier, Tiers, Value};
+use super::Context;
+use super::code::{Place, Printer};
+use super::function::{Formulas, record};
+use crate::algebra::Expr;
+use crate::program::limits::{self, in_lanes};
+use crate::program::{Array, Kernel, Operations, Program, Scheduler, Tier, Tiers, Value, entries};
 use crate::system::euler::Euler;
-
-/// Largest number of instructions of the increment.
-const MAX_INSTRUCTIONS: usize = 4000;
-
-/// Largest number of instructions of all stages of a step in lanes. Of longer loops over the lanes the compiler makes no vectors: a step of the double
-/// pendulum by Heun's method, of 330, takes longer than a single step.
-const MAX_IN_LANES: usize = 120;
-
-/// Instructions of a function in lanes, in this count.
-const CALL: usize = 30;
-
-/// Largest number of instructions that become part of each stage of a method.
-const MAX_INLINED: usize = 1500;
 
 /// Returns the items of a system that has no increment as straight-line code.
 pub(super) fn no_euler() -> TokenStream {
@@ -36,106 +25,90 @@ pub(super) fn no_euler() -> TokenStream {
 pub(super) fn euler_increment(
     euler: &Euler,
     has_lanes: bool,
-    model: &Model,
-    private: &TokenStream,
-    arena: &Arena,
+    context: &Context<'_>,
 ) -> Option<TokenStream> {
-    let rows = euler.rows();
-    let roots: Vec<Expr> = rows.concat();
+    let arrays = euler.arrays();
+    let model = context.model;
     let state = model.q.iter().chain(&model.p).chain([&model.time]);
     let mut tiers: Tiers = state.map(|&s| (s, Tier::State)).collect();
     tiers.extend(model.v.iter().map(|&s| (s, Tier::Iterate(0))));
-    let mut scheduler = Scheduler::new(arena, &euler.symbols, tiers, &roots);
-    let values: Vec<Vec<Value>> = rows.iter().map(|row| scheduler.values(row)).collect();
-    let mut labels = Labels::default();
-    for (row, name) in values.iter().zip(["dq", "dp", "ito_dq", "ito_dp"]) {
-        labels.vector(name, 0, row);
-    }
-    labels.expressions(&scheduler, arena, &euler.symbols, &[], &roots);
-    let program = scheduler.finish(&values.concat());
-    let length = program.all().count();
-    (length <= MAX_INSTRUCTIONS).then(|| {
-        let parts = Parts {
+    let formulas = Formulas {
+        symbols: &euler.symbols,
+        ..context.formulas()
+    };
+    let scheduler = Scheduler::new(formulas.arena, formulas.symbols, tiers, &entries(&arrays));
+    let kernel = Kernel::new(scheduler, &arrays);
+    let length = kernel.program.all().count();
+    (length <= limits::EULER).then(|| {
+        let writer = Writer {
             euler,
-            model,
-            program: &program,
-            labels: &labels,
-            private,
-            values: &values,
+            formulas,
+            sizes: context.sizes(),
+            kernel: &kernel,
         };
-        let function = parts.scalar(length <= MAX_INLINED);
-        let stages = MAX_IN_LANES / weight(&program).max(1);
-        let in_lane = (has_lanes && stages > 0).then(|| parts.in_lane(stages));
+        let function = writer.scalar(length <= limits::EULER_INLINED);
+        let stages = in_lanes::EULER / weight(&kernel.program).max(1);
+        let in_lane = (has_lanes && stages > 0).then(|| writer.in_lane(stages));
         quote!(#function #in_lane)
     })
 }
 
 /// Returns the number of instructions, of which those that call a function count more.
 fn weight(program: &Program) -> usize {
-    let of_one = |operation| match operation {
-        Operation::Call(..)
-        | Operation::Call2(..)
-        | Operation::SinCos(_)
-        | Operation::AngleAddition(..) => CALL,
-        _ => 1,
-    };
     let late = program.all().filter(|(_, i)| i.tier != Tier::Prepare);
-    late.map(|(_, i)| of_one(i.operation)).sum()
+    let work = Operations::of(program, |tier| tier != Tier::Prepare);
+    late.count() + (limits::CALL - 1) * (work.transcendental + work.angle_additions)
 }
 
 impl Euler {
-    /// The expressions that are computed: increments of q and p, their corrections, and what the velocity is solved from.
-    fn rows(&self) -> Vec<Vec<Expr>> {
-        let mut rows = vec![self.dq.clone(), self.dp.clone()];
-        rows.extend(self.correction.iter().flatten().cloned());
-        if let Some(solved) = &self.solved {
-            rows.push(solved.rhs.clone());
-            rows.extend(solved.mass.iter().cloned());
+    /// What is computed: increments of q and p, their corrections, and what the velocity is solved from.
+    fn arrays(&self) -> Vec<Array<Expr>> {
+        let mut arrays = vec![Array::vector("dq", &self.dq), Array::vector("dp", &self.dp)];
+        if let Some([dq, dp]) = &self.correction {
+            arrays.extend([Array::vector("ito_dq", dq), Array::vector("ito_dp", dp)]);
         }
-        rows
+        if let Some(solved) = &self.solved {
+            arrays.push(Array::unnamed(&solved.rhs));
+            arrays.push(Array::rows("", &solved.mass).without_names());
+        }
+        arrays
     }
 
-    /// The number of rows of results.
+    /// The number of vectors of results.
     fn results(&self) -> usize {
         if self.correction.is_some() { 4 } else { 2 }
     }
 }
 
-/// The scheduled increment.
-struct Parts<'a> {
+/// Writes the scheduled increment.
+struct Writer<'a> {
     euler: &'a Euler,
-    model: &'a Model,
-    program: &'a Program,
-    labels: &'a Labels,
-    private: &'a TokenStream,
-    values: &'a [Vec<Value>],
+    formulas: Formulas<'a>,
+    sizes: [Literal; 2],
+    kernel: &'a Kernel,
 }
 
-impl Parts<'_> {
+impl Writer<'_> {
     /// `euler_numbers` and the increment of a single state.
     fn scalar(&self, is_inlined: bool) -> TokenStream {
-        let private = self.private;
-        let symbols = &self.euler.symbols;
-        let mut printer = Printer::new(self.program, symbols, self.labels, private);
+        let private = self.formulas.private;
+        let mut printer = self.formulas.printer(self.kernel, Place::Single);
         let kept = printer.split_prepared(&self.used());
-        let (prepare, kept) = (printer.prepare(), (printer.array(&kept), kept.len()));
-        let [n, m, count] = self.sizes(kept.1);
-        let (array, _) = kept;
-        let (ty, numbers) = match self.constant_mass() {
+        let (prepare, array) = (printer.prepare(), printer.array(&kept));
+        let ty = self.numbers(kept.len());
+        let numbers = match self.constant_mass() {
             Some(mass) => {
-                let mass = printer.matrix(mass);
-                let inverse = quote!(#private::euler::inverse(&#mass)?);
-                let ty = quote!(([f64; #count], [[f64; #n]; #n]));
-                (ty, quote!((#array, #inverse)))
+                let mass = printer.shaped(mass);
+                quote!((#array, #private::euler::inverse(&#mass)?))
             }
-            None => (quote!([f64; #count]), array),
+            None => array,
         };
-        let body = self.body(&printer, false);
         let inline = if is_inlined {
             quote!(#[inline(always)])
         } else {
             quote!(#[inline])
         };
+        let function = self.function(&quote!(euler_increment), &ty, &self.body(&printer, false));
         quote! {
             type EulerNumbers = #ty;
             const HAS_EULER_INCREMENT: bool = true;
@@ -145,39 +118,36 @@ impl Parts<'_> {
                 ::core::option::Option::Some(#numbers)
             }
             #inline
-            fn euler_increment(
-                &self,
-                prepared: &#ty,
-                time: f64,
-                q: &[f64; #n],
-                p: &[f64; #n],
-                h: f64,
-                dw: &[f64; #m],
-            ) -> ::core::option::Option<#private::euler::EulerIncrement<[f64; #n]>> {
-                #body
-            }
+            #function
         }
     }
 
     /// The increment of a state in a loop over the lanes.
     fn in_lane(&self, stages: usize) -> TokenStream {
         let stages = Literal::usize_unsuffixed(stages);
-        let private = self.private;
-        let symbols = &self.euler.symbols;
-        let mut printer = Printer::of_stages(self.program, symbols, self.labels, private);
+        let mut printer = self.formulas.printer(self.kernel, Place::Stages);
         let kept = printer.split_prepared(&self.used());
-        let [n, m, count] = self.sizes(kept.len());
-        let ty = match self.constant_mass() {
-            Some(_) => quote!(([f64; #count], [[f64; #n]; #n])),
-            None => quote!([f64; #count]),
-        };
-        let body = self.body(&printer, true);
+        let name = quote!(euler_increment_in_lane);
+        let ty = self.numbers(kept.len());
+        let function = self.function(&name, &ty, &self.body(&printer, true));
         quote! {
             const EULER_STAGES_IN_LANES: usize = #stages;
             #[inline(always)]
-            fn euler_increment_in_lane(
+            #function
+        }
+    }
+
+    fn function(
+        &self,
+        name: &TokenStream,
+        numbers: &TokenStream,
+        body: &TokenStream,
+    ) -> TokenStream {
+        let (private, [n, m]) = (self.formulas.private, &self.sizes);
+        quote! {
+            fn #name(
                 &self,
-                prepared: &#ty,
+                prepared: &#numbers,
                 time: f64,
                 q: &[f64; #n],
                 p: &[f64; #n],
@@ -189,60 +159,56 @@ impl Parts<'_> {
         }
     }
 
-    fn sizes(&self, kept: usize) -> [Literal; 3] {
-        let noises = self.model.noises.len();
-        [self.model.dof(), noises, kept].map(Literal::usize_unsuffixed)
+    /// The type of what `euler_numbers` returns, which has so many numbers beside the inverse of a constant mass matrix.
+    fn numbers(&self, count: usize) -> TokenStream {
+        let (count, [n, _]) = (Literal::usize_unsuffixed(count), &self.sizes);
+        match self.constant_mass() {
+            Some(_) => quote!(([f64; #count], [[f64; #n]; #n])),
+            None => quote!([f64; #count]),
+        }
     }
 
     /// The mass matrix, if it is inverted in `euler_numbers`.
-    fn constant_mass(&self) -> Option<&[Vec<Value>]> {
+    fn constant_mass(&self) -> Option<&Array<Value>> {
         let is_constant = self.euler.solved.as_ref()?.is_constant;
-        is_constant.then(|| &self.values[self.euler.results() + 1..])
+        self.kernel.arrays.last().filter(|_| is_constant)
     }
 
     /// The values that the increment uses other than by instructions.
     fn used(&self) -> Vec<Value> {
-        let rows = match self.constant_mass() {
-            Some(_) => self.euler.results() + 1,
-            None => self.values.len(),
-        };
-        self.values[..rows].concat()
+        let arrays = &self.kernel.arrays;
+        let early = usize::from(self.constant_mass().is_some());
+        entries(&arrays[..arrays.len() - early])
     }
 
     /// The body of the increment, with the solve for the velocity between the statements before and after it.
     fn body(&self, printer: &Printer<'_>, in_lane: bool) -> TokenStream {
-        let private = self.private;
+        let private = self.formulas.private;
         let load = printer.load(&self.used());
         let [noise, state, late] =
             [Tier::Noise, Tier::State, Tier::Iterate(0)].map(|tier| printer.statements(tier));
         let open = self
             .constant_mass()
             .map(|_| quote!(let (prepared, inverse) = prepared;));
-        let velocity = self.euler.solved.as_ref().map(|solved| {
-            let at = self.euler.results();
-            let rhs = printer.array(&self.values[at]);
-            let mass = || printer.matrix(&self.values[at + 1..]);
-            let v = if solved.is_constant {
-                quote!(#private::euler::product(inverse, &#rhs))
-            } else if in_lane {
-                let mass = mass();
-                quote!(#private::lane::solve(&#mass, &#rhs))
-            } else {
-                let mass = mass();
-                quote!(#private::solve(&#mass, &#rhs)?)
-            };
-            quote!(let v = #v;)
-        });
-        let field = |rows: &[Vec<Value>]| {
-            let (q, p) = (printer.array(&rows[0]), printer.array(&rows[1]));
-            quote!(#private::euler::Field { q: #q, p: #p })
+        let arrays: Vec<TokenStream> = (self.kernel.arrays.iter())
+            .map(|array| printer.shaped(array))
+            .collect();
+        let (results, of_velocity) = arrays.split_at(self.euler.results());
+        let velocity = match (of_velocity, &self.euler.solved) {
+            ([rhs, _], Some(solved)) if solved.is_constant => {
+                quote!(let v = #private::euler::product(inverse, &#rhs);)
+            }
+            ([rhs, mass], _) if in_lane => quote!(let v = #private::lane::solve(&#mass, &#rhs);),
+            ([rhs, mass], _) => quote!(let v = #private::solve(&#mass, &#rhs)?;),
+            _ => TokenStream::new(),
         };
-        let increment = field(self.values);
-        let correction = if self.euler.correction.is_some() {
-            let correction = field(&self.values[2..]);
-            quote!(::core::option::Option::Some(#correction))
-        } else {
-            quote!(::core::option::Option::None)
+        let fields = results.chunks(2);
+        let mut fields =
+            fields.map(|field| record(&quote!(#private::euler::Field), &["q", "p"], field));
+        let increment = fields.next();
+        let correction = match fields.next() {
+            Some(correction) => quote!(::core::option::Option::Some(#correction)),
+            None => quote!(::core::option::Option::None),
         };
         quote! {
             #open

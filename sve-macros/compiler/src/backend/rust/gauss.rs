@@ -5,7 +5,7 @@ use quote::{ToTokens, quote};
 
 use super::plan::{Cost, plan_of};
 use super::stages::StageCode;
-use super::{Context, attributes, documented, private};
+use super::{Context, attributes, documented};
 use crate::catalogue::{Rule, RuleOption};
 use crate::discretise::stages::{Form, Stages};
 use crate::explain::StepTexts;
@@ -21,21 +21,21 @@ pub(crate) fn gauss(
     code: &StageCode,
     texts: &StepTexts,
 ) -> TokenStream {
-    let (private, attributes) = (private(context.block), attributes());
-    let self_ty = &context.block.item.self_ty;
+    let (private, attributes) = (context.private, attributes());
+    let self_ty = context.self_ty();
     let runtime = context.block.arguments.runtime.to_token_stream();
     let rule_type = super::rule_type(rule, &runtime);
     let dof = context.model.dof();
     let unknowns = stages.unknowns(count, dof);
     let processes = context.model.noises.len();
     let [n, s, k] = [dof, count, unknowns].map(Literal::usize_unsuffixed);
-    let noise = noise(rule, count, processes, half_factor, &private);
+    let noise = noise(rule, count, processes, half_factor, private);
     let Solve {
         prepared,
         prepare,
         memory: memory_type,
         increment,
-    } = solve(&private, context, count, stages, &noise);
+    } = solve(context, count, stages, &noise);
     let Noise {
         increments,
         at_stages,
@@ -45,7 +45,6 @@ pub(crate) fn gauss(
     } = &noise;
     let names = names(count, dof, stages.moves_position);
     let plan = plan_of(
-        &private,
         context,
         (rule, weak_order),
         texts,
@@ -119,19 +118,14 @@ struct Solve {
     increment: TokenStream,
 }
 
-fn solve(
-    private: &TokenStream,
-    context: &Context<'_>,
-    count: usize,
-    stages: &Stages,
-    noise: &Noise,
-) -> Solve {
+fn solve(context: &Context<'_>, count: usize, stages: &Stages, noise: &Noise) -> Solve {
     let Noise {
         at_stages: noise,
         processes: m,
         system,
         ..
     } = noise;
+    let private = context.private;
     let (dof, processes) = (context.model.dof(), context.model.noises.len());
     let form = if stages.has_fixed_point(count) {
         &stages.form

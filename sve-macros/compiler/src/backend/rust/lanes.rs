@@ -12,27 +12,32 @@ use std::collections::BTreeMap;
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::code::Printer;
+use super::code::{Place, Printer};
+use super::function::Formulas;
 use super::pivots::{self, Sparse};
 use super::solve::{accepted, names, residuals, sum_of_stages};
 use super::tangents::bound;
-use crate::algebra::{Arena, Expr};
+use crate::algebra::Expr;
 use crate::model::{Meaning, Symbols};
+use crate::program::limits::in_lanes::BY_FORMULA;
 use crate::program::{
-    BY_FORMULA, Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes, is_single,
+    Factored, Loops, Operation, Residual, Step, Tier, Value, in_lanes, is_single,
 };
 use crate::structure::{Iteration, Linear, Matrix, Scheme, Solution, Storage};
 
-/// `increment_lanes` of a scheme with so many noises.
+/// `increment_lanes` of a scheme with so many degrees of freedom and noises.
 pub(super) fn lanes(
     scheme: &Scheme<Expr>,
-    noises: usize,
-    symbols: &Symbols,
-    private: &TokenStream,
-    arena: &Arena,
+    [n, m]: [Literal; 2],
+    formulas: Formulas<'_>,
 ) -> Option<TokenStream> {
+    let Formulas {
+        arena,
+        symbols,
+        private,
+    } = formulas;
     let (step, loops) = in_lanes(scheme, symbols, arena)?;
-    let printer = Printer::of_lanes(&step.program, symbols, &step.labels, private);
+    let printer = Printer::new(Place::Lanes, &step.program, &step.labels, formulas);
     let printer = printer.without(&loops.omitted);
     let writer = Writer {
         step: &step,
@@ -42,7 +47,6 @@ pub(super) fn lanes(
         private,
     };
     let body = writer.body();
-    let [n, m] = [scheme.dq.len(), noises].map(Literal::usize_unsuffixed);
     Some(quote! {
         #[inline(always)]
         fn increment_lanes(

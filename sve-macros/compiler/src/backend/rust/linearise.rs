@@ -1,22 +1,23 @@
-//! `fn linearise`: the entries of the linearised step.
+//! `fn linearise` and `fn multipliers`: the entries of the linearised step, and the impulses of constraints after a step is solved.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::Context;
 use super::configuration::Received;
+use super::function::{Formulas, Printed};
 use super::solve::names as pattern;
-use super::straight::Straight;
-use crate::algebra::{Arena, Expr};
+use crate::algebra::Expr;
+use crate::derivation::Derived;
 use crate::linearise::{Entry, Linearisation};
-use crate::model::{Model, Symbols};
+use crate::program::Array;
 
 pub(super) fn linearise(
-    private: &TokenStream,
-    model: &Model,
-    received: &Received,
-    linearisation: &Linearisation,
-    symbols: &Symbols,
-    arena: &Arena,
+    context: &Context<'_>,
+    derived: &Derived,
+    Received {
+        flat, open_state, ..
+    }: &Received,
 ) -> TokenStream {
     let Linearisation {
         unknowns,
@@ -24,19 +25,10 @@ pub(super) fn linearise(
         inputs,
         matrices,
         through,
-    } = linearisation;
-    let m = Literal::usize_unsuffixed(model.noises.len());
+    } = &derived.linearisation;
+    let (private, [_, m]) = (context.private, context.sizes());
     let size = Literal::usize_unsuffixed(unknowns.len());
     let matrices: Vec<&Vec<Entry>> = matrices.iter().chain(through.iter().flatten()).collect();
-    let roots: Vec<Expr> = matrices
-        .iter()
-        .flat_map(|matrix| matrix.iter().map(|entry| entry.value))
-        .collect();
-    let rows: Vec<Vec<Expr>> = matrices
-        .iter()
-        .map(|matrix| matrix.iter().map(|entry| entry.value).collect())
-        .collect();
-    let rows: Vec<[Vec<Expr>; 1]> = rows.into_iter().map(|row| [row]).collect();
     let names = [
         "residual_by_x",
         "residual_by_z",
@@ -45,29 +37,25 @@ pub(super) fn linearise(
         "intermediate_by_z",
         "output_by_intermediate",
     ];
-    let views: Vec<(&[Vec<Expr>], Vec<String>)> = rows
-        .iter()
-        .zip(names)
-        .map(|(row, name)| (row.as_slice(), vec![name.to_owned()]))
-        .collect();
-    let (statements, values) = Straight::new(arena, symbols, &roots).finish(private, &views);
-    let matrices = matrices.into_iter().zip(values).map(|(entries, values)| {
+    let arrays = matrices.iter().zip(names).map(|(matrix, name)| {
+        let values: Vec<Expr> = matrix.iter().map(|entry| entry.value).collect();
+        Array::vector(name, &values)
+    });
+    let formulas = context.formulas_of(derived);
+    let Printed {
+        statements, arrays, ..
+    } = formulas.list(&arrays.collect::<Vec<_>>());
+    let matrices = matrices.into_iter().zip(arrays).map(|(entries, values)| {
         let places = entries.iter().map(|&Entry { row, column, .. }| {
             let [row, column] = [row, column].map(Literal::usize_unsuffixed);
             quote!((#row, #column))
         });
-        quote!(#private::Entries { places: &[#(#places),*], values: &#values[0] })
+        quote!(#private::Entries { places: &[#(#places),*], values: &#values })
     });
     let matrices: Vec<TokenStream> = matrices.collect();
     let (matrices, through) = matrices.split_at(4);
     let through = (!through.is_empty()).then(|| quote!(.through([#(#through),*])));
-    let unknowns = pattern(unknowns, symbols);
-    let Received {
-        flat,
-        open: _,
-        open_state,
-        reopen_state: _,
-    } = received;
+    let unknowns = pattern(unknowns, formulas.symbols);
     quote! {
         type Unknowns = [f64; #size];
         #[inline]
@@ -86,4 +74,35 @@ pub(super) fn linearise(
             then(#private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*])#through)
         }
     }
+}
+
+/// The function that tells what a step can report beside its result; nothing where there is nothing.
+pub(super) fn multipliers(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
+    let reported = &derived.scheme.reported;
+    if reported.is_empty() {
+        return None;
+    }
+    let (private, [n, m]) = (context.private, context.sizes());
+    let formulas: Formulas<'_> = context.formulas_of(derived);
+    let (statements, [values]) = formulas.arrays(&[Array::vector("multiplier", reported)]);
+    let unknowns = &derived.linearisation.unknowns;
+    let size = Literal::usize_unsuffixed(unknowns.len());
+    let unknowns = pattern(unknowns, formulas.symbols);
+    Some(quote! {
+        fn multipliers(
+            &self,
+            state: &#private::State<[f64; #n]>,
+            h: f64,
+            dw: &[f64; #m],
+            unknowns: &[f64; #size],
+            visit: &mut dyn ::core::ops::FnMut(f64),
+        ) {
+            let time = state.t;
+            let #unknowns = *unknowns;
+            #statements
+            for multiplier in #values {
+                visit(multiplier);
+            }
+        }
+    })
 }

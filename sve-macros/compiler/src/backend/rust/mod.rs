@@ -9,14 +9,14 @@ mod configuration;
 mod energy;
 mod euler;
 mod factors;
+mod function;
 mod gauss;
 mod identity;
+mod jets;
 mod lanes;
 mod linearise;
 mod momenta;
-mod multipliers;
 mod node_bounds;
-mod parameters;
 mod pivots;
 mod placeholders;
 mod plan;
@@ -28,11 +28,11 @@ mod solve;
 mod stages;
 mod start;
 mod step;
-mod straight;
 mod system;
 mod tangents;
 mod unstructured;
 
+use function::Formulas;
 use gauss::gauss;
 use momenta::momenta;
 pub(crate) use placeholders::placeholders;
@@ -45,6 +45,7 @@ use system::system;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{quote, quote_spanned};
+use syn::Type;
 
 use crate::algebra::Arena;
 use crate::catalogue::Rule;
@@ -69,6 +70,35 @@ pub(crate) struct Context<'a> {
     pub(crate) momenta: &'a [MomentumMap],
     pub(crate) about: &'a SystemTexts,
     pub(crate) arena: &'a Arena,
+    pub(crate) private: &'a TokenStream,
+}
+
+impl<'a> Context<'a> {
+    /// What formulas of the system are printed with.
+    fn formulas(&self) -> Formulas<'a> {
+        Formulas {
+            arena: self.arena,
+            symbols: &self.model.symbols,
+            private: self.private,
+        }
+    }
+
+    /// What formulas of a step are printed with.
+    fn formulas_of(&self, derived: &'a Derived) -> Formulas<'a> {
+        Formulas {
+            symbols: &derived.symbols,
+            ..self.formulas()
+        }
+    }
+
+    /// The numbers of degrees of freedom and of noises.
+    fn sizes(&self) -> [Literal; 2] {
+        [self.model.dof(), self.model.noises.len()].map(Literal::usize_unsuffixed)
+    }
+
+    fn self_ty(&self) -> &'a Type {
+        &self.block.item.self_ty
+    }
 }
 
 /// Path of what generated code calls in the runtime.

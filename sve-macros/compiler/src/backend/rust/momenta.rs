@@ -1,39 +1,32 @@
 //! An inherent function for the momentum of each symmetry.
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::configuration::{Received, configuration, received};
-use super::straight::Straight;
-use super::{attributes, momentum_name, private};
-use crate::algebra::{Arena, Vanishing};
+use super::{Context, attributes, momentum_name};
+use crate::algebra::Vanishing;
 use crate::explain;
-use crate::model::Model;
-use crate::syntax::parse::Annotated;
+use crate::program::Array;
 use crate::system::symmetry::MomentumMap;
 
 /// Longest formula that is worth reading, in characters.
 const READABLE: usize = 600;
 
-pub(crate) fn momenta(
-    block: &Annotated,
-    model: &Model,
-    momenta: &[MomentumMap],
-    arena: &Arena,
-) -> TokenStream {
+pub(crate) fn momenta(context: &Context<'_>) -> TokenStream {
+    let Context {
+        block,
+        model,
+        momenta,
+        private,
+        ..
+    } = *context;
     if momenta.is_empty() {
         return TokenStream::new();
     }
-    let (private, attributes) = (private(block), attributes());
-    let self_ty = &block.item.self_ty;
-    let n = Literal::usize_unsuffixed(model.dof());
-    let configuration = configuration(block, &n, &private);
-    let Received {
-        flat: _,
-        open,
-        open_state: _,
-        reopen_state: _,
-    } = received(block, model, &private);
+    let (self_ty, [n, _], attributes) = (context.self_ty(), context.sizes(), attributes());
+    let configuration = configuration(block, &n, private);
+    let Received { open, .. } = received(block, model, private);
     let functions = block.symmetries.iter().zip(momenta).map(|(part, map)| {
         let MomentumMap {
             name,
@@ -43,9 +36,9 @@ pub(crate) fn momenta(
         } = map;
         let function = momentum_name(&part.name);
         let visibility = &part.item.vis;
-        let (statements, values) = Straight::new(arena, &model.symbols, &[*value])
-            .finish(&private, &[(&[vec![*value]], vec!["momentum".to_owned()])]);
-        let formula = model.symbols.formula(*value, READABLE, arena);
+        let value = Array::number("momentum", *value);
+        let (statements, [momentum]) = context.formulas().arrays(&[value]);
+        let formula = model.symbols.formula(map.value, READABLE, context.arena);
         let doc = doc(name, formula.as_deref(), *is_affine, *evidence);
         quote! {
             #[doc = #doc]
@@ -55,8 +48,7 @@ pub(crate) fn momenta(
                 let #private::State { t: time, q, p } = #private::in_coordinates::<_, #n>(state);
                 #open
                 #statements
-                let [[momentum]] = #(#values)*;
-                momentum
+                #momentum
             }
         }
     });

@@ -1,32 +1,30 @@
 //! `impl StageBounds`: bounds of the derivatives at a node, by which the Gauss rules judge solutions.
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::straight::{Named, Straight, rows};
-use super::{Context, attributes};
+use super::function::{Formulas, Printed, record};
+use super::{Context, attributes, ident};
 use crate::algebra::Expr;
 use crate::discretise::node_bounds::{NodeBounds, NoiseBounds, Uniqueness};
-use crate::model::Symbols;
+use crate::discretise::stages::Stages;
+use crate::program::Array;
 
 /// Prints the implementation.
-pub(super) fn node_bounds(
-    context: &Context<'_>,
-    symbols: &Symbols,
-    uniqueness: &Uniqueness,
-    private: &TokenStream,
-) -> TokenStream {
-    let attributes = attributes();
-    let self_ty = &context.block.item.self_ty;
-    let sizes = [context.model.dof(), context.model.noises.len()];
-    let [n, m] = sizes.map(Literal::usize_unsuffixed);
-    let (kind, bounds) = match uniqueness {
+pub(super) fn node_bounds(context: &Context<'_>, stages: &Stages) -> TokenStream {
+    let (private, attributes) = (context.private, attributes());
+    let (self_ty, [n, m]) = (context.self_ty(), context.sizes());
+    let (kind, bounds) = match &stages.uniqueness {
         Uniqueness::Linear => (quote!(Linear), None),
         Uniqueness::Bounded(bounds) => (quote!(Bounded), Some(bounds)),
         Uniqueness::Unknown => (quote!(Unknown), None),
     };
     let function = bounds.map(|bounds| {
-        let body = body(context, symbols, bounds, private);
+        let formulas = Formulas {
+            symbols: &stages.symbols,
+            ..context.formulas()
+        };
+        let body = body(bounds, formulas);
         quote! {
             #[inline]
             fn bounds(
@@ -48,93 +46,70 @@ pub(super) fn node_bounds(
     }
 }
 
-fn body(
-    context: &Context<'_>,
-    symbols: &Symbols,
-    bounds: &NodeBounds,
-    private: &TokenStream,
-) -> TokenStream {
+/// The fields of the bounds of L and of the force, and of those of a noise.
+const OF_MOTION: [&str; 9] = [
+    "momentum_by_time",
+    "momentum_by_time_radius",
+    "force_by_time",
+    "mass",
+    "mass_radius",
+    "momentum_by_position",
+    "momentum_by_position_radius",
+    "force_by_position",
+    "force_by_velocity",
+];
+const OF_NOISE: [&str; 7] = ["dq", "dp", "dqt", "dpt", "dqq", "dqp", "dpp"];
+
+fn body(bounds: &NodeBounds, formulas: Formulas<'_>) -> TokenStream {
     let NodeBounds {
         mass: [mass, mass_radius],
-        momentum_by_time: [momentum_by_time, momentum_by_time_radius],
-        momentum_by_position: [momentum_by_position, momentum_by_position_radius],
+        momentum_by_time: [by_time, by_time_radius],
+        momentum_by_position: [by_position, by_position_radius],
         force: (force_by_time, [force_by_position, force_by_velocity]),
         noises,
         conditions,
     } = bounds;
-    let n = mass.len();
-    let vectors = [momentum_by_time, momentum_by_time_radius, force_by_time].map(Clone::clone);
-    let names = [
-        "momentum_by_time",
-        "momentum_by_time_radius",
-        "force_by_time",
-    ];
-    let mut parts: Vec<Named<Vec<Vec<Expr>>>> =
-        vec![(vectors.to_vec(), names.map(ToOwned::to_owned).to_vec())];
+    let vectors = [by_time, by_time_radius, force_by_time];
     let matrices = [
-        (mass, "mass"),
-        (mass_radius, "mass_radius"),
-        (momentum_by_position, "momentum_by_position"),
-        (momentum_by_position_radius, "momentum_by_position_radius"),
-        (force_by_position, "force_by_position"),
-        (force_by_velocity, "force_by_velocity"),
-    ];
-    parts.extend(matrices.map(|(matrix, name)| (matrix.clone(), rows(name, n))));
-    for (at, NoiseBounds { vectors, matrices }) in noises.iter().enumerate() {
-        let name = |part: &str| format!("noise_{at}_{part}");
-        parts.push((
-            vectors.to_vec(),
-            ["dq", "dp", "dqt", "dpt"].map(name).to_vec(),
-        ));
-        for (matrix, part) in matrices.iter().zip(["dqq", "dqp", "dpp"]) {
-            parts.push((matrix.clone(), rows(&name(part), n)));
-        }
-    }
-    parts.push((vec![conditions.clone()], vec!["left".to_owned()]));
-    let roots: Vec<Expr> = parts.iter().flat_map(|part| part.0.concat()).collect();
-    let views = parts
-        .iter()
-        .map(|(part, names)| (part.as_slice(), names.clone()));
-    let views: Vec<Named<&[Vec<Expr>]>> = views.collect();
-    let (statements, arrays) =
-        Straight::new(context.arena, symbols, &roots).finish(private, &views);
-    let [
-        vectors,
         mass,
         mass_radius,
-        momentum,
-        momentum_radius,
+        by_position,
+        by_position_radius,
         force_by_position,
         force_by_velocity,
-        noises @ ..,
-        conditions,
-    ] = arrays.as_slice()
-    else {
-        return TokenStream::new();
-    };
-    let noises = noises.chunks(4).map(|chunk| {
-        let (vectors, dqq, dqp, dpp) = (&chunk[0], &chunk[1], &chunk[2], &chunk[3]);
-        quote! {{
-            let [dq, dp, dqt, dpt] = #vectors;
-            #private::gauss::NoiseBounds { dq, dp, dqt, dpt, dqq: #dqq, dqp: #dqp, dpp: #dpp }
-        }}
-    });
+    ];
+    let (of_vectors, of_matrices) = OF_MOTION.split_at(vectors.len());
+    let vectors = of_vectors.iter().zip(vectors);
+    let matrices = of_matrices.iter().zip(matrices);
+    let mut arrays: Vec<Array<Expr>> = vectors
+        .map(|(name, vector)| Array::vector(name, vector))
+        .collect();
+    arrays.extend(matrices.map(|(name, matrix)| Array::rows(name, matrix)));
+    for (at, NoiseBounds { vectors, matrices }) in noises.iter().enumerate() {
+        let (of_vectors, of_matrices) = OF_NOISE.split_at(vectors.len());
+        let name = |field: &str| format!("noise_{at}_{field}");
+        let vectors = of_vectors.iter().zip(vectors);
+        arrays.extend(vectors.map(|(field, vector)| Array::vector(&name(field), vector)));
+        let matrices = of_matrices.iter().zip(matrices);
+        arrays.extend(matrices.map(|(field, matrix)| Array::rows(&name(field), matrix)));
+    }
+    arrays.push(Array::vector("left", conditions));
+    let private = formulas.private;
+    let Printed {
+        statements, arrays, ..
+    } = formulas.list(&arrays);
+    let (of_motion, rest) = arrays.split_at(OF_MOTION.len());
+    let (of_noises, conditions) = rest.split_at(OF_NOISE.len() * noises.len());
+    let noises = of_noises.chunks(OF_NOISE.len());
+    let noises =
+        noises.map(|noise| record(&quote!(#private::gauss::NoiseBounds), &OF_NOISE, noise));
+    let fields = OF_MOTION.map(ident);
     quote! {
         #statements
-        let [momentum_by_time, momentum_by_time_radius, force_by_time] = #vectors;
-        let [conditions] = #conditions;
         #private::gauss::NodeBounds {
-            mass: #mass,
-            mass_radius: #mass_radius,
-            momentum_by_time,
-            momentum_by_time_radius,
-            momentum_by_position: #momentum,
-            momentum_by_position_radius: #momentum_radius,
-            force_by_time,
-            force_by_position: #force_by_position,
-            force_by_velocity: #force_by_velocity,
+            #(#fields: #of_motion,)*
             noises: [#(#noises),*],
-            hold: #private::all_positive(&conditions),
+            hold: #private::all_positive(&#(#conditions)*),
         }
     }
 }

@@ -15,7 +15,6 @@ use crate::system::degeneracy::{Degeneracy, Form};
 use crate::system::mechanics::Mechanics;
 
 pub(super) fn plan(
-    private: &TokenStream,
     context: &Context<'_>,
     derived: &Derived,
     in_lanes: bool,
@@ -23,9 +22,8 @@ pub(super) fn plan(
     work: &Work,
 ) -> TokenStream {
     let blocks = derived.scheme.blocks.iter();
-    let blocks = blocks.map(|b| self::block(private, b, &derived.symbols));
+    let blocks = blocks.map(|b| self::block(context.private, b, &derived.symbols));
     plan_with(
-        private,
         context,
         (derived.rule, derived.weak_order),
         texts,
@@ -42,14 +40,13 @@ pub(super) struct Cost<'a> {
 
 /// The plan of a step by a rule, whose weak order stands beside it, that is solved in one block with a full Jacobian.
 pub(super) fn plan_of(
-    private: &TokenStream,
     context: &Context<'_>,
     rule: (Rule, u32),
     texts: &StepTexts,
     cost: &Cost<'_>,
 ) -> TokenStream {
     let Cost { unknowns, work } = cost;
-    let nonzeros = unknowns.len() * unknowns.len();
+    let (private, nonzeros) = (context.private, unknowns.len() * unknowns.len());
     let block = quote! {
         #private::Block {
             kind: #private::BlockKind::Newton,
@@ -58,11 +55,10 @@ pub(super) fn plan_of(
             band: ::core::option::Option::None,
         }
     };
-    plan_with(private, context, rule, texts, (&block, false), work)
+    plan_with(context, rule, texts, (&block, false), work)
 }
 
 fn plan_with(
-    private: &TokenStream,
     context: &Context<'_>,
     (rule, weak_order): (Rule, u32),
     texts: &StepTexts,
@@ -79,6 +75,7 @@ fn plan_with(
         momenta,
         about,
         arena: _,
+        private,
     } = context;
     let StepTexts {
         action,

@@ -2,7 +2,7 @@
 
 use proc_macro2::TokenStream;
 
-use super::{Context, bounded, gauss, momenta, rule, stages, start_of_step, system};
+use super::{Context, bounded, gauss, momenta, private, rule, stages, start_of_step, system};
 use crate::derivation::{Derivation, Nodes};
 use crate::explain;
 
@@ -19,6 +19,7 @@ pub(crate) fn print(derivation: &Derivation) -> TokenStream {
         arena,
     } = derivation;
     let model = &classified.model;
+    let private = &private(block);
     let context = Context {
         settings: *settings,
         block,
@@ -29,10 +30,11 @@ pub(crate) fn print(derivation: &Derivation) -> TokenStream {
         momenta: &classified.momenta,
         about: &explain::system(classified, arena),
         arena,
+        private,
     };
     let mut output = system(&context, functions);
     output.extend(start_of_step(&context, start));
-    output.extend(momenta(block, model, &classified.momenta, arena));
+    output.extend(momenta(&context));
     output.extend(
         nodes
             .iter()

@@ -8,23 +8,19 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::calls::{call, call2};
-use super::code::Printer;
-use super::straight::Straight;
-use crate::algebra::{Arena, Expr};
-use crate::model::Symbols;
-use crate::program::{Labels, Operation, Program, Value};
+use super::code::{Place, Printer};
+use super::function::Formulas;
+use crate::algebra::Expr;
+use crate::program::{Array, Kernel, Labels, Operation, Program, Value};
 
 /// Statements, and the array of the bounds.
-pub(super) fn rounding(
-    exprs: &[Expr],
-    symbols: &Symbols,
-    private: &TokenStream,
-    arena: &Arena,
-) -> TokenStream {
-    let (program, values) = Straight::new(arena, symbols, exprs).program(exprs);
-    let printer = Printer::new(&program, symbols, &Labels::default(), private);
+pub(super) fn rounding(exprs: &[Expr], formulas: Formulas<'_>) -> TokenStream {
+    let kernel = Kernel::new(formulas.scheduler(exprs), &[Array::unnamed(exprs)]);
+    let program = &kernel.program;
+    let printer = Printer::new(Place::Single, program, &Labels::default(), formulas);
+    let private = formulas.private;
     let bounds = Bounds {
-        program: &program,
+        program,
         printer: &printer,
         private,
     };
@@ -33,9 +29,8 @@ pub(super) fn rounding(
         let bound = bounds.statement(value, instruction.operation);
         quote!(#computed #bound)
     });
-    let results = values
-        .iter()
-        .map(|&value| bounds.of(value).unwrap_or_else(|| quote!(0f64)));
+    let results = kernel.arrays[0].entries();
+    let results = results.map(|value| bounds.of(value).unwrap_or_else(|| quote!(0f64)));
     quote!(#(#statements)* [#(#results),*])
 }
 

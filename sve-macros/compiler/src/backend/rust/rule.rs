@@ -5,68 +5,48 @@ use quote::{ToTokens, quote};
 
 use super::configuration::{Received, received};
 use super::lanes::lanes;
-use super::linearise::linearise;
-use super::multipliers::multipliers;
+use super::linearise::{linearise, multipliers};
 use super::plan::plan;
 use super::step::{self, Code};
 use super::tangents::linearise_lanes;
-use super::{Context, Derived, attributes, documented, private, unstructured, verbatim};
+use super::{Context, Derived, attributes, documented, unstructured, verbatim};
 use crate::algebra::{Expr, Symbol};
 use crate::explain::StepTexts;
 use crate::model::{Family, Meaning, Symbols, Unknown};
 use crate::structure::{Block, Returns, Solution};
 
 pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
-    let (private, attributes) = (private(context.block), attributes());
-    let (model, arena) = (context.model, context.arena);
+    let (private, attributes) = (context.private, attributes());
     let Derived {
-        rule: _,
-        is_unstructured: _,
-        weak_order: _,
         symbols,
-        action: _,
         scheme,
         linearisation,
-        arena: _,
+        ..
     } = derived;
-    let self_ty = &context.block.item.self_ty;
+    let self_ty = context.self_ty();
     let rule_type = rule_type(context, derived);
-    let [n, m, unknowns] = [
-        model.dof(),
-        model.noises.len(),
-        linearisation.unknowns.len(),
-    ]
-    .map(Literal::usize_unsuffixed);
-    let received = received(context.block, model, &private);
+    let ([n, m], dof) = (context.sizes(), context.model.dof());
+    let unknowns = Literal::usize_unsuffixed(linearisation.unknowns.len());
+    let received = received(context.block, context.model, private);
     let Code {
         prepared,
         carried,
         prepare,
         body,
         work,
-    } = code(derived, &received, &private, context);
+    } = code(derived, &received, context);
     let (memory, memory_type) = memory(carried);
     let returns = returns(scheme.returns);
-    let linearise = linearise(&private, model, &received, linearisation, symbols, arena);
+    let linearise = linearise(context, derived, &received);
     let Received {
-        flat,
-        open: _,
-        open_state,
-        reopen_state: _,
+        flat, open_state, ..
     } = &received;
-    let multipliers = multipliers(
-        &private,
-        model,
-        &scheme.reported,
-        linearisation,
-        symbols,
-        arena,
-    );
-    let lanes = in_lanes(context, derived, &private);
-    let plan = plan(&private, context, derived, lanes.is_some(), texts, &work);
+    let multipliers = multipliers(context, derived);
+    let lanes = in_lanes(context, derived);
+    let plan = plan(context, derived, lanes.is_some(), texts, &work);
     let proves_start = proves_start(context, derived);
     let [doc, increment_doc] = documentation(texts);
-    let start = start(&linearisation.unknowns, model.dof(), symbols);
+    let start = start(&linearisation.unknowns, dof, symbols);
     let domain = domain(texts);
     quote! {
         #doc
@@ -139,24 +119,14 @@ fn finds_singular_masses(context: &Context<'_>, derived: &Derived) -> bool {
 }
 
 /// `increment_lanes`, if ensembles step this system in lanes, with `linearise_lanes` where there is one. Rotations are stepped lane by lane.
-fn in_lanes(
-    context: &Context<'_>,
-    derived: &Derived,
-    private: &TokenStream,
-) -> Option<TokenStream> {
-    let (model, arena) = (context.model, context.arena);
-    let has_lanes = context.settings.lanes && !model.configuration().has_rotations();
+fn in_lanes(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
+    let has_lanes = context.settings.lanes && !context.model.configuration().has_rotations();
     if !has_lanes || derived.is_unstructured {
         return None;
     }
-    let Derived {
-        scheme,
-        symbols,
-        linearisation,
-        ..
-    } = derived;
-    let step = lanes(scheme, model.noises.len(), symbols, private, arena)?;
-    let tangents = linearise_lanes(private, model, scheme, linearisation, symbols, arena);
+    let formulas = context.formulas_of(derived);
+    let step = lanes(&derived.scheme, context.sizes(), formulas)?;
+    let tangents = linearise_lanes(context, derived);
     Some(quote!(#step #tangents))
 }
 
@@ -226,15 +196,10 @@ fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
     }
 }
 
-fn code(
-    derived: &Derived,
-    received: &Received,
-    private: &TokenStream,
-    context: &Context<'_>,
-) -> Code {
+fn code(derived: &Derived, received: &Received, context: &Context<'_>) -> Code {
+    let formulas = context.formulas_of(derived);
     let Derived {
         scheme,
-        symbols,
         linearisation,
         ..
     } = derived;
@@ -244,18 +209,12 @@ fn code(
                 solution: Solution::Iteration(iteration),
                 ..
             },
-        ] if derived.is_unstructured => {
-            unstructured::code(scheme, iteration, symbols, private, context.arena)
+        ] if derived.is_unstructured => unstructured::code(scheme, iteration, formulas),
+        _ => {
+            let finds_singular_masses = finds_singular_masses(context, derived);
+            let unknowns = &linearisation.unknowns;
+            step::code(scheme, finds_singular_masses, unknowns, received, formulas)
         }
-        _ => step::code(
-            scheme,
-            finds_singular_masses(context, derived),
-            &linearisation.unknowns,
-            symbols,
-            received,
-            private,
-            context.arena,
-        ),
     }
 }
 

@@ -5,7 +5,7 @@
 //! overflows at about 2,500 scopes.
 //!
 //! Input: generated code. Output: the same statements in the same order. The value of an inner block is the tuple of those names
-//! that later statements read. A block of at most [`LARGEST`] `let` statements is not changed.
+//! that later statements read. A block of at most [`LETS`] `let` statements is not changed.
 
 use std::collections::HashMap;
 use std::mem;
@@ -13,11 +13,7 @@ use std::mem;
 use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
 use quote::quote;
 
-/// Largest number of `let` statements in a block that is not cut.
-const LARGEST: usize = 500;
-
-/// Smallest number of `let` statements in an inner block. Smaller inner blocks have to return more of their values.
-const PART: usize = 250;
+use crate::program::limits::{LETS, LETS_OF_PART};
 
 /// Cuts every block with too many `let` statements.
 pub(crate) fn bounded(code: TokenStream) -> TokenStream {
@@ -39,7 +35,7 @@ pub(crate) fn bounded(code: TokenStream) -> TokenStream {
 /// The content of a block, cut until the block is not too large.
 fn cut(mut block: TokenStream) -> TokenStream {
     let mut lets = number_of_lets(&block);
-    while lets > LARGEST {
+    while lets > LETS {
         block = cut_once(block);
         let before = mem::replace(&mut lets, number_of_lets(&block));
         if lets == before {
@@ -65,7 +61,7 @@ fn cut_once(block: TokenStream) -> TokenStream {
             output.extend(statement.tokens());
             continue;
         }
-        if part.lets >= PART && part.may_end(at) {
+        if part.lets >= LETS_OF_PART && part.may_end(at) {
             output.extend(mem::take(&mut part).block(at));
         }
         part.push(statement, &last_reads);
@@ -305,25 +301,27 @@ mod tests {
 
     #[test]
     fn a_small_block_stays_as_it_is() {
-        let code = format!("{{ {} a9 }}", sums(LARGEST));
+        let code = format!("{{ {} a9 }}", sums(LETS));
         assert_eq!(bounded(parse(&code)).to_string(), parse(&code).to_string());
     }
 
     #[test]
     fn a_large_block_is_cut_and_keeps_its_statements() {
-        for count in [LARGEST + 1, 5000, 200_000] {
+        for count in [LETS + 1, 5000, 200_000] {
             let code = format!("{{ {} a{} }}", sums(count), count - 1);
             let cut = bounded(parse(&code));
-            assert!(largest(&cut) <= LARGEST, "{count}");
+            assert!(largest(&cut) <= LETS, "{count}");
             assert_eq!(flat(&cut.to_string()), flat(&parse(&code).to_string()));
         }
     }
 
     #[test]
     fn an_inner_block_returns_what_is_read_later_and_nothing_else() {
-        let code = format!("{{ {} a{} }}", sums(LARGEST + 1), LARGEST);
+        let code = format!("{{ {} a{} }}", sums(LETS + 1), LETS);
         let cut = bounded(parse(&code)).to_string();
-        let names: Vec<String> = (PART - 10..PART).map(|i| format!("a{i}")).collect();
+        let names: Vec<String> = (LETS_OF_PART - 10..LETS_OF_PART)
+            .map(|i| format!("a{i}"))
+            .collect();
         let names = names.join(" , ");
         assert!(cut.contains(&format!("let ({names}) = {{")), "{cut}");
         assert!(cut.contains(&format!("({names}) }} ;")), "{cut}");
@@ -332,7 +330,7 @@ mod tests {
     /// The second `guess` hides the first, a closure stays in the block of the values that it borrows, and a mutable variable outside.
     #[test]
     fn hidden_names_closures_and_mutable_variables() {
-        let (first, second) = (sums(PART - 10), sums(LARGEST));
+        let (first, second) = (sums(LETS_OF_PART - 10), sums(LETS));
         let code = format!(
             "{{ let guess = x; {first} let y = 1.0; let f = || y + guess; let z = f(); let mut sum = z; {second} let guess = a3; sum += guess; sum }}"
         );

@@ -5,22 +5,18 @@ use quote::quote;
 
 use super::code::Printer;
 use super::factors::Factors;
+use super::function::{Formulas, Printed};
 use super::ident;
 use super::rounding::rounding;
-use super::straight::{Printed, Straight, rows};
-use crate::algebra::{Arena, Expr, Symbol};
+use crate::algebra::{Expr, Symbol};
 use crate::model::Symbols;
-use crate::program::{Operations, Residual, Tier, Value, symbol_name};
-use crate::structure::{
-    Enclosure, Iteration, Linear, Matrix, PathJudge, Refinement, Solution, Storage,
-};
+use crate::program::{Array, Operations, Residual, Tier, Value, symbol_name};
+use crate::structure::{Enclosure, Iteration, Linear, Matrix, PathJudge, Refinement, Solution};
 
 /// Writes solves.
 pub(super) struct Solver<'a> {
-    pub(super) private: &'a TokenStream,
+    pub(super) formulas: Formulas<'a>,
     pub(super) printer: &'a Printer<'a>,
-    pub(super) symbols: &'a Symbols,
-    pub(super) arena: &'a Arena,
     pub(super) factors: &'a Factors<'a>,
     /// Whether the step fails where the matrix of a limit, which has the determinant of the mass matrix, is singular.
     pub(super) finds_singular_masses: bool,
@@ -40,7 +36,7 @@ impl Solver<'_> {
         match solution {
             Solution::Formula(_) => TokenStream::new(),
             Solution::System { linear, solved } => {
-                self.system(at, linear, &names(solved, self.symbols))
+                self.system(at, linear, &names(solved, self.formulas.symbols))
             }
             Solution::Iteration(iteration) => {
                 self.newton((at, first), iteration, degrees_of_freedom)
@@ -49,7 +45,7 @@ impl Solver<'_> {
     }
 
     fn system(&self, at: usize, system: &Linear<Value>, solved: &TokenStream) -> TokenStream {
-        let private = self.private;
+        let private = self.formulas.private;
         let matrix = self.matrix(&system.matrix);
         let rhs = self.printer.array(&system.rhs);
         let solution = match self.factors.of(at, &matrix, private) {
@@ -67,8 +63,7 @@ impl Solver<'_> {
     }
 
     fn matrix(&self, matrix: &Matrix<Value>) -> TokenStream {
-        let rows = self.printer.matrix(&matrix.rows);
-        typed(self.private, matrix, &rows)
+        self.printer.stored(matrix.storage, &matrix.rows)
     }
 
     fn newton(
@@ -78,14 +73,15 @@ impl Solver<'_> {
         degrees_of_freedom: usize,
     ) -> TokenStream {
         let Self {
-            private,
+            formulas,
             printer,
-            symbols,
-            arena,
             factors,
             finds_singular_masses,
             reopen,
         } = self;
+        let Formulas {
+            symbols, private, ..
+        } = *formulas;
         let Iteration {
             guess,
             limit,
@@ -97,9 +93,9 @@ impl Solver<'_> {
         } = iteration;
         let size = Literal::usize_unsuffixed(iteration.iterates.len());
         let rest = rest(iteration, degrees_of_freedom);
-        let (fallback, _) = start(&iteration.fallback, &rest, symbols, private, arena);
+        let (fallback, _) = start(&iteration.fallback, &rest, *formulas);
         let equations: Vec<Expr> = residual.iter().map(|r| r.expr).collect();
-        let rounding = rounding(&equations, symbols, private, arena);
+        let rounding = rounding(&equations, *formulas);
         let (matrix, rhs) = (self.matrix(&guess.matrix), printer.array(&guess.rhs));
         let factors = factors.of(at, &matrix, private);
         let again = Again {
@@ -179,7 +175,7 @@ impl Solver<'_> {
         let Some(judge) = &iteration.judge else {
             return TokenStream::new();
         };
-        let private = self.private;
+        let private = self.formulas.private;
         let accepted = accepted(&judge.bounds, self.printer, private);
         let (full, or_full) = match &judge.full {
             None => (None, None),
@@ -199,51 +195,23 @@ impl Solver<'_> {
 
     /// Statements and the value of the test by the full bounds, computed where they stand.
     fn full(&self, bounds: &Enclosure<Expr>) -> TokenStream {
-        let Self {
-            private,
-            printer: _,
-            symbols,
-            arena,
-            factors: _,
-            finds_singular_masses: _,
-            reopen,
-        } = self;
-        let Enclosure {
-            middle,
-            radii,
-            conditions,
-        } = bounds;
-        let roots: Vec<Expr> = bounds.entries().copied().collect();
-        let conditions = [conditions.clone()];
-        let parts: [(&[Vec<Expr>], Vec<String>); 3] = [
-            (&middle.rows, rows("middle", middle.rows.len())),
-            (radii, rows("radius", radii.len())),
-            (&conditions, vec!["distance".to_owned()]),
-        ];
-        let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &parts);
-        let [middle_rows, radii, distances] = arrays.as_slice() else {
-            return quote!(false);
-        };
-        let middle = typed(private, middle, middle_rows);
+        let (formulas, reopen) = (self.formulas, self.reopen);
+        let (statements, [middle, radii, distances]) = formulas.arrays(&[
+            Array::matrix("middle", &bounds.middle),
+            Array::rows("radius", &bounds.radii),
+            Array::vector("distance", &bounds.conditions),
+        ]);
+        let private = formulas.private;
         quote! {
             #reopen
             #statements
-            let [distances] = #distances;
-            #private::is_regular_within(&#middle, &#radii) && #private::all_positive(&distances)
+            #private::is_regular_within(&#middle, &#radii) && #private::all_positive(&#distances)
         }
     }
 
     /// The test of the solution of a block with multipliers of constraints, computed where it stands.
     fn path(&self, judge: &PathJudge) -> TokenStream {
-        let Self {
-            private,
-            printer: _,
-            symbols,
-            arena,
-            factors: _,
-            reopen,
-            finds_singular_masses: _,
-        } = self;
+        let (formulas, reopen) = (self.formulas, self.reopen);
         let PathJudge {
             limit,
             of_limit,
@@ -253,37 +221,22 @@ impl Solver<'_> {
         } = judge;
         let size = Literal::usize_unsuffixed(limit.len());
         let none = quote!([f64::NAN; #size]);
-        let (of_limit, _) = start(of_limit, &none, symbols, private, arena);
-        let names = names(limit, symbols);
-        let roots: Vec<Expr> = bounds
-            .entries()
-            .chain(reach)
-            .chain(defects)
-            .copied()
-            .collect();
-        let lists = [defects, reach, &bounds.conditions].map(|list| [list.clone()]);
-        let parts: [(&[Vec<Expr>], Vec<String>); 5] = [
-            (
-                &bounds.middle.rows,
-                rows("middle", bounds.middle.rows.len()),
-            ),
-            (&bounds.radii, rows("radius", bounds.radii.len())),
-            (&lists[0], vec!["defect".to_owned()]),
-            (&lists[1], vec!["reach".to_owned()]),
-            (&lists[2], vec!["distance".to_owned()]),
-        ];
-        let (statements, arrays) = Straight::new(arena, symbols, &roots).finish(private, &parts);
-        let [middle, radii, defects, reach, distances] = arrays.as_slice() else {
-            return TokenStream::new();
-        };
-        let middle = typed(private, &bounds.middle, middle);
+        let (of_limit, _) = start(of_limit, &none, formulas);
+        let names = names(limit, formulas.symbols);
+        let (statements, [middle, radii, defects, reach, distances]) = formulas.arrays(&[
+            Array::matrix("middle", &bounds.middle),
+            Array::rows("radius", &bounds.radii),
+            Array::vector("defect", defects),
+            Array::vector("reach", reach),
+            Array::vector("distance", &bounds.conditions),
+        ]);
+        let private = formulas.private;
         quote! {
             let full = || {
                 let #names = { #reopen #of_limit };
                 #reopen
                 #statements
-                let ([defects], [reach], [distances]) = (#defects, #reach, #distances);
-                #private::contains_path(&#middle, &#radii, &defects, &reach) && #private::all_positive(&distances)
+                #private::contains_path(&#middle, &#radii, &#defects, &#reach) && #private::all_positive(&#distances)
             };
             if newton.tests_paths() && !#private::cold(full) {
                 return ::core::result::Result::Err(#private::SolveError::OtherBranch);
@@ -302,7 +255,7 @@ impl Solver<'_> {
         let stages = iteration.refinements.iter().enumerate().rev();
         let guess = quote!(guess);
         let refined = stages.fold(None, |later, (stage, Refinement { first, rhs })| {
-            let names = names(first, self.symbols);
+            let names = names(first, self.formulas.symbols);
             let statements = self.printer.statements(Tier::Guess(at, stage));
             let sum = sum_of_stages(first.len());
             let rhs = self.printer.array(rhs);
@@ -365,7 +318,7 @@ pub(super) fn accepted(
         radii,
         conditions,
     } = bounds;
-    let middle = typed(private, middle, &printer.matrix(&middle.rows));
+    let middle = printer.stored(middle.storage, &middle.rows);
     let radii = printer.matrix(radii);
     let conditions = conditions.iter().map(|&c| printer.operand(c));
     quote!(#private::is_regular_within(&#middle, &#radii) #(& (#conditions > 0f64))*)
@@ -389,58 +342,29 @@ pub(super) fn residuals(residuals: &[Residual], printer: &Printer<'_>) -> [Token
     [array(|r| r.value), array(|r| r.magnitude)]
 }
 
-/// Printed rows of stored entries as a matrix of the runtime.
-pub(super) fn typed<T: Copy>(
-    private: &TokenStream,
-    matrix: &Matrix<T>,
-    rows: &TokenStream,
-) -> TokenStream {
-    match matrix.storage {
-        Storage::Dense => rows.clone(),
-        Storage::Cofactors => quote!(#private::Cofactors(#rows)),
-        Storage::Diagonal => quote!(#private::Diagonal(#rows)),
-        Storage::Banded(band) => {
-            let numbers = [matrix.size(), band.lower, band.width()];
-            let [size, lower, width] = numbers.map(Literal::usize_unsuffixed);
-            quote!(#private::Banded::<#size, #lower, #width>(#rows))
-        }
-    }
-}
-
 /// Code of a guess that is computed where it stands, all of it: the solution of a linear system, or else rest. With its
 /// operations, the solve not counted.
 pub(super) fn start(
     linear: &Linear<Expr>,
     rest: &TokenStream,
-    symbols: &Symbols,
-    private: &TokenStream,
-    arena: &Arena,
+    formulas: Formulas<'_>,
 ) -> (TokenStream, Operations) {
-    let (stored, rhs) = (&linear.matrix.rows, [linear.rhs.clone()]);
-    let roots: Vec<Expr> = stored.iter().flatten().chain(&rhs[0]).copied().collect();
-    let mut straight = Straight::new(arena, symbols, &roots);
-    let values = [
-        (straight.values(stored), rows("matrix", stored.len())),
-        (straight.values(&rhs), vec!["rhs".to_owned()]),
-    ];
+    let printed = formulas.list(&[
+        Array::matrix("matrix", &linear.matrix),
+        Array::vector("rhs", &linear.rhs),
+    ]);
     let Printed {
-        statements,
-        arrays,
-        operations,
-    } = straight.print(private, &values);
-    let [matrix, rhs] = arrays.as_slice() else {
-        return (TokenStream::new(), operations);
-    };
-    let matrix = typed(private, &linear.matrix, matrix);
+        statements, arrays, ..
+    } = printed;
+    let private = formulas.private;
     let tokens = quote! {
         #statements
-        let [rhs] = #rhs;
-        match #private::solve(&#matrix, &rhs) {
+        match #private::solve(#(&#arrays),*) {
             ::core::option::Option::Some(guess) => guess,
             ::core::option::Option::None => #rest,
         }
     };
-    (tokens, operations)
+    (tokens, printed.operations)
 }
 
 /// The guess where no linear system gives one: rest; but where the mass vanishes at rest, a velocity of the momentum's sign.

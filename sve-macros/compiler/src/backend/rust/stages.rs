@@ -6,17 +6,17 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::Printer;
+use super::code::Place;
+use super::function::Formulas;
+use super::jets::{parameter_jets, with_potential};
 use super::node_bounds::node_bounds;
-use super::parameters::parameter_jets;
 use super::step::inside;
-use super::system::with_potential;
-use super::{Context, attributes, private};
-use crate::algebra::{Arena, Expr};
+use super::{Context, attributes};
+use crate::algebra::Expr;
 use crate::discretise::stages::{Form, Impulse, Stages};
 use crate::model::Model;
 use crate::model::domain::Condition;
-use crate::program::{Labels, Operations, Program, Scheduler, Tier, Tiers, Value};
+use crate::program::{Array, Kernel, Operations, Scheduler, Tier, Tiers};
 
 /// The implementations, and the operations of a sweep at one stage.
 pub(crate) struct StageCode {
@@ -26,18 +26,22 @@ pub(crate) struct StageCode {
 
 /// Prints the equations at a node. The last noise of the context may be the potential of the option `weak2`.
 pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool) -> StageCode {
-    let (private, attributes) = (private(context.block), attributes());
-    let self_ty = &context.block.item.self_ty;
-    let parameters = parameter_jets(context, stages, &private);
-    let potential = has_potential.then(|| with_potential(context, &private));
-    let bounds = node_bounds(context, &stages.symbols, &stages.uniqueness, &private);
+    let (private, attributes) = (context.private, attributes());
+    let (self_ty, sizes) = (context.self_ty(), context.sizes());
+    let sizes = quote!(#(#sizes),*);
+    let parameters = parameter_jets(context, stages);
+    let potential = has_potential.then(|| with_potential(context));
+    let bounds = node_bounds(context, stages);
     let writer = Writer {
-        private: &private,
+        private,
         model: context.model,
         stages,
-        arena: context.arena,
+        sizes: &sizes,
+        formulas: Formulas {
+            symbols: &stages.symbols,
+            ..context.formulas()
+        },
     };
-    let sizes = writer.sizes();
     let (kernel, operations) = match &stages.form {
         Form::General => (TokenStream::new(), Operations::default()),
         Form::SecondOrder {
@@ -90,7 +94,9 @@ struct Writer<'a> {
     private: &'a TokenStream,
     model: &'a Model,
     stages: &'a Stages,
-    arena: &'a Arena,
+    /// `N, M`.
+    sizes: &'a TokenStream,
+    formulas: Formulas<'a>,
 }
 
 /// A program of one loop: what does not depend on the stage, what is known with its position, and what waits for its velocity.
@@ -103,45 +109,30 @@ struct Body {
 }
 
 impl Writer<'_> {
-    /// `N, M`.
-    fn sizes(&self) -> TokenStream {
-        let sizes = [self.model.dof(), self.model.noises.len()];
-        let [n, m] = sizes.map(Literal::usize_unsuffixed);
-        quote!(#n, #m)
-    }
-
     /// The program of some expressions.
     fn body(&self, roots: &[Expr]) -> Body {
-        let Stages {
-            symbols,
-            weight,
-            dw,
-            ..
-        } = self.stages;
         let mut tiers = Tiers::new();
-        let early = [self.model.time, *weight];
+        let early = [self.model.time, self.stages.weight];
         let early = early
             .iter()
             .chain(&self.model.q)
             .chain(&self.model.p)
-            .chain(dw);
+            .chain(&self.stages.dw);
         tiers.extend(early.map(|&s| (s, Tier::State)));
         tiers.extend(self.model.v.iter().map(|&s| (s, Tier::Iterate(0))));
-        let mut scheduler = Scheduler::new(self.arena, symbols, tiers, roots);
+        let Formulas { arena, symbols, .. } = self.formulas;
+        let mut scheduler = Scheduler::new(arena, symbols, tiers, roots);
         scheduler.join_reciprocals();
-        let values = scheduler.values(roots);
-        let mut labels = Labels::default();
-        labels.expressions(&scheduler, self.arena, symbols, &[], roots);
-        let program: Program = scheduler.finish(&values);
-        let printer = Printer::of_stages(&program, symbols, &labels, self.private);
+        let kernel = Kernel::new(scheduler, &[Array::unnamed(roots)]);
+        let printer = self.formulas.printer(&kernel, Place::Stages);
         let print = |tier| printer.statements(tier);
-        let result = |&value: &Value| printer.operand(value);
+        let results = kernel.arrays[0].entries();
         Body {
             before: print(Tier::Prepare),
             known: print(Tier::State),
             late: print(Tier::Iterate(0)),
-            results: values.iter().map(result).collect(),
-            operations: Operations::of(&program, |tier| tier != Tier::Prepare),
+            results: results.map(|value| printer.operand(value)).collect(),
+            operations: Operations::of(&kernel.program, |tier| tier != Tier::Prepare),
         }
     }
 
@@ -186,7 +177,7 @@ impl Writer<'_> {
         let inputs = self.inputs(false);
         let [poison, poisoned] = poison(&impulse.domain, &results[n..]);
         let stores = stores(&quote!(impulses), &results[..n], &poisoned);
-        let sizes = self.sizes();
+        let sizes = self.sizes;
         let n = Literal::usize_unsuffixed(n);
         let private = self.private;
         let tokens = quote! {
@@ -249,7 +240,7 @@ impl Writer<'_> {
             ..
         } = &first;
         let (before_shift, known_shift, late_shift) = (&shift.before, &shift.known, &shift.late);
-        let sizes = self.sizes();
+        let sizes = self.sizes;
         let size = Literal::usize_unsuffixed(n);
         let private = self.private;
         let tokens = quote! {

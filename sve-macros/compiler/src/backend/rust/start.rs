@@ -6,32 +6,26 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::Printer;
+use super::code::Place;
 use super::configuration::{Received, received};
-use super::solve::typed;
-use super::straight::{Straight, rows};
-use super::{Context, attributes, private};
+use super::function::Printed;
+use super::{Context, attributes};
 use crate::algebra::Expr;
-use crate::program::{Labels, Scheduler, Tier, Tiers, Value};
+use crate::program::limits::in_lanes;
+use crate::program::{Array, Kernel, Scheduler, Tier, Tiers, entries};
 use crate::structure::{Matrix, StartTest, Storage};
 
-/// Largest number of instructions of a loop over the lanes. Of longer loops the compiler makes no vectors.
-const MAX_INSTRUCTIONS: usize = 1500;
-
-/// Largest block that is tested in lanes.
-const MAX_ROWS: usize = 6;
-
 pub(crate) fn start_of_step(context: &Context<'_>, test: &StartTest) -> TokenStream {
-    let (private, attributes) = (private(context.block), attributes());
+    let (private, attributes) = (context.private, attributes());
     let StartTest {
         of_parameters,
         of_state,
         needs_velocity,
     } = test;
-    let self_ty = &context.block.item.self_ty;
-    let Received { flat, open, .. } = &received(context.block, context.model, &private);
+    let self_ty = context.self_ty();
+    let Received { flat, open, .. } = &received(context.block, context.model, private);
     let by_parameters = (!of_parameters.is_empty()).then(|| {
-        let body = all_regular(of_parameters, context, &private);
+        let body = all_regular(of_parameters, context);
         quote! {
             const TESTS_PARAMETERS: bool = true;
             #[inline]
@@ -41,8 +35,8 @@ pub(crate) fn start_of_step(context: &Context<'_>, test: &StartTest) -> TokenStr
         }
     });
     let by_state = (!of_state.is_empty()).then(|| {
-        let body = all_regular(of_state, context, &private);
-        let lanes = (context.settings.lanes).then(|| singular_lanes(of_state, context, &private));
+        let body = all_regular(of_state, context);
+        let lanes = (context.settings.lanes).then(|| singular_lanes(of_state, context));
         quote! {
             const TESTS_STATE: bool = true;
             #[inline]
@@ -68,65 +62,47 @@ pub(crate) fn start_of_step(context: &Context<'_>, test: &StartTest) -> TokenStr
     }
 }
 
+/// The mass matrix of each block.
+fn masses(blocks: &[Matrix<Expr>]) -> Vec<Array<Expr>> {
+    let blocks = blocks.iter().enumerate();
+    blocks
+        .map(|(at, block)| Array::matrix(&format!("mass_{at}"), block))
+        .collect()
+}
+
 /// Statements and the value of the test that all blocks are regular.
-fn all_regular(
-    blocks: &[Matrix<Expr>],
-    context: &Context<'_>,
-    private: &TokenStream,
-) -> TokenStream {
-    let roots: Vec<Expr> = blocks.iter().flat_map(Matrix::stored).collect();
-    let named = blocks.iter().enumerate().map(|(at, block)| {
-        let names = rows(&format!("mass_{at}"), block.rows.len());
-        (block.rows.as_slice(), names)
-    });
-    let named: Vec<(&[Vec<Expr>], Vec<String>)> = named.collect();
-    let straight = Straight::new(context.arena, &context.model.symbols, &roots);
-    let (statements, arrays) = straight.finish(private, &named);
-    let blocks = blocks
-        .iter()
-        .zip(&arrays)
-        .map(|(block, rows)| typed(private, block, rows));
+fn all_regular(blocks: &[Matrix<Expr>], context: &Context<'_>) -> TokenStream {
+    let private = context.private;
+    let Printed {
+        statements, arrays, ..
+    } = context.formulas().list(&masses(blocks));
     quote! {
         #statements
-        #(#private::is_regular(&#blocks))&&*
+        #(#private::is_regular(&#arrays))&&*
     }
 }
 
 /// `lanes_of_singular_mass`; nothing for configurations without lanes and for blocks that are tested lane by lane.
-fn singular_lanes(
-    blocks: &[Matrix<Expr>],
-    context: &Context<'_>,
-    private: &TokenStream,
-) -> Option<TokenStream> {
-    let model = context.model;
-    let is_small =
-        |block: &Matrix<Expr>| block.storage == Storage::Dense && block.size() <= MAX_ROWS;
+fn singular_lanes(blocks: &[Matrix<Expr>], context: &Context<'_>) -> Option<TokenStream> {
+    let (model, private, formulas) = (context.model, context.private, context.formulas());
+    let is_small = |block: &Matrix<Expr>| {
+        block.storage == Storage::Dense && block.size() <= in_lanes::UNKNOWNS
+    };
     if model.configuration().has_rotations() || !blocks.iter().all(is_small) {
         return None;
     }
-    let roots: Vec<Expr> = blocks.iter().flat_map(Matrix::stored).collect();
+    let masses = masses(blocks);
     let state = model.q.iter().chain([&model.time]);
     let tiers: Tiers = state.map(|&s| (s, Tier::State)).collect();
-    let mut scheduler = Scheduler::new(context.arena, &model.symbols, tiers, &roots);
-    let lowered = blocks
-        .iter()
-        .map(|block| block.map(|e| scheduler.value(e)))
-        .collect::<Vec<Matrix<Value>>>();
-    let mut labels = Labels::default();
-    labels.expressions(&scheduler, context.arena, &model.symbols, &[], &roots);
-    let results: Vec<Value> = lowered.iter().flat_map(Matrix::stored).collect();
-    let program = scheduler.finish(&results);
-    if program.all().count() > MAX_INSTRUCTIONS {
+    let scheduler = Scheduler::new(context.arena, formulas.symbols, tiers, &entries(&masses));
+    let kernel = Kernel::new(scheduler, &masses);
+    if kernel.program.all().count() > in_lanes::INSTRUCTIONS {
         return None;
     }
-    let printer = Printer::of_stages(&program, &model.symbols, &labels, private);
+    let printer = formulas.printer(&kernel, Place::Stages);
     let [before, known] = [Tier::Prepare, Tier::State].map(|tier| printer.statements(tier));
-    let blocks = lowered.iter().map(|block| printer.matrix(&block.rows));
-    let n = Literal::usize_unsuffixed(model.dof());
-    let entries = (0..model.dof()).map(|i| {
-        let i = Literal::usize_unsuffixed(i);
-        quote!(states.q[#i][lane])
-    });
+    let blocks = kernel.arrays.iter().map(|block| printer.shaped(block));
+    let ([n, _], q) = (context.sizes(), row_of_lane(&quote!(states.q), model.dof()));
     Some(quote! {
         #[inline(always)]
         fn lanes_of_singular_mass(&self, states: &#private::lane::StateLanes<#n>) -> ::core::option::Option<#private::lane::Mask> {
@@ -134,7 +110,7 @@ fn singular_lanes(
             let mut unsure: #private::lane::Lane = [0f64; #private::lane::LANES];
             for lane in 0..#private::lane::LANES {
                 let time: f64 = states.t[lane];
-                let q: [f64; #n] = [#(#entries),*];
+                let q: [f64; #n] = #q;
                 #known
                 let is_regular = #(#private::lane::is_regular(&#blocks))&*;
                 unsure[lane] = if is_regular { 0f64 } else { 1f64 };
@@ -142,4 +118,10 @@ fn singular_lanes(
             ::core::option::Option::Some(#private::lane::marked(&unsure))
         }
     })
+}
+
+/// The numbers of a lane in `rows`.
+pub(super) fn row_of_lane(rows: &TokenStream, count: usize) -> TokenStream {
+    let numbers = (0..count).map(Literal::usize_unsuffixed);
+    quote!([#(#rows[#numbers][lane]),*])
 }

@@ -5,12 +5,13 @@ use std::collections::HashSet;
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::Printer;
+use super::code::{Place, Printer};
 use super::configuration::Received;
 use super::factors::Factors;
+use super::function::Formulas;
 use super::ident;
 use super::solve::Solver;
-use crate::algebra::{Arena, Expr, Symbol};
+use crate::algebra::{Expr, Symbol};
 use crate::model::{Meaning, Symbols};
 use crate::program::{Carried, Operation, Program, Step, Tier, Value, Work, operands, symbol_name};
 use crate::structure::Scheme;
@@ -33,23 +34,24 @@ pub(super) fn code(
     scheme: &Scheme<Expr>,
     finds_singular_masses: bool,
     unknowns: &[Symbol],
-    symbols: &Symbols,
     received: &Received,
-    private: &TokenStream,
-    arena: &Arena,
+    formulas: Formulas<'_>,
 ) -> Code {
+    let Formulas {
+        arena,
+        symbols,
+        private,
+    } = formulas;
     let step = Step::new(scheme, symbols, arena);
     let scheme = &step.scheme;
     let results = step.results();
-    let mut printer = Printer::new(&step.program, symbols, &step.labels, private);
+    let mut printer = Printer::new(Place::Single, &step.program, &step.labels, formulas);
     let kept = printer.split_prepared(&results);
     let (prepare, array) = (printer.prepare(), printer.array(&kept));
     let factors = Factors::new(&step);
     let solver = Solver {
-        private,
+        formulas,
         printer: &printer,
-        symbols,
-        arena,
         factors: &factors,
         finds_singular_masses,
         reopen: &received.reopen_state,

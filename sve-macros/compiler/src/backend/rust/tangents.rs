@@ -9,65 +9,60 @@ use std::collections::BTreeMap;
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::Printer;
+use super::Context;
+use super::code::{Place, Printer};
 use super::solve::names;
-use crate::algebra::{Arena, Expr};
+use crate::derivation::Derived;
 use crate::linearise::{Entry, Linearisation};
-use crate::model::{Model, Symbols};
-use crate::program::{Labels, Operation, Program, Scheduler, Tier, Tiers, Value};
+use crate::model::Symbols;
+use crate::program::limits::in_lanes;
+use crate::program::{Array, Kernel, Operation, Program, Scheduler, Tier, Tiers, Value, entries};
 use crate::structure::{Returns, Scheme};
 
-/// Largest number of unknowns of a step: the inverse of ∂R/∂x is dense.
-const MAX_UNKNOWNS: usize = 6;
-
-/// Largest number of instructions, as for steps in lanes.
-const MAX_INSTRUCTIONS: usize = 1500;
-
-/// Largest number of values that are kept between the loops, as for steps in lanes.
-const MAX_KEPT: usize = 96;
-
 /// Returns the function, unless the step has constraints or intermediate values, or takes too many operations.
-pub(super) fn linearise_lanes(
-    private: &TokenStream,
-    model: &Model,
-    scheme: &Scheme<Expr>,
-    linearisation: &Linearisation,
-    symbols: &Symbols,
-    arena: &Arena,
-) -> Option<TokenStream> {
+pub(super) fn linearise_lanes(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
+    let Derived {
+        scheme,
+        linearisation,
+        symbols,
+        ..
+    } = derived;
     let unknowns = linearisation.unknowns.len();
     let is_split = linearisation.through.is_some();
-    if scheme.is_constrained() || is_split || unknowns > MAX_UNKNOWNS {
+    if scheme.is_constrained() || is_split || unknowns > in_lanes::UNKNOWNS {
         return None;
     }
+    let formulas = context.formulas_of(derived);
     let tiers: Tiers = (linearisation.unknowns.iter())
         .map(|&symbol| (symbol, Tier::Solved(0)))
         .collect();
-    let roots: Vec<Expr> = (linearisation.matrices.iter().flatten())
-        .map(|entry| entry.value)
-        .collect();
-    let mut scheduler = Scheduler::new(arena, symbols, tiers, &roots);
+    let arrays = linearisation.matrices.each_ref().map(|matrix| {
+        let entries = matrix.iter().map(|entry| entry.value);
+        Array::unnamed(&entries.collect::<Vec<_>>())
+    });
+    let mut scheduler = Scheduler::new(formulas.arena, symbols, tiers, &entries(&arrays));
     scheduler.disable_angle_addition();
-    let values = scheduler.values(&roots);
-    let mut labels = Labels::default();
-    labels.expressions(&scheduler, arena, symbols, &[], &roots);
-    let program = scheduler.finish(&values);
-    let kept = Kept::new(&program, linearisation, &values);
-    if program.all().count() > MAX_INSTRUCTIONS || kept.count > MAX_KEPT {
+    let kernel = Kernel::new(scheduler, &arrays);
+    let kept = Kept::new(&kernel, unknowns);
+    if kernel.program.all().count() > in_lanes::INSTRUCTIONS || kept.count > in_lanes::KEPT {
         return None;
     }
+    let private = context.private;
+    let matrices = linearisation.matrices.iter().zip(&kernel.arrays);
     let writer = Writer {
         private,
-        printer: &Printer::of_lanes(&program, symbols, &labels, private),
+        printer: &formulas.printer(&kernel, Place::Lanes),
         linearisation,
         kept,
-        program: &program,
-        matrices: by_matrix(linearisation, &values),
+        program: &kernel.program,
+        matrices: matrices
+            .map(|(matrix, values)| matrix.iter().zip(values.entries()).collect())
+            .collect(),
         is_increment: scheme.returns != Returns::State,
     };
     let evaluate = writer.evaluate(symbols);
-    let carry = writer.carry(model.dof());
-    let [n, m, k] = [model.dof(), model.noises.len(), unknowns].map(Literal::usize_unsuffixed);
+    let carry = writer.carry(context.model.dof());
+    let ([n, m], k) = (context.sizes(), Literal::usize_unsuffixed(unknowns));
     Some(quote! {
         #[inline(always)]
         fn linearise_lanes(
@@ -101,14 +96,6 @@ pub(super) fn bound<T, R>(
 /// The entries of the four matrices, as values.
 type Entries<'a> = Vec<(&'a Entry, Value)>;
 
-fn by_matrix<'a>(linearisation: &'a Linearisation, values: &[Value]) -> [Entries<'a>; 4] {
-    let mut values = values.iter().copied();
-    linearisation
-        .matrices
-        .each_ref()
-        .map(|matrix| matrix.iter().zip(values.by_ref()).collect())
-}
-
 /// What the first loop keeps for the later ones.
 struct Kept {
     /// The row of each entry that differs from lane to lane.
@@ -119,15 +106,14 @@ struct Kept {
 }
 
 impl Kept {
-    fn new(program: &Program, linearisation: &Linearisation, values: &[Value]) -> Self {
-        let (mut rows, mut inverse) = (BTreeMap::new(), false);
-        let (of_unknowns, others) = values.split_at(linearisation.matrices[0].len());
-        for &value in others.iter().filter(|&&value| is_in_lanes(program, value)) {
+    fn new(kernel: &Kernel, unknowns: usize) -> Self {
+        let mut rows = BTreeMap::new();
+        let is_in_lanes = |value: &Value| is_in_lanes(&kernel.program, *value);
+        for value in entries(&kernel.arrays[1..]).into_iter().filter(is_in_lanes) {
             let next = rows.len();
             rows.entry(value).or_insert(next);
         }
-        inverse |= of_unknowns.iter().any(|&value| is_in_lanes(program, value));
-        let unknowns = linearisation.unknowns.len();
+        let inverse = kernel.arrays[0].entries().any(|value| is_in_lanes(&value));
         let count = rows.len() + usize::from(inverse) * unknowns * unknowns;
         Self {
             inverse: inverse.then_some(rows.len()),
@@ -150,7 +136,7 @@ struct Writer<'a> {
     linearisation: &'a Linearisation,
     kept: Kept,
     program: &'a Program,
-    matrices: [Entries<'a>; 4],
+    matrices: Vec<Entries<'a>>,
     /// Whether the results are differences to the state at the start, whose derivative is added.
     is_increment: bool,
 }
@@ -228,7 +214,7 @@ impl Writer<'_> {
     fn carry(&self, n: usize) -> TokenStream {
         let private = self.private;
         let unknowns = self.linearisation.unknowns.len();
-        let [_, by_inputs, _, _] = &self.matrices;
+        let by_inputs = &self.matrices[1];
         let rhs = (0..unknowns).map(|row| {
             let terms = of_row(by_inputs, row).map(|(entry, value)| {
                 let (value, input) = (self.entry(value), input(entry.column, n));
@@ -302,7 +288,7 @@ impl Writer<'_> {
 
     /// A component of the vector after the step: ∂y/∂z of the vector before it, less ∂y/∂x of the solution. The terms have the order of `linearise`.
     fn result(&self, row: usize, n: usize) -> TokenStream {
-        let [_, _, by_unknowns, by_inputs] = &self.matrices;
+        let (by_unknowns, by_inputs) = (&self.matrices[2], &self.matrices[3]);
         let first = if self.is_increment {
             input(row, n)
         } else {

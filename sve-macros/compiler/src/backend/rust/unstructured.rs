@@ -7,31 +7,30 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::function::{Formulas, Printed};
+use super::ident;
 use super::rounding::rounding;
 use super::solve::{names, start};
 use super::step::Code;
-use super::straight::{Printed, Straight, rows};
-use crate::algebra::{Arena, Expr};
-use crate::model::Symbols;
-use crate::program::{Factored, Operations, Work};
+use crate::algebra::Expr;
+use crate::program::{Array, Factored, Kernel, Operations, Value, Work, entries};
 use crate::structure::{Iteration, Scheme};
 
 /// The code of a scheme whose only block is this iteration.
 pub(super) fn code(
     scheme: &Scheme<Expr>,
     iteration: &Iteration<Expr>,
-    symbols: &Symbols,
-    private: &TokenStream,
-    arena: &Arena,
+    formulas: Formulas<'_>,
 ) -> Code {
+    let private = formulas.private;
     let size = Literal::usize_unsuffixed(iteration.iterates.len());
     let rest = quote!([0.0; #size]);
-    let (guess, of_guess) = start(&iteration.fallback, &rest, symbols, private, arena);
-    let rounding = rounding(&iteration.residual, symbols, private, arena);
-    let (evaluation, of_evaluation) = evaluation(iteration, symbols, private, arena);
-    let iterates = names(&iteration.iterates, symbols);
-    let solved = names(&iteration.solved, symbols);
-    let (results, of_results) = results(scheme, &solved, symbols, private, arena);
+    let (guess, of_guess) = start(&iteration.fallback, &rest, formulas);
+    let rounding = rounding(&iteration.residual, formulas);
+    let (evaluation, of_evaluation) = evaluation(iteration, formulas);
+    let iterates = names(&iteration.iterates, formulas.symbols);
+    let solved = names(&iteration.solved, formulas.symbols);
+    let (results, of_results) = results(scheme, &solved, formulas);
     let work = Work {
         prepare: Operations::default(),
         step: of_guess + of_results,
@@ -57,39 +56,30 @@ pub(super) fn code(
 }
 
 /// Statements and the value of an evaluation, with its operations.
-fn evaluation(
-    iteration: &Iteration<Expr>,
-    symbols: &Symbols,
-    private: &TokenStream,
-    arena: &Arena,
-) -> (TokenStream, Operations) {
+fn evaluation(iteration: &Iteration<Expr>, formulas: Formulas<'_>) -> (TokenStream, Operations) {
     let Iteration {
         residual, jacobian, ..
     } = iteration;
     let roots: Vec<Expr> = residual.iter().copied().chain(jacobian.stored()).collect();
-    let mut straight = Straight::new(arena, symbols, &roots).without_angle_addition();
-    let (residual, magnitude) = straight.residuals(residual);
-    let values = [
-        (vec![residual], vec!["residual".to_owned()]),
-        (vec![magnitude], vec!["magnitude".to_owned()]),
-        (
-            straight.values(&jacobian.rows),
-            rows("jacobian", jacobian.size()),
-        ),
+    let mut scheduler = formulas.scheduler(&roots);
+    scheduler.disable_angle_addition();
+    let residuals = residual.iter().map(|&e| scheduler.residual(e));
+    let (residual, magnitude): (Vec<Value>, Vec<Value>) = residuals.unzip();
+    let arrays = vec![
+        Array::vector("residual", &residual),
+        Array::vector("magnitude", &magnitude),
+        scheduler.array(&Array::matrix("jacobian", jacobian)),
     ];
     let Printed {
         statements,
         arrays,
         operations,
-    } = straight.print(private, &values);
-    let [residual, magnitude, jacobian] = arrays.as_slice() else {
-        return (TokenStream::new(), operations);
-    };
+    } = formulas.print(&Kernel::of_values(scheduler, arrays));
+    let private = formulas.private;
+    let fields = ["residual", "magnitude", "jacobian"].map(ident);
     let tokens = quote! {
         #statements
-        let [residual] = #residual;
-        let [magnitude] = #magnitude;
-        #private::Evaluation { residual, magnitude, jacobian: #jacobian, curvature: f64::NAN }
+        #private::Evaluation { #(#fields: #arrays,)* curvature: f64::NAN }
     };
     (tokens, operations)
 }
@@ -98,26 +88,19 @@ fn evaluation(
 fn results(
     scheme: &Scheme<Expr>,
     solved: &TokenStream,
-    symbols: &Symbols,
-    private: &TokenStream,
-    arena: &Arena,
+    formulas: Formulas<'_>,
 ) -> (TokenStream, Operations) {
-    let rows = [scheme.dq.clone(), scheme.dp.clone()];
-    let roots = rows.concat();
-    let mut straight = Straight::new(arena, symbols, &roots).without_angle_addition();
-    let values = (
-        straight.values(&rows),
-        ["dq", "dp"].map(ToOwned::to_owned).to_vec(),
-    );
+    let arrays = [
+        Array::vector("dq", &scheme.dq),
+        Array::vector("dp", &scheme.dp),
+    ];
+    let mut scheduler = formulas.scheduler(&entries(&arrays));
+    scheduler.disable_angle_addition();
     let Printed {
         statements,
         arrays,
         operations,
-    } = straight.print(private, &[values]);
-    let tokens = quote! {
-        #statements
-        let [dq, dp] = #(#arrays)*;
-        ::core::result::Result::Ok((dq, dp, #solved))
-    };
+    } = formulas.print(&Kernel::new(scheduler, &arrays));
+    let tokens = quote!(#statements ::core::result::Result::Ok((#(#arrays,)* #solved)));
     (tokens, operations)
 }
