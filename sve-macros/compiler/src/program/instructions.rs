@@ -2,6 +2,9 @@
 //!
 //! Invariant: an instruction's operands precede it and are of its tier or an earlier one.
 
+use std::collections::BTreeSet;
+
+use super::limits::OPERATIONS_OF_STATEMENT;
 use crate::algebra::{Binary, Function, Map, Symbol};
 
 /// The stage of a step in which a value is computed. Each tier adds inputs to those of the earlier tiers.
@@ -75,6 +78,21 @@ pub(crate) enum Operation {
     AngleAddition(Value, Value, Value),
 }
 
+impl Operation {
+    /// Whether the operation gives a single number from others.
+    fn is_arithmetic(self) -> bool {
+        !matches!(
+            self,
+            Self::Constant(_)
+                | Self::Input(_)
+                | Self::SinCos(_)
+                | Self::SinOf(_)
+                | Self::CosOf(_)
+                | Self::AngleAddition(..)
+        )
+    }
+}
+
 /// An operation with its tier.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Instruction {
@@ -89,6 +107,8 @@ pub(crate) struct Program {
     pub(super) numbers: Map<Operation, Value>,
     /// For each instruction, whether a result depends on it. The other instructions are omitted from the lists below.
     live: Vec<bool>,
+    /// For each instruction, how often other instructions use it; no count for a result.
+    uses: Vec<Option<u32>>,
 }
 
 impl Program {
@@ -159,16 +179,42 @@ impl Program {
     /// Marks the instructions on which `results` depend.
     pub(super) fn mark_live(&mut self, results: &[Value]) {
         self.live = vec![false; self.instructions.len()];
+        self.uses = vec![Some(0); self.instructions.len()];
         for result in results {
             self.live[result.index()] = true;
+            self.uses[result.index()] = None;
         }
         for at in (0..self.instructions.len()).rev() {
             if self.live[at] {
                 for operand in operands(self.instructions[at].operation) {
                     self.live[operand.index()] = true;
+                    if let Some(count) = &mut self.uses[operand.index()] {
+                        *count += 1;
+                    }
                 }
             }
         }
+    }
+
+    /// Returns the values that are computed within the statement of the only instruction that uses them: an instruction of the same
+    /// tier. `is_named` holds for values that have a statement of their own, since their name tells what they are.
+    pub(crate) fn inlined(&self, is_named: impl Fn(Value) -> bool) -> BTreeSet<Value> {
+        let mut inlined = BTreeSet::new();
+        let mut operations = vec![1; self.instructions.len()];
+        for (user, instruction) in self.all() {
+            for value in operands(instruction.operation) {
+                let is_candidate = self.uses[value.index()] == Some(1)
+                    && self.get(value).tier == instruction.tier
+                    && self.get(value).operation.is_arithmetic()
+                    && !is_named(value);
+                let together = operations[user.index()] + operations[value.index()];
+                if is_candidate && together <= OPERATIONS_OF_STATEMENT {
+                    inlined.insert(value);
+                    operations[user.index()] = together;
+                }
+            }
+        }
+        inlined
     }
 }
 

@@ -31,6 +31,9 @@ pub(crate) const DIVISION: usize = 4;
 pub(crate) const SPARSE_SIZE: usize = 7;
 pub(crate) const SPARSE_ENTRY: usize = 4;
 
+/// Operations of a statement, beyond which an operand has a statement of its own.
+pub(crate) const OPERATIONS_OF_STATEMENT: usize = 6;
+
 /// Largest number of `let` statements in a block that is not cut, and smallest number in an inner block. Smaller inner blocks have
 /// to return more of their values.
 pub(crate) const LETS: usize = 500;

@@ -19,7 +19,11 @@ pub(crate) fn symbol_name(symbols: &Symbols, symbol: Symbol) -> String {
 }
 
 /// The name of each value that has a statement of its own. A pair of sine and cosine has the name of its angle.
-pub(crate) struct Names(HashMap<Value, String>);
+pub(crate) struct Names {
+    names: HashMap<Value, String>,
+    /// Values of which the name tells the operation alone.
+    numbered: HashSet<Value>,
+}
 
 impl Names {
     /// Names the values of a program. The names differ from those in `reserved`, the other variables that a back end declares.
@@ -31,6 +35,7 @@ impl Names {
     ) -> Self {
         let mut scope = Scope::new(program, symbols, reserved);
         let mut names: HashMap<Value, String> = HashMap::new();
+        let mut numbered = HashSet::new();
         for (value, instruction) in program.in_order() {
             scope.enter(instruction.tier);
             let known = |v: Value| match program.get(v).operation {
@@ -61,20 +66,31 @@ impl Names {
                             format!("{}_squared", known(a).unwrap_or_default())
                         }
                         Operation::Call(function, a) if !matches!(function, Function::Powf(_)) => {
-                            let argument = known(a).unwrap_or_else(|| number.to_string());
+                            let argument = known(a).unwrap_or_else(|| {
+                                numbered.insert(value);
+                                number.to_string()
+                            });
                             format!("{}_{argument}", function.name())
                         }
-                        _ => format!("{}_{number}", prefix(operation)),
+                        _ => {
+                            numbered.insert(value);
+                            format!("{}_{number}", prefix(operation))
+                        }
                     },
                 },
             };
             names.insert(value, scope.free(wanted, number, |name| [name.to_owned()]));
         }
-        Self(names)
+        Self { names, numbered }
+    }
+
+    /// Whether the name of a value tells its operation alone.
+    pub(crate) fn is_numbered(&self, value: Value) -> bool {
+        self.numbered.contains(&value)
     }
 
     pub(crate) fn of(&self, value: Value) -> String {
-        match self.0.get(&value) {
+        match self.names.get(&value) {
             Some(name) => name.clone(),
             None => format!("value_{}", value.index()),
         }
@@ -82,7 +98,7 @@ impl Names {
 
     /// Returns the names of sine and cosine of a pair.
     pub(crate) fn pair(&self, both: Value) -> [String; 2] {
-        let angle = self.0.get(&both).cloned();
+        let angle = self.names.get(&both).cloned();
         let angle = angle.unwrap_or_else(|| both.index().to_string());
         ["sin", "cos"].map(|part| format!("{part}_{angle}"))
     }

@@ -51,12 +51,11 @@ mod block;
 pub(crate) mod convergence;
 mod driver;
 mod iteration;
-mod rounding;
+pub mod rounding;
 pub(crate) mod update;
 
 pub use block::{BlockProperties, BlockSolver};
 pub use convergence::Evaluation;
-pub use rounding::propagated_error;
 
 /// Options of the Newton iteration. The defaults iterate to rounding level and need no change.
 ///

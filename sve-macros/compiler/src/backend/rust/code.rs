@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::quote;
+use quote::{ToTokens, quote};
 
 use super::calls::{call, call_in_lane, call2, call2_in_lane};
 use super::function::Formulas;
@@ -28,8 +28,19 @@ pub(super) enum Place {
     Single,
     /// A loop over states.
     Lanes,
+    /// A step of a single state, with bounds of the rounding errors.
+    Rounded,
     /// A loop over stages or states. Inputs are those of a single state, bound before the statements.
     Stages,
+}
+
+/// How strongly an expression binds.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Level {
+    Sum,
+    Product,
+    Sign,
+    Atom,
 }
 
 /// Prints a program.
@@ -40,8 +51,10 @@ pub(super) struct Printer<'a> {
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
     place: Place,
-    /// Values that are not printed.
+    /// Values that have no statement.
     omitted: BTreeSet<Value>,
+    /// Values that are computed within the statement that uses them.
+    inlined: BTreeSet<Value>,
 }
 
 impl<'a> Printer<'a> {
@@ -52,10 +65,12 @@ impl<'a> Printer<'a> {
         formulas: Formulas<'a>,
     ) -> Self {
         let declared: Vec<&str> = DECLARED.split_whitespace().collect();
+        let names = Names::new(program, formulas.symbols, labels, &declared);
         Self {
             program,
             formulas,
-            names: Names::new(program, formulas.symbols, labels, &declared),
+            inlined: program.inlined(|value| !names.is_numbered(value)),
+            names,
             prepared: HashMap::new(),
             place,
             omitted: BTreeSet::new(),
@@ -70,9 +85,17 @@ impl<'a> Printer<'a> {
         }
     }
 
+    /// The same with a statement for each of these values.
+    pub(super) fn keeping<'b>(mut self, kept: impl IntoIterator<Item = &'b Value>) -> Self {
+        for value in kept {
+            self.inlined.remove(value);
+        }
+        self
+    }
+
     /// Whether functions are those without branches, for vectors.
     fn is_vector(&self) -> bool {
-        self.place != Place::Single
+        matches!(self.place, Place::Lanes | Place::Stages)
     }
 
     /// Chooses what `prepare` returns: values of its tier that anything later, or `roots`, uses.
@@ -113,16 +136,16 @@ impl<'a> Printer<'a> {
         let later = self.program.all().filter(|(_, i)| i.tier != Tier::Prepare);
         used.extend(later.flat_map(|(_, i)| operands(i.operation)));
         let mut tokens = TokenStream::new();
+        let mut names = vec![TokenStream::new(); self.prepared.len()];
         for (value, operation) in self.program.of_tier(Tier::Prepare) {
             if let Some(&at) = self.prepared.get(&value) {
-                let name = self.name(value);
-                let at = Literal::usize_unsuffixed(at);
-                tokens.extend(quote!(let #name = prepared[#at];));
+                names[at] = self.name(value).to_token_stream();
             } else if matches!(operation, Operation::Input(_)) && used.contains(&value) {
                 tokens.extend(self.statement(value, operation));
             }
         }
-        tokens
+        let prepared = (!names.is_empty()).then(|| quote!(let [#(#names),*] = *prepared;));
+        quote!(#prepared #tokens)
     }
 
     /// Statements of a tier, in order.
@@ -139,14 +162,78 @@ impl<'a> Printer<'a> {
         self.names.pair(both)
     }
 
-    /// The expression that names a value.
+    /// The expression of a value: its name, or what computes it.
     pub(super) fn operand(&self, value: Value) -> TokenStream {
+        self.expression(value).1
+    }
+
+    fn expression(&self, value: Value) -> (Level, TokenStream) {
         match self.program.get(value).operation {
-            Operation::Constant(bits) => constant(f64::from_bits(bits)),
+            Operation::Constant(bits) => (Level::Atom, constant(f64::from_bits(bits))),
+            operation if self.inlined.contains(&value) => self.computed(operation),
             _ => {
                 let name = self.name(value);
-                quote!(#name)
+                (Level::Atom, quote!(#name))
             }
+        }
+    }
+
+    /// The expression of an operand, in parentheses where it binds less than `level`.
+    fn operand_of(&self, value: Value, level: Level) -> TokenStream {
+        let (own, expression) = self.expression(value);
+        if own < level {
+            quote!((#expression))
+        } else {
+            expression
+        }
+    }
+
+    /// The expression of an operation on numbers.
+    fn computed(&self, operation: Operation) -> (Level, TokenStream) {
+        if self.place == Place::Rounded {
+            return (Level::Atom, self.rounded(operation));
+        }
+        let of = |v: Value| self.operand(v);
+        let private = self.formulas.private;
+        let infix = |a, operator, b, level, right| {
+            let (a, b) = (self.operand_of(a, level), self.operand_of(b, right));
+            (level, quote!(#a #operator #b))
+        };
+        let (sum, product, sign) = (Level::Sum, Level::Product, Level::Sign);
+        match operation {
+            Operation::Add(a, b) => infix(a, quote!(+), b, sum, product),
+            Operation::Sub(a, b) => infix(a, quote!(-), b, sum, product),
+            Operation::Mul(a, b) => infix(a, quote!(*), b, product, sign),
+            Operation::Div(a, b) => infix(a, quote!(/), b, product, sign),
+            Operation::Recip(a) => {
+                let a = self.operand_of(a, sign);
+                (product, quote!(1f64 / #a))
+            }
+            Operation::Neg(a) => {
+                let a = self.operand_of(a, Level::Atom);
+                (sign, quote!(-#a))
+            }
+            Operation::Abs(a) => {
+                let a = of(a);
+                (Level::Atom, quote!(f64::abs(#a)))
+            }
+            Operation::Call(function, a) if self.is_vector() => {
+                (Level::Atom, call_in_lane(function, &of(a), private))
+            }
+            Operation::Call(function, a) => (Level::Atom, call(function, &of(a))),
+            Operation::Call2(function, a, b) if self.is_vector() => (
+                Level::Atom,
+                call2_in_lane(function, &of(a), &of(b), private),
+            ),
+            Operation::Call2(function, a, b) => {
+                (Level::Atom, call2(function, &of(a), &of(b), private))
+            }
+            Operation::Constant(_)
+            | Operation::Input(_)
+            | Operation::SinCos(_)
+            | Operation::SinOf(_)
+            | Operation::CosOf(_)
+            | Operation::AngleAddition(..) => (Level::Atom, TokenStream::new()),
         }
     }
 
@@ -212,75 +299,63 @@ impl<'a> Printer<'a> {
         self.program.get(value).operation == Operation::Constant(0)
     }
 
-    pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {
-        let of = |v: Value| self.operand(v);
-        let infix = |a, operator: &TokenStream, b| {
-            let (a, b) = (self.operand(a), self.operand(b));
-            quote!(#a #operator #b)
-        };
-        let expression = match operation {
-            Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
-                return TokenStream::new();
-            }
-            Operation::Input(symbol) => {
-                match input(
-                    self.formulas.symbols.meaning(symbol),
-                    self.place == Place::Lanes,
-                ) {
-                    Some(access) => {
-                        let name = self.name(value);
-                        let access = match self.formulas.symbols.meaning(symbol) {
-                            Meaning::Parameter { .. } => number(&access, self.formulas.private),
-                            _ => access,
-                        };
-                        return quote!(let #name: f64 = #access;);
-                    }
-                    None => return TokenStream::new(),
-                }
-            }
-            Operation::Add(a, b) => infix(a, &quote!(+), b),
-            Operation::Sub(a, b) => infix(a, &quote!(-), b),
-            Operation::Mul(a, b) => infix(a, &quote!(*), b),
-            Operation::Div(a, b) => infix(a, &quote!(/), b),
-            Operation::Neg(a) => {
-                let a = of(a);
-                quote!(-#a)
-            }
-            Operation::Abs(a) => {
-                let a = of(a);
-                quote!(f64::abs(#a))
-            }
-            Operation::Recip(a) => {
-                let a = of(a);
-                quote!(1f64 / #a)
-            }
-            Operation::Call(function, a) if self.is_vector() => {
-                call_in_lane(function, &of(a), self.formulas.private)
-            }
-            Operation::Call(function, a) => call(function, &of(a)),
-            Operation::Call2(function, a, b) if self.is_vector() => {
-                call2_in_lane(function, &of(a), &of(b), self.formulas.private)
-            }
-            Operation::Call2(function, a, b) => {
-                call2(function, &of(a), &of(b), self.formulas.private)
-            }
+    /// The expression of a pair of sine and cosine.
+    fn sin_cos(&self, operation: Operation) -> TokenStream {
+        let private = self.formulas.private;
+        let module = self.is_vector().then(|| quote!(lane::));
+        match operation {
+            _ if self.place == Place::Rounded => self.rounded(operation),
             Operation::AngleAddition(sin, cos, by) => {
-                let [sin_name, cos_name] = self.names.pair(value).map(|name| ident(&name));
-                let (sin, cos, by, private) = (of(sin), of(cos), of(by), self.formulas.private);
-                let module = self.is_vector().then(|| quote!(lane::));
-                return quote!(let (#sin_name, #cos_name) = #private::#module sin_cos_of_sum(#sin, #cos, #by););
+                let [sin, cos, by] = [sin, cos, by].map(|v| self.operand(v));
+                quote!(#private::#module sin_cos_of_sum(#sin, #cos, #by))
             }
             Operation::SinCos(a) => {
-                let [sin, cos] = self.names.pair(value).map(|name| ident(&name));
-                let (a, private) = (of(a), self.formulas.private);
+                let a = self.operand(a);
                 if self.is_vector() {
-                    return quote!(let (#sin, #cos) = #private::lane::sin_cos(#a););
+                    quote!(#private::lane::sin_cos(#a))
+                } else {
+                    quote!(f64::sin_cos(#a))
                 }
-                return quote!(let (#sin, #cos) = f64::sin_cos(#a););
             }
-        };
-        let name = self.name(value);
-        quote!(let #name = #expression;)
+            _ => TokenStream::new(),
+        }
+    }
+
+    /// Path of what generated code calls.
+    pub(super) fn private(&self) -> &TokenStream {
+        self.formulas.private
+    }
+
+    /// The statement of a value; nothing where it is bound otherwise, or computed within another statement.
+    pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {
+        let private = self.formulas.private;
+        match operation {
+            Operation::Constant(_) | Operation::SinOf(_) | Operation::CosOf(_) => {
+                TokenStream::new()
+            }
+            Operation::Input(symbol) => {
+                let meaning = self.formulas.symbols.meaning(symbol);
+                let Some(access) = input(meaning, self.place == Place::Lanes) else {
+                    return TokenStream::new();
+                };
+                let access = match meaning {
+                    Meaning::Parameter { .. } => number(&access, private),
+                    _ => access,
+                };
+                let name = self.name(value);
+                quote!(let #name: f64 = #access;)
+            }
+            Operation::SinCos(_) | Operation::AngleAddition(..) => {
+                let [sin, cos] = self.names.pair(value).map(|name| ident(&name));
+                let pair = self.sin_cos(operation);
+                quote!(let (#sin, #cos) = #pair;)
+            }
+            _ if self.inlined.contains(&value) => TokenStream::new(),
+            operation => {
+                let (name, (_, expression)) = (self.name(value), self.computed(operation));
+                quote!(let #name = #expression;)
+            }
+        }
     }
 
     fn name(&self, value: Value) -> Ident {

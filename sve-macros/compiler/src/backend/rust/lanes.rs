@@ -38,7 +38,9 @@ pub(super) fn lanes(
     } = formulas;
     let (step, loops) = in_lanes(scheme, symbols, arena)?;
     let printer = Printer::new(Place::Lanes, &step.program, &step.labels, formulas);
-    let printer = printer.without(&loops.omitted);
+    let printer = printer
+        .without(&loops.omitted)
+        .keeping(loops.rows.keys().chain(loops.moved.values()));
     let writer = Writer {
         step: &step,
         loops: &loops,

@@ -45,7 +45,10 @@ pub(super) fn code(
     let step = Step::new(scheme, symbols, arena);
     let scheme = &step.scheme;
     let results = step.results();
-    let mut printer = Printer::new(Place::Single, &step.program, &step.labels, formulas);
+    let carried = Carried::of(&step, symbols);
+    let pairs = carried.iter().flat_map(|carried| &carried.pairs);
+    let mut printer = Printer::new(Place::Single, &step.program, &step.labels, formulas)
+        .keeping(pairs.flat_map(|(here, there)| [here, there]));
     let kept = printer.split_prepared(&results);
     let (prepare, array) = (printer.prepare(), printer.array(&kept));
     let factors = Factors::new(&step);
@@ -58,7 +61,6 @@ pub(super) fn code(
     };
     let (kept, array, open) = factors.beside(&kept, &array, &printer, private);
     let load = printer.load(&results);
-    let carried = Carried::of(&step, symbols);
     let noise = printer.statements(Tier::Noise);
     let (state, remember) = match &carried {
         Some(carried) => with_carried(carried, &step.program, &printer),
