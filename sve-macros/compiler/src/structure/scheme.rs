@@ -272,6 +272,14 @@ impl<T: PartialEq, R> Iteration<T, R> {
 }
 
 impl Linear<Expr> {
+    /// The stored entries of the matrix, and the right-hand side.
+    pub(crate) fn entries(&self) -> Vec<Expr> {
+        self.matrix
+            .stored()
+            .chain(self.rhs.iter().copied())
+            .collect()
+    }
+
     pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
         let Self { matrix, rhs } = self;
         matrix.rows.iter_mut().flatten().chain(rhs)

@@ -3,7 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::code::constant;
+use super::expressions::constant;
 use super::ident;
 use crate::algebra::{Binary, Function};
 

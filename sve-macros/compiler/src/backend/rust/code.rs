@@ -5,7 +5,6 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{ToTokens, quote};
 
-use super::calls::{call, call_in_lane, call2, call2_in_lane};
 use super::function::Formulas;
 use super::{ident, number};
 use crate::model::{Axis, Meaning, Quantity};
@@ -19,7 +18,7 @@ use crate::structure::Storage;
 const DECLARED: &str = "angle limit q v p h t dw dq dv dp dqt dvt time state value newton prepared states kept \
     lane any next q_lane p_lane guess origin refinement factors fallback rounding unknowns rhs \
     solution start stage stages poison impulses inverse masses offset motion kicks memory \
-    carried tangents pairs varied seeds radii";
+    carried tangents pairs varied seeds radii system";
 
 /// What printed statements are part of.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -34,27 +33,18 @@ pub(super) enum Place {
     Stages,
 }
 
-/// How strongly an expression binds.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Level {
-    Sum,
-    Product,
-    Sign,
-    Atom,
-}
-
 /// Prints a program.
 pub(super) struct Printer<'a> {
-    program: &'a Program,
-    formulas: Formulas<'a>,
+    pub(super) program: &'a Program,
+    pub(super) formulas: Formulas<'a>,
     names: Names,
     /// Values that the step reads from what `prepare` returned, with their place there.
     prepared: HashMap<Value, usize>,
-    place: Place,
+    pub(super) place: Place,
     /// Values that have no statement.
     omitted: BTreeSet<Value>,
     /// Values that are computed within the statement that uses them.
-    inlined: BTreeSet<Value>,
+    pub(super) inlined: BTreeSet<Value>,
 }
 
 impl<'a> Printer<'a> {
@@ -94,7 +84,7 @@ impl<'a> Printer<'a> {
     }
 
     /// Whether functions are those without branches, for vectors.
-    fn is_vector(&self) -> bool {
+    pub(super) fn is_vector(&self) -> bool {
         matches!(self.place, Place::Lanes | Place::Stages)
     }
 
@@ -162,81 +152,6 @@ impl<'a> Printer<'a> {
         self.names.pair(both)
     }
 
-    /// The expression of a value: its name, or what computes it.
-    pub(super) fn operand(&self, value: Value) -> TokenStream {
-        self.expression(value).1
-    }
-
-    fn expression(&self, value: Value) -> (Level, TokenStream) {
-        match self.program.get(value).operation {
-            Operation::Constant(bits) => (Level::Atom, constant(f64::from_bits(bits))),
-            operation if self.inlined.contains(&value) => self.computed(operation),
-            _ => {
-                let name = self.name(value);
-                (Level::Atom, quote!(#name))
-            }
-        }
-    }
-
-    /// The expression of an operand, in parentheses where it binds less than `level`.
-    fn operand_of(&self, value: Value, level: Level) -> TokenStream {
-        let (own, expression) = self.expression(value);
-        if own < level {
-            quote!((#expression))
-        } else {
-            expression
-        }
-    }
-
-    /// The expression of an operation on numbers.
-    fn computed(&self, operation: Operation) -> (Level, TokenStream) {
-        if self.place == Place::Rounded {
-            return (Level::Atom, self.rounded(operation));
-        }
-        let of = |v: Value| self.operand(v);
-        let private = self.formulas.private;
-        let infix = |a, operator, b, level, right| {
-            let (a, b) = (self.operand_of(a, level), self.operand_of(b, right));
-            (level, quote!(#a #operator #b))
-        };
-        let (sum, product, sign) = (Level::Sum, Level::Product, Level::Sign);
-        match operation {
-            Operation::Add(a, b) => infix(a, quote!(+), b, sum, product),
-            Operation::Sub(a, b) => infix(a, quote!(-), b, sum, product),
-            Operation::Mul(a, b) => infix(a, quote!(*), b, product, sign),
-            Operation::Div(a, b) => infix(a, quote!(/), b, product, sign),
-            Operation::Recip(a) => {
-                let a = self.operand_of(a, sign);
-                (product, quote!(1f64 / #a))
-            }
-            Operation::Neg(a) => {
-                let a = self.operand_of(a, Level::Atom);
-                (sign, quote!(-#a))
-            }
-            Operation::Abs(a) => {
-                let a = of(a);
-                (Level::Atom, quote!(f64::abs(#a)))
-            }
-            Operation::Call(function, a) if self.is_vector() => {
-                (Level::Atom, call_in_lane(function, &of(a), private))
-            }
-            Operation::Call(function, a) => (Level::Atom, call(function, &of(a))),
-            Operation::Call2(function, a, b) if self.is_vector() => (
-                Level::Atom,
-                call2_in_lane(function, &of(a), &of(b), private),
-            ),
-            Operation::Call2(function, a, b) => {
-                (Level::Atom, call2(function, &of(a), &of(b), private))
-            }
-            Operation::Constant(_)
-            | Operation::Input(_)
-            | Operation::SinCos(_)
-            | Operation::SinOf(_)
-            | Operation::CosOf(_)
-            | Operation::AngleAddition(..) => (Level::Atom, TokenStream::new()),
-        }
-    }
-
     pub(super) fn array(&self, values: &[Value]) -> TokenStream {
         let operands = values.iter().map(|&v| self.operand(v));
         quote!([#(#operands),*])
@@ -299,33 +214,6 @@ impl<'a> Printer<'a> {
         self.program.get(value).operation == Operation::Constant(0)
     }
 
-    /// The expression of a pair of sine and cosine.
-    fn sin_cos(&self, operation: Operation) -> TokenStream {
-        let private = self.formulas.private;
-        let module = self.is_vector().then(|| quote!(lane::));
-        match operation {
-            _ if self.place == Place::Rounded => self.rounded(operation),
-            Operation::AngleAddition(sin, cos, by) => {
-                let [sin, cos, by] = [sin, cos, by].map(|v| self.operand(v));
-                quote!(#private::#module sin_cos_of_sum(#sin, #cos, #by))
-            }
-            Operation::SinCos(a) => {
-                let a = self.operand(a);
-                if self.is_vector() {
-                    quote!(#private::lane::sin_cos(#a))
-                } else {
-                    quote!(f64::sin_cos(#a))
-                }
-            }
-            _ => TokenStream::new(),
-        }
-    }
-
-    /// Path of what generated code calls.
-    pub(super) fn private(&self) -> &TokenStream {
-        self.formulas.private
-    }
-
     /// The statement of a value; nothing where it is bound otherwise, or computed within another statement.
     pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {
         let private = self.formulas.private;
@@ -352,13 +240,13 @@ impl<'a> Printer<'a> {
             }
             _ if self.inlined.contains(&value) => TokenStream::new(),
             operation => {
-                let (name, (_, expression)) = (self.name(value), self.computed(operation));
+                let (name, expression) = (self.name(value), self.computed(operation).1);
                 quote!(let #name = #expression;)
             }
         }
     }
 
-    fn name(&self, value: Value) -> Ident {
+    pub(super) fn name(&self, value: Value) -> Ident {
         match self.program.get(value).operation {
             Operation::Input(symbol) => ident(&symbol_name(self.formulas.symbols, symbol)),
             Operation::SinOf(both) => ident(&self.names.pair(both)[0]),
@@ -368,53 +256,32 @@ impl<'a> Printer<'a> {
     }
 }
 
-/// A literal; a negative one in parentheses.
-pub(super) fn constant(value: f64) -> TokenStream {
-    if !value.is_finite() {
-        // a constant of a derivative overflowed: the step will report a result that is not finite
-        let bits = Literal::u64_suffixed(value.to_bits());
-        return quote!(f64::from_bits(#bits));
-    }
-    let literal = Literal::f64_suffixed(value.abs());
-    if value.is_sign_negative() {
-        quote!((-#literal))
-    } else {
-        quote!(#literal)
-    }
-}
-
 /// How an input is read; nothing where it is bound otherwise.
 fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
-    let entry = |vector: TokenStream, i: usize| {
-        let i = Literal::usize_unsuffixed(i);
-        Some(quote!(#vector[#i]))
-    };
-    let of_lane = |vector: TokenStream, i: usize| {
-        let i = Literal::usize_unsuffixed(i);
-        Some(quote!(#vector[#i][lane]))
-    };
-    match *meaning {
-        Meaning::Parameter { ref access, .. } => Some(access.clone()),
-        Meaning::Time if lanes => Some(quote!(states.t[lane])),
-        Meaning::Time => Some(quote!(time)),
+    let state = if lanes { quote!(states) } else { quote!(state) };
+    let (row, i) = match *meaning {
+        Meaning::Parameter { ref access, .. } => return Some(access.clone()),
+        Meaning::Time if lanes => return Some(quote!(states.t[lane])),
+        Meaning::Time => return Some(quote!(time)),
+        Meaning::Radius(Axis::Time) => return Some(quote!(radii.t)),
+        Meaning::Position(i) => (quote!(q), i),
+        Meaning::Velocity(i) => (quote!(v), i),
+        Meaning::Momentum(i) => (quote!(p), i),
+        Meaning::Radius(Axis::Position(i)) => (quote!(radii.q), i),
+        Meaning::Radius(Axis::Velocity(i)) => (quote!(radii.v), i),
+        Meaning::Radius(Axis::Momentum(i)) => (quote!(radii.p), i),
+        Meaning::Start(Quantity::Position, i) => (quote!(#state.q), i),
+        Meaning::Start(Quantity::Momentum, i) => (quote!(#state.p), i),
+        Meaning::Wiener(i) => (quote!(dw), i),
         Meaning::StepSize
         | Meaning::Unknown(_)
         | Meaning::Limit(_)
         | Meaning::End(_)
         | Meaning::NodeEntry(_)
-        | Meaning::Attitude(_) => None,
-        Meaning::Position(i) => entry(quote!(q), i),
-        Meaning::Velocity(i) => entry(quote!(v), i),
-        Meaning::Momentum(i) => entry(quote!(p), i),
-        Meaning::Start(Quantity::Position, i) if lanes => of_lane(quote!(states.q), i),
-        Meaning::Start(Quantity::Momentum, i) if lanes => of_lane(quote!(states.p), i),
-        Meaning::Wiener(i) if lanes => of_lane(quote!(dw), i),
-        Meaning::Start(Quantity::Position, i) => entry(quote!(state.q), i),
-        Meaning::Start(Quantity::Momentum, i) => entry(quote!(state.p), i),
-        Meaning::Wiener(i) => entry(quote!(dw), i),
-        Meaning::Radius(Axis::Time) => Some(quote!(radii.t)),
-        Meaning::Radius(Axis::Position(i)) => entry(quote!(radii.q), i),
-        Meaning::Radius(Axis::Velocity(i)) => entry(quote!(radii.v), i),
-        Meaning::Radius(Axis::Momentum(i)) => entry(quote!(radii.p), i),
-    }
+        | Meaning::Attitude(_) => return None,
+    };
+    let is_of_lane = lanes && matches!(meaning, Meaning::Start(..) | Meaning::Wiener(_));
+    let lane = is_of_lane.then(|| quote!([lane]));
+    let i = Literal::usize_unsuffixed(i);
+    Some(quote!(#row[#i] #lane))
 }

@@ -63,8 +63,8 @@ pub(super) struct Received {
     pub(super) open: TokenStream,
     /// Reads the entries of the configuration of `state` before its first use.
     pub(super) open_state: TokenStream,
-    /// Reads these entries again in code that is rarely run, so that the fast path need not compute those that it does not read.
-    pub(super) reopen_state: TokenStream,
+    /// The state itself, after [`open_state`](Self::open_state).
+    pub(super) start: TokenStream,
 }
 
 /// How generated functions receive a configuration: a row in a vector space, otherwise a value from which the entries are read.
@@ -75,7 +75,7 @@ pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) 
             flat: quote!([f64; #n]),
             open: TokenStream::new(),
             open_state: TokenStream::new(),
-            reopen_state: TokenStream::new(),
+            start: quote!(state),
         };
     }
     let whole = if block.arguments.is_reduced {
@@ -91,7 +91,7 @@ pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) 
             let start = state;
             let state = &#private::with_entries::<_, #entries, #n>(start);
         },
-        reopen_state: quote!(let state = &#private::with_entries::<_, #entries, #n>(start);),
+        start: quote!(start),
     }
 }
 

@@ -3,9 +3,10 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
+use super::implementation::Implementation;
 use super::plan::{Cost, plan_of};
 use super::stages::StageCode;
-use super::{Context, attributes, documented};
+use super::{Context, documented};
 use crate::catalogue::{Rule, RuleOption};
 use crate::discretise::stages::{Form, Stages};
 use crate::explain::StepTexts;
@@ -21,7 +22,7 @@ pub(crate) fn gauss(
     code: &StageCode,
     texts: &StepTexts,
 ) -> TokenStream {
-    let (private, attributes) = (context.private, attributes());
+    let private = context.private;
     let self_ty = context.self_ty();
     let runtime = context.block.arguments.runtime.to_token_stream();
     let rule_type = super::rule_type(rule, &runtime);
@@ -33,7 +34,7 @@ pub(crate) fn gauss(
     let Solve {
         prepared,
         prepare,
-        memory: memory_type,
+        memory,
         increment,
     } = solve(context, count, stages, &noise);
     let Noise {
@@ -50,61 +51,28 @@ pub(crate) fn gauss(
         texts,
         &cost(&names, code, count, dof),
     );
-    let doc = documentation(texts);
     // Newton's method starts from the velocity of the momentum
     let proves_start = (!context.mechanics.affine_momentum).then(|| {
         quote!(
             const PROVES_START: bool = true;
         )
     });
-    quote! {
-        #doc
-        #attributes
-        impl #private::StepEquations<#rule_type> for #self_ty {
-            type Prepared = #prepared;
-            type Increments = [f64; #increments];
-            #stages_constant
-            type Memory = #memory_type;
-            type Unknowns = [f64; #k];
-            const PLAN: &'static #private::Plan = &#plan;
-            const RETURNS: #private::Returns = #private::Returns::Increment;
-            #proves_start
-            #[inline]
-            fn prepare(&self, h: f64) -> #prepared {
-                #prepare
-            }
-            fn start(
-                &self,
-                state: &#private::State<[f64; #n]>,
-                velocity: &[f64; #n],
-                acceleration: &[f64; #n],
-            ) -> [f64; #k] {
-                #private::gauss::start::<#s, #n, #k>(velocity)
-            }
-            #[inline]
-            fn increment(
-                &self,
-                prepared: &#prepared,
-                memory: &mut #memory_type,
-                state: &#private::State<[f64; #n]>,
-                h: f64,
-                dw: &[f64; #increments],
-                newton: &#private::BlockSolver<'_>,
-            ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #k]), #private::SolveError> {
-                #increment
-            }
-            fn linearise<__T>(
-                &self,
-                state: &#private::State<[f64; #n]>,
-                h: f64,
-                dw: &[f64; #increments],
-                unknowns: &[f64; #k],
-                then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> __T,
-            ) -> __T {
-                #private::gauss::linearise(#system, state, h, #at_stages, unknowns, then)
-            }
-        }
-    }
+    let implementation = Implementation {
+        private,
+        doc: documentation(texts),
+        header: quote!(impl #private::StepEquations<#rule_type> for #self_ty),
+        sizes: [&n, increments, &k],
+        types: [quote!(#private::State<[f64; #n]>), prepared, memory],
+        plan,
+        returns: quote!(Increment),
+        more: quote!(#stages_constant #proves_start),
+        prepare,
+        start: quote!(#private::gauss::start::<#s, #n, #k>(velocity)),
+        increment,
+        linearise: quote!(#private::gauss::linearise(#system, state, h, #at_stages, unknowns, then)),
+        increment_doc: TokenStream::new(),
+    };
+    implementation.print()
 }
 
 /// What depends on the form of the system: types and bodies of the step.

@@ -1,10 +1,9 @@
-//! `fn linearise` and `fn multipliers`: the entries of the linearised step, and the impulses of constraints after a step is solved.
+//! The body of `linearise`, and `fn multipliers`: the entries of the linearised step, and the impulses of constraints after a step is solved.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::Context;
-use super::configuration::Received;
 use super::function::{Formulas, Printed};
 use super::solve::names as pattern;
 use crate::algebra::Expr;
@@ -15,9 +14,7 @@ use crate::program::Array;
 pub(super) fn linearise(
     context: &Context<'_>,
     derived: &Derived,
-    Received {
-        flat, open_state, ..
-    }: &Received,
+    open_state: &TokenStream,
 ) -> TokenStream {
     let Linearisation {
         unknowns,
@@ -26,7 +23,7 @@ pub(super) fn linearise(
         matrices,
         through,
     } = &derived.linearisation;
-    let (private, [_, m]) = (context.private, context.sizes());
+    let private = context.private;
     let size = Literal::usize_unsuffixed(unknowns.len());
     let matrices: Vec<&Vec<Entry>> = matrices.iter().chain(through.iter().flatten()).collect();
     let names = [
@@ -57,22 +54,11 @@ pub(super) fn linearise(
     let through = (!through.is_empty()).then(|| quote!(.through([#(#through),*])));
     let unknowns = pattern(unknowns, formulas.symbols);
     quote! {
-        type Unknowns = [f64; #size];
-        #[inline]
-        fn linearise<__T>(
-            &self,
-            state: &#private::State<#flat>,
-            h: f64,
-            dw: &[f64; #m],
-            unknowns: &[f64; #size],
-            then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> __T,
-        ) -> __T {
-            #open_state
-            let time = state.t;
-            let #unknowns = *unknowns;
-            #statements
-            then(#private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*])#through)
-        }
+        #open_state
+        let time = state.t;
+        let #unknowns = *unknowns;
+        #statements
+        then(#private::Linearisation::new([#size, #outputs, #inputs], [#(#matrices),*])#through)
     }
 }
 

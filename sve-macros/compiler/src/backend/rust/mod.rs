@@ -5,13 +5,16 @@
 
 mod calls;
 mod code;
+mod cold;
 mod configuration;
 mod energy;
 mod euler;
+mod expressions;
 mod factors;
 mod function;
 mod gauss;
 mod identity;
+mod implementation;
 mod jets;
 mod lanes;
 mod linearise;
@@ -172,8 +175,13 @@ fn verbatim(text: &str) -> Literal {
 
 /// Attributes of every generated implementation. Generated arithmetic is not written to please a reader's linter.
 fn attributes() -> TokenStream {
+    let allowed = allowed();
     quote! {
         #[automatically_derived]
-        #[allow(unused_variables, clippy::all, clippy::pedantic, clippy::nursery)]
+        #allowed
     }
+}
+
+fn allowed() -> TokenStream {
+    quote!(#[allow(unused_variables, clippy::all, clippy::pedantic, clippy::nursery)])
 }

@@ -7,6 +7,7 @@ use quote::{ToTokens, quote};
 use syn::{Expr, FnArg, GenericParam, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
 
 use super::configuration::{is_vector_or_nested, stored};
+use super::implementation::Implementation;
 use crate::catalogue::Rule;
 use crate::errors::Errors;
 use crate::syntax::arguments::Arguments;
@@ -44,24 +45,31 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let written = with_rotations.or_else(|| written.map(|ty| quote!(#ty)));
     let configuration = written.as_ref().map(|ty| quote!(, #ty));
     let plan = plan(&private);
-    let steps = steps(&private, &runtime, &n, &m, &fail);
     let whole = written.unwrap_or_else(|| quote!([f64; #n]));
     let momenta = momenta(block, &private, &whole);
     let rules = rules.iter().map(|rule| {
         let rule = super::rule_type(*rule, &runtime);
-        quote! {
-            #attributes
-            impl #generics #private::StepEquations<#rule> for #self_ty #clause {
-                type Increments = [f64; #m];
-                type Prepared = ();
-                type Memory = ();
-                type Unknowns = [f64; 0];
-                const PLAN: &'static #private::Plan = &#plan;
-                const RETURNS: #private::Returns = #private::Returns::Increment;
-                fn prepare(&self, h: f64) {}
-                #steps
-            }
-        }
+        let (none, nothing) = (Literal::usize_unsuffixed(0), quote!(()));
+        let implementation = Implementation {
+            private: &private,
+            doc: TokenStream::new(),
+            header: quote!(impl #generics #private::StepEquations<#rule> for #self_ty #clause),
+            sizes: [&n, &m, &none],
+            types: [
+                quote!(#runtime::FlatStateOf<Self>),
+                nothing.clone(),
+                nothing,
+            ],
+            plan: plan.clone(),
+            returns: quote!(Increment),
+            more: TokenStream::new(),
+            prepare: TokenStream::new(),
+            start: fail.clone(),
+            increment: fail.clone(),
+            linearise: fail.clone(),
+            increment_doc: TokenStream::new(),
+        };
+        implementation.print()
     });
     quote! {
         #attributes
@@ -83,47 +91,6 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         impl #generics #private::QuadraticKineticEnergy for #self_ty #clause {}
         #(#rules)*
         #momenta
-    }
-}
-
-/// The functions of a step, which are never called.
-fn steps(
-    private: &TokenStream,
-    runtime: &TokenStream,
-    n: &TokenStream,
-    m: &TokenStream,
-    fail: &TokenStream,
-) -> TokenStream {
-    quote! {
-        fn start(
-            &self,
-            state: &#runtime::FlatStateOf<Self>,
-            velocity: &[f64; #n],
-            acceleration: &[f64; #n],
-        ) -> [f64; 0] {
-            #fail
-        }
-        fn increment(
-            &self,
-            prepared: &(),
-            memory: &mut (),
-            state: &#runtime::FlatStateOf<Self>,
-            h: f64,
-            dw: &[f64; #m],
-            newton: &#private::BlockSolver<'_>,
-        ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; 0]), #private::SolveError> {
-            #fail
-        }
-        fn linearise<__T>(
-            &self,
-            state: &#runtime::FlatStateOf<Self>,
-            h: f64,
-            dw: &[f64; #m],
-            unknowns: &[f64; 0],
-            then: impl ::core::ops::FnOnce(#private::Linearisation<'_>) -> __T,
-        ) -> __T {
-            #fail
-        }
     }
 }
 

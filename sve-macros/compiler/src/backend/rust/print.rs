@@ -57,7 +57,7 @@ fn rules_of_nodes(context: &Context<'_>, derivation: &Derivation, nodes: &Nodes)
         mechanics: &nodes.mechanics,
         ..context
     };
-    let code = stages(&at_node, equations, nodes.has_potential);
+    let code = stages(&at_node, nodes);
     let mut output = TokenStream::new();
     for &(rule, weak_order) in &nodes.rules {
         let count = rule.stages().unwrap_or_default();

@@ -48,7 +48,7 @@ impl Printer<'_> {
                 ("call", Some(quote!(|x| #function,)), vec![a])
             }
             Operation::Call2(function, a, b) => {
-                let function = call2(function, &x, &quote!(y), self.private());
+                let function = call2(function, &x, &quote!(y), self.formulas.private);
                 ("call2", Some(quote!(|x, y| #function,)), vec![a, b])
             }
             Operation::Constant(_)

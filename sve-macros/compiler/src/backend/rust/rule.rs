@@ -1,22 +1,26 @@
 //! `impl StepEquations<Rule>`: what surrounds a step.
 
+use std::cell::RefCell;
+
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
 
+use super::cold::Cold;
 use super::configuration::{Received, received};
+use super::implementation::Implementation;
 use super::lanes::lanes;
 use super::linearise::{linearise, multipliers};
 use super::plan::plan;
 use super::step::{self, Code};
 use super::tangents::linearise_lanes;
-use super::{Context, Derived, attributes, documented, unstructured, verbatim};
+use super::{Context, Derived, allowed, documented, unstructured, verbatim};
 use crate::algebra::{Expr, Symbol};
 use crate::explain::StepTexts;
 use crate::model::{Family, Meaning, Symbols, Unknown};
 use crate::structure::{Block, Returns, Solution};
 
 pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
-    let (private, attributes) = (context.private, attributes());
+    let private = context.private;
     let Derived {
         symbols,
         scheme,
@@ -25,72 +29,57 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     } = derived;
     let self_ty = context.self_ty();
     let rule_type = rule_type(context, derived);
-    let ([n, m], dof) = (context.sizes(), context.model.dof());
+    let [n, m] = context.sizes();
     let unknowns = Literal::usize_unsuffixed(linearisation.unknowns.len());
     let received = received(context.block, context.model, private);
+    let cold = Cold {
+        formulas: context.formulas_of(derived),
+        self_ty,
+        received: &received,
+        noises: m.clone(),
+        functions: RefCell::default(),
+    };
     let Code {
         prepared,
         carried,
         prepare,
         body,
         work,
-    } = code(derived, &received, context);
-    let (memory, memory_type) = memory(carried);
-    let returns = returns(scheme.returns);
-    let linearise = linearise(context, derived, &received);
+    } = code(derived, &cold, context);
     let Received {
         flat, open_state, ..
     } = &received;
-    let multipliers = multipliers(context, derived);
     let lanes = in_lanes(context, derived);
-    let plan = plan(context, derived, lanes.is_some(), texts, &work);
-    let proves_start = proves_start(context, derived);
+    let [proves_start, domain] = [proves_start(context, derived), domain(texts)];
+    let multipliers = multipliers(context, derived);
     let [doc, increment_doc] = documentation(texts);
-    let start = start(&linearisation.unknowns, dof, symbols);
-    let domain = domain(texts);
+    let implementation = Implementation {
+        private,
+        doc,
+        header: quote!(impl #private::StepEquations<#rule_type> for #self_ty),
+        sizes: [&n, &m, &unknowns],
+        types: [quote!(#private::State<#flat>), prepared, memory(carried)],
+        plan: plan(context, derived, lanes.is_some(), texts, &work),
+        returns: returns(scheme.returns),
+        more: quote!(#proves_start #domain #lanes #multipliers),
+        prepare,
+        start: start(&linearisation.unknowns, context.model.dof(), symbols),
+        increment: quote!(#open_state #body),
+        linearise: linearise(context, derived, open_state),
+        increment_doc,
+    };
+    let implementation = implementation.print();
+    let functions = cold.functions.into_inner();
+    if functions.is_empty() {
+        return implementation;
+    }
+    let allowed = allowed();
     quote! {
-        #doc
-        #attributes
-        impl #private::StepEquations<#rule_type> for #self_ty {
-            type Increments = [f64; #m];
-            type Memory = #memory_type;
-            type Prepared = #prepared;
-            const PLAN: &'static #private::Plan = &#plan;
-            const RETURNS: #private::Returns = #private::Returns::#returns;
-            #proves_start
-            /// What depends on parameters and step size alone.
-            #[inline]
-            fn prepare(&self, h: f64) -> #prepared {
-                #prepare
-            }
-            #domain
-            #[inline]
-            fn start(
-                &self,
-                state: &#private::State<#flat>,
-                velocity: &[f64; #n],
-                acceleration: &[f64; #n],
-            ) -> [f64; #unknowns] {
-                #start
-            }
-            #increment_doc
-            #[inline]
-            fn increment(
-                &self,
-                prepared: &#prepared,
-                #memory: &mut #memory_type,
-                state: &#private::State<#flat>,
-                h: f64,
-                dw: &[f64; #m],
-                newton: &#private::BlockSolver<'_>,
-            ) -> ::core::result::Result<([f64; #n], [f64; #n], [f64; #unknowns]), #private::SolveError> {
-                #open_state
-                #body
-            }
-            #lanes
-            #linearise
-            #multipliers
-        }
+        #allowed
+        const _: () = {
+            #implementation
+            #(#functions)*
+        };
     }
 }
 
@@ -130,16 +119,13 @@ fn in_lanes(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
     Some(quote!(#step #tangents))
 }
 
-/// The argument for what a trajectory carries, `count` numbers, with its type.
-fn memory(count: usize) -> (TokenStream, TokenStream) {
-    if count == 0 {
-        return (quote!(()), quote!(()));
+/// The type of what a trajectory carries, `count` numbers.
+fn memory(count: usize) -> TokenStream {
+    let numbers = Literal::usize_unsuffixed(count);
+    match count {
+        0 => quote!(()),
+        _ => quote!(::core::option::Option<[f64; #numbers]>),
     }
-    let count = Literal::usize_unsuffixed(count);
-    (
-        quote!(memory),
-        quote!(::core::option::Option<[f64; #count]>),
-    )
 }
 
 /// The name in the runtime of what a step returns.
@@ -196,8 +182,7 @@ fn rule_type(context: &Context<'_>, derived: &Derived) -> TokenStream {
     }
 }
 
-fn code(derived: &Derived, received: &Received, context: &Context<'_>) -> Code {
-    let formulas = context.formulas_of(derived);
+fn code(derived: &Derived, cold: &Cold<'_>, context: &Context<'_>) -> Code {
     let Derived {
         scheme,
         linearisation,
@@ -209,11 +194,11 @@ fn code(derived: &Derived, received: &Received, context: &Context<'_>) -> Code {
                 solution: Solution::Iteration(iteration),
                 ..
             },
-        ] if derived.is_unstructured => unstructured::code(scheme, iteration, formulas),
+        ] if derived.is_unstructured => unstructured::code(scheme, iteration, cold.formulas),
         _ => {
             let finds_singular_masses = finds_singular_masses(context, derived);
             let unknowns = &linearisation.unknowns;
-            step::code(scheme, finds_singular_masses, unknowns, received, formulas)
+            step::code(scheme, finds_singular_masses, unknowns, cold)
         }
     }
 }

@@ -4,13 +4,14 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::Printer;
+use super::cold::Cold;
 use super::factors::Factors;
 use super::function::{Formulas, Printed};
 use super::ident;
 use super::rounding::rounding;
 use crate::algebra::{Expr, Symbol};
 use crate::model::Symbols;
-use crate::program::{Array, Operations, Residual, Tier, Value, symbol_name};
+use crate::program::{Array, Operations, Residual, Tier, Value, entries, symbol_name};
 use crate::structure::{Enclosure, Iteration, Linear, Matrix, PathJudge, Refinement, Solution};
 
 /// Writes solves.
@@ -20,8 +21,7 @@ pub(super) struct Solver<'a> {
     pub(super) factors: &'a Factors<'a>,
     /// Whether the step fails where the matrix of a limit, which has the determinant of the mass matrix, is singular.
     pub(super) finds_singular_masses: bool,
-    /// What reads the entries of the state in closures of the rarely taken paths.
-    pub(super) reopen: &'a TokenStream,
+    pub(super) cold: &'a Cold<'a>,
 }
 
 impl Solver<'_> {
@@ -77,7 +77,7 @@ impl Solver<'_> {
             printer,
             factors,
             finds_singular_masses,
-            reopen,
+            cold,
         } = self;
         let Formulas {
             symbols, private, ..
@@ -93,9 +93,13 @@ impl Solver<'_> {
         } = iteration;
         let size = Literal::usize_unsuffixed(iteration.iterates.len());
         let rest = rest(iteration, degrees_of_freedom);
+        let vector = quote!([f64; #size]);
         let (fallback, _) = start(&iteration.fallback, &rest, *formulas);
+        let entries = iteration.fallback.entries();
+        let fallback = cold.function(("fallback", at), (&entries, &[]), (&vector, &fallback));
         let equations: Vec<Expr> = residual.iter().map(|r| r.expr).collect();
         let rounding = rounding(&equations, *formulas);
+        let rounding = cold.function(("rounding", at), (&equations, &[]), (&vector, &rounding));
         let (matrix, rhs) = (self.matrix(&guess.matrix), printer.array(&guess.rhs));
         let factors = factors.of(at, &matrix, private);
         let again = Again {
@@ -148,8 +152,8 @@ impl Solver<'_> {
                 ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
                 ::core::option::Option::None => #without_guess,
             };
-            let fallback = || { #reopen #fallback };
-            let rounding = |&#iterates: &[f64; #size]| { #reopen #rounding };
+            let fallback = || #fallback;
+            let rounding = |&#iterates: &[f64; #size]| #rounding;
             let block = #private::BlockProperties { first: #first, has_bounds: #judged, needs_strong_contraction: #constrained, limit_sign: origin };
             #limits
             let #solved = newton.solve_block(block, &guess, fallback, rounding, |&#iterates: &[f64; #size]| {
@@ -165,53 +169,49 @@ impl Solver<'_> {
     }
 
     /// The test of the solution of a block, after the values that it needs.
-    pub(super) fn judge(&self, solution: &Solution<Value, Residual>) -> TokenStream {
+    pub(super) fn judge(&self, at: usize, solution: &Solution<Value, Residual>) -> TokenStream {
         let Solution::Iteration(iteration) = solution else {
             return TokenStream::new();
         };
         if let Some(path) = &iteration.path {
-            return self.path(path);
+            return self.path(at, path);
         }
         let Some(judge) = &iteration.judge else {
             return TokenStream::new();
         };
         let private = self.formulas.private;
         let accepted = accepted(&judge.bounds, self.printer, private);
-        let (full, or_full) = match &judge.full {
-            None => (None, None),
-            Some(bounds) => {
-                let full = self.full(bounds);
-                let full = quote!(let full = || { #full };);
-                (Some(full), Some(quote!(&& !#private::cold(full))))
-            }
-        };
+        let or_full = judge.full.as_ref().map(|bounds| {
+            let full = self.full(at, bounds);
+            quote!(&& !#full)
+        });
         quote! {
-            #full
             if newton.tests_bounds() && !(#accepted) #or_full {
                 return ::core::result::Result::Err(#private::SolveError::OtherBranch);
             }
         }
     }
 
-    /// Statements and the value of the test by the full bounds, computed where they stand.
-    fn full(&self, bounds: &Enclosure<Expr>) -> TokenStream {
-        let (formulas, reopen) = (self.formulas, self.reopen);
-        let (statements, [middle, radii, distances]) = formulas.arrays(&[
+    /// The test by the full bounds.
+    fn full(&self, at: usize, bounds: &Enclosure<Expr>) -> TokenStream {
+        let (statements, [middle, radii, distances]) = self.formulas.arrays(&[
             Array::matrix("middle", &bounds.middle),
             Array::rows("radius", &bounds.radii),
             Array::vector("distance", &bounds.conditions),
         ]);
-        let private = formulas.private;
-        quote! {
-            #reopen
+        let private = self.formulas.private;
+        let body = quote! {
             #statements
             #private::is_regular_within(&#middle, &#radii) && #private::all_positive(&#distances)
-        }
+        };
+        let entries: Vec<Expr> = bounds.entries().copied().collect();
+        let function = ("is_accepted", at);
+        (self.cold).function(function, (&entries, &[]), (&quote!(bool), &body))
     }
 
-    /// The test of the solution of a block with multipliers of constraints, computed where it stands.
-    fn path(&self, judge: &PathJudge) -> TokenStream {
-        let (formulas, reopen) = (self.formulas, self.reopen);
+    /// The test of the solution of a block with multipliers of constraints.
+    fn path(&self, at: usize, judge: &PathJudge) -> TokenStream {
+        let formulas = self.formulas;
         let PathJudge {
             limit,
             of_limit,
@@ -221,24 +221,27 @@ impl Solver<'_> {
         } = judge;
         let size = Literal::usize_unsuffixed(limit.len());
         let none = quote!([f64::NAN; #size]);
-        let (of_limit, _) = start(of_limit, &none, formulas);
+        let (limits, _) = start(of_limit, &none, formulas);
         let names = names(limit, formulas.symbols);
-        let (statements, [middle, radii, defects, reach, distances]) = formulas.arrays(&[
+        let arrays = [
             Array::matrix("middle", &bounds.middle),
             Array::rows("radius", &bounds.radii),
             Array::vector("defect", defects),
             Array::vector("reach", reach),
             Array::vector("distance", &bounds.conditions),
-        ]);
+        ];
+        let (statements, [middle, radii, defects, reach, distances]) = formulas.arrays(&arrays);
         let private = formulas.private;
+        let body = quote! {
+            let #names = { #limits };
+            #statements
+            #private::contains_path(&#middle, &#radii, &#defects, &#reach) && #private::all_positive(&#distances)
+        };
+        let entries = [of_limit.entries(), entries(&arrays)].concat();
+        let function = ("contains_path", at);
+        let full = (self.cold).function(function, (&entries, limit), (&quote!(bool), &body));
         quote! {
-            let full = || {
-                let #names = { #reopen #of_limit };
-                #reopen
-                #statements
-                #private::contains_path(&#middle, &#radii, &#defects, &#reach) && #private::all_positive(&#distances)
-            };
-            if newton.tests_paths() && !#private::cold(full) {
+            if newton.tests_paths() && !#full {
                 return ::core::result::Result::Err(#private::SolveError::OtherBranch);
             }
         }

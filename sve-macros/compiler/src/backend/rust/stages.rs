@@ -13,6 +13,7 @@ use super::node_bounds::node_bounds;
 use super::step::inside;
 use super::{Context, attributes};
 use crate::algebra::Expr;
+use crate::derivation::Nodes;
 use crate::discretise::stages::{Form, Impulse, Stages};
 use crate::model::Model;
 use crate::model::domain::Condition;
@@ -24,13 +25,14 @@ pub(crate) struct StageCode {
     pub(crate) operations: Operations,
 }
 
-/// Prints the equations at a node. The last noise of the context may be the potential of the option `weak2`.
-pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool) -> StageCode {
+/// Prints the equations at a node. The last noise of the context may be the potential of the option `weak2`. The loops over the stages
+/// are printed where a rule iterates to a fixed point.
+pub(crate) fn stages(context: &Context<'_>, nodes: &Nodes) -> StageCode {
     let (private, attributes) = (context.private, attributes());
     let (self_ty, sizes) = (context.self_ty(), context.sizes());
-    let sizes = quote!(#(#sizes),*);
+    let (stages, sizes) = (&nodes.stages, quote!(#(#sizes),*));
     let parameters = parameter_jets(context, stages);
-    let potential = has_potential.then(|| with_potential(context));
+    let potential = nodes.has_potential.then(|| with_potential(context));
     let bounds = node_bounds(context, stages);
     let writer = Writer {
         private,
@@ -42,21 +44,15 @@ pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool
             ..context.formulas()
         },
     };
-    let (kernel, operations) = match &stages.form {
-        Form::General => (TokenStream::new(), Operations::default()),
+    let (form, (body, operations)) = match &stages.form {
+        Form::General => (quote!(General), Default::default()),
         Form::SecondOrder {
             has_diagonal_mass,
             impulse,
         } => {
             let (body, operations) = writer.impulses(impulse);
-            let tokens = quote! {
-                #attributes
-                impl #private::gauss::SecondOrder<#sizes> for #self_ty {
-                    const HAS_DIAGONAL_MASS: bool = #has_diagonal_mass;
-                    #body
-                }
-            };
-            (tokens, operations)
+            let constant = quote!(const HAS_DIAGONAL_MASS: bool = #has_diagonal_mass;);
+            (quote!(SecondOrder), (quote!(#constant #body), operations))
         }
         Form::Partitioned {
             mass,
@@ -65,23 +61,27 @@ pub(crate) fn stages(context: &Context<'_>, stages: &Stages, has_potential: bool
             impulse,
             shift,
         } => {
-            let (body, operations) = writer.sweep(mass, *is_diagonal, offset, impulse, shift);
-            let tokens = quote! {
-                #attributes
-                impl #private::gauss::Partitioned<#sizes> for #self_ty {
-                    #body
-                }
-            };
-            (tokens, operations)
+            let sweep = writer.sweep(mass, *is_diagonal, offset, impulse, shift);
+            (quote!(Partitioned), sweep)
         }
     };
+    let mut counts = nodes.rules.iter().filter_map(|(rule, _)| rule.stages());
+    let is_swept = counts.any(|count| stages.has_fixed_point(count));
+    let loops = is_swept.then(|| {
+        quote! {
+            #attributes
+            impl #private::gauss::#form<#sizes> for #self_ty {
+                #body
+            }
+        }
+    });
     StageCode {
         tokens: quote! {
             #attributes
             impl #private::gauss::ByParameters<#sizes> for #self_ty {
                 #parameters
             }
-            #kernel
+            #loops
             #bounds
             #potential
         },

@@ -6,7 +6,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::code::{Place, Printer};
-use super::configuration::Received;
+use super::cold::Cold;
 use super::factors::Factors;
 use super::function::Formulas;
 use super::ident;
@@ -34,9 +34,9 @@ pub(super) fn code(
     scheme: &Scheme<Expr>,
     finds_singular_masses: bool,
     unknowns: &[Symbol],
-    received: &Received,
-    formulas: Formulas<'_>,
+    cold: &Cold<'_>,
 ) -> Code {
+    let formulas = cold.formulas;
     let Formulas {
         arena,
         symbols,
@@ -57,7 +57,7 @@ pub(super) fn code(
         printer: &printer,
         factors: &factors,
         finds_singular_masses,
-        reopen: &received.reopen_state,
+        cold,
     };
     let (kept, array, open) = factors.beside(&kept, &array, &printer, private);
     let load = printer.load(&results);
@@ -71,7 +71,7 @@ pub(super) fn code(
         let tokens = solver.tokens((at, first), &block.solution, scheme.dq.len());
         first += block.solution.solved().len();
         let after = printer.statements(Tier::Solved(at));
-        let judge = solver.judge(&block.solution);
+        let judge = solver.judge(at, &block.solution);
         quote!(#tokens #after #judge)
     });
     let blocks: Vec<TokenStream> = blocks.collect();
