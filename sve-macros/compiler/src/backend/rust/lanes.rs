@@ -14,8 +14,9 @@ use quote::{format_ident, quote};
 
 use super::code::{Place, Printer};
 use super::function::Formulas;
+use super::judge::accepted;
 use super::pivots::{self, Sparse};
-use super::solve::{accepted, names, residuals, sum_of_stages};
+use super::solve::{evaluation, names, sum_of_stages};
 use super::tangents::bound;
 use crate::algebra::Expr;
 use crate::model::{Meaning, Symbols};
@@ -340,25 +341,13 @@ impl Writer<'_> {
 
     /// The evaluation at a point, from the statements of the iteration.
     fn evaluation(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
-        let (private, printer) = (self.private, self.printer);
-        let [residual, magnitude] = residuals(&iteration.residual, printer);
         let jacobian = if iteration.needs_guess {
             let residuals: Vec<Value> = iteration.residual.iter().map(|r| r.value).collect();
             self.solved_by_pivots(at, &iteration.jacobian, &residuals, false)
         } else {
-            printer.matrix(&iteration.jacobian.rows)
+            self.printer.matrix(&iteration.jacobian.rows)
         };
-        let curvature = iteration
-            .curvature
-            .map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
-        quote! {
-            #private::Evaluation {
-                residual: #residual,
-                magnitude: #magnitude,
-                jacobian: #jacobian,
-                curvature: #curvature,
-            }
-        }
+        evaluation(iteration, &jacobian, self.printer)
     }
 }
 

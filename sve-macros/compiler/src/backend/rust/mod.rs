@@ -16,6 +16,7 @@ mod gauss;
 mod identity;
 mod implementation;
 mod jets;
+mod judge;
 mod lanes;
 mod linearise;
 mod momenta;

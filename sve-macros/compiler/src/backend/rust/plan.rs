@@ -66,29 +66,19 @@ fn plan_with(
     work: &Work,
 ) -> TokenStream {
     let Context {
-        settings: _,
-        block,
         model,
         mechanics,
-        commutation,
-        degeneracy,
-        momenta,
         about,
-        arena: _,
         private,
-    } = context;
-    let StepTexts {
-        action,
-        step: equations,
-        domain: _,
-    } = texts;
-    let texts = [&about.system(), &about.motion, action, equations];
+        ..
+    } = *context;
+    let texts = [&about.system(), &about.motion, &texts.action, &texts.step];
     let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
-    let self_ty = &block.item.self_ty;
+    let self_ty = context.self_ty();
     let system = quote!(#self_ty).to_string();
     let (name, order) = (rule.name(), rule.order);
     let (n, m) = (model.dof(), model.noises.len());
-    let strong = match commutation {
+    let strong = match context.commutation {
         _ if m == 0 => quote!(Deterministic),
         Commutation::All(_) if rule.options.contain(RuleOption::StageNoise) => {
             of_stage_noise(rule, mechanics)
@@ -96,9 +86,9 @@ fn plan_with(
         Commutation::All(_) => quote!(One),
         Commutation::NonCommuting(a, b) => quote!(Half { pair: (#a, #b) }),
     };
-    let conserved = momenta.iter().filter(|map| map.is_affine);
+    let conserved = context.momenta.iter().filter(|map| map.is_affine);
     let conserved = conserved.map(|map| format!("{}_momentum", map.name));
-    let degenerate = degenerate(private, rule, *degeneracy);
+    let degenerate = degenerate(private, rule, context.degeneracy);
     let Work {
         prepare,
         step,

@@ -21,16 +21,12 @@ use crate::structure::{Block, Returns, Solution};
 
 pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) -> TokenStream {
     let private = context.private;
-    let Derived {
-        symbols,
-        scheme,
-        linearisation,
-        ..
-    } = derived;
     let self_ty = context.self_ty();
+    let (scheme, symbols) = (&derived.scheme, &derived.symbols);
+    let unknowns = &derived.linearisation.unknowns;
     let rule_type = rule_type(context, derived);
     let [n, m] = context.sizes();
-    let unknowns = Literal::usize_unsuffixed(linearisation.unknowns.len());
+    let count = Literal::usize_unsuffixed(unknowns.len());
     let received = received(context.block, context.model, private);
     let cold = Cold {
         formulas: context.formulas_of(derived),
@@ -57,23 +53,22 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         private,
         doc,
         header: quote!(impl #private::StepEquations<#rule_type> for #self_ty),
-        sizes: [&n, &m, &unknowns],
+        sizes: [&n, &m, &count],
         types: [quote!(#private::State<#flat>), prepared, memory(carried)],
         plan: plan(context, derived, lanes.is_some(), texts, &work),
         returns: returns(scheme.returns),
         more: quote!(#proves_start #domain #lanes #multipliers),
         prepare,
-        start: start(&linearisation.unknowns, context.model.dof(), symbols),
+        start: start(unknowns, context.model.dof(), symbols),
         increment: quote!(#open_state #body),
         linearise: linearise(context, derived, open_state),
         increment_doc,
     };
-    let implementation = implementation.print();
     let functions = cold.functions.into_inner();
     if functions.is_empty() {
-        return implementation;
+        return implementation.print();
     }
-    let allowed = allowed();
+    let (allowed, implementation) = (allowed(), implementation.print());
     quote! {
         #allowed
         const _: () = {

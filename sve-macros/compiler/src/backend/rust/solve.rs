@@ -11,8 +11,8 @@ use super::ident;
 use super::rounding::rounding;
 use crate::algebra::{Expr, Symbol};
 use crate::model::Symbols;
-use crate::program::{Array, Operations, Residual, Tier, Value, entries, symbol_name};
-use crate::structure::{Enclosure, Iteration, Linear, Matrix, PathJudge, Refinement, Solution};
+use crate::program::{Array, Operations, Residual, Tier, Value, symbol_name};
+use crate::structure::{Iteration, Linear, Matrix, Refinement, Solution};
 
 /// Writes solves.
 pub(super) struct Solver<'a> {
@@ -72,178 +72,111 @@ impl Solver<'_> {
         iteration: &Iteration<Value, Residual>,
         degrees_of_freedom: usize,
     ) -> TokenStream {
-        let Self {
-            formulas,
-            printer,
-            factors,
-            finds_singular_masses,
-            cold,
-        } = self;
-        let Formulas {
-            symbols, private, ..
-        } = *formulas;
-        let Iteration {
-            guess,
-            limit,
-            residual,
-            jacobian,
-            curvature,
-            judge,
-            ..
-        } = iteration;
+        let (printer, private) = (self.printer, self.formulas.private);
         let size = Literal::usize_unsuffixed(iteration.iterates.len());
         let rest = rest(iteration, degrees_of_freedom);
-        let vector = quote!([f64; #size]);
-        let (fallback, _) = start(&iteration.fallback, &rest, *formulas);
-        let entries = iteration.fallback.entries();
-        let fallback = cold.function(("fallback", at), (&entries, &[]), (&vector, &fallback));
-        let equations: Vec<Expr> = residual.iter().map(|r| r.expr).collect();
-        let rounding = rounding(&equations, *formulas);
-        let rounding = cold.function(("rounding", at), (&equations, &[]), (&vector, &rounding));
-        let (matrix, rhs) = (self.matrix(&guess.matrix), printer.array(&guess.rhs));
-        let factors = factors.of(at, &matrix, private);
-        let again = Again {
-            matrix: &matrix,
-            is_factored: factors.is_some(),
-            private,
-        };
-        let guessed = self.refined(at, iteration, &again);
-        let [residual, magnitude] = residuals(residual, printer);
-        let jacobian = self.matrix(jacobian);
-        let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
-        let iterates = names(&iteration.iterates, symbols);
-        let solved = names(&iteration.solved, symbols);
+        let first_guess = self.first_guess(at, iteration, &rest);
+        let [fallback, rounding] = self.cold_paths(at, iteration, &rest);
+        let [iterates, solved] =
+            [&iteration.iterates, &iteration.solved].map(|list| names(list, self.formulas.symbols));
         let statements = printer.statements(Tier::Iterate(at));
-        // the matrix of the guess is the one of the limit
-        let (oriented, origin) = match (limit, &factors) {
-            (Some(_), None) => (quote!(origin), quote!(origin)),
-            (Some(_), Some(_)) => (quote!(factors), quote!(factors.sign())),
-            (None, _) => (quote!(_), quote!(#private::DeterminantSign::UNKNOWN)),
-        };
-        let limit = judge.as_ref().map(|judge| {
-            if iteration.limit_is_guess(judge) {
-                return quote!(guess);
-            }
-            let rhs = printer.array(&judge.limit_rhs);
-            let none = quote!([f64::NAN; #size]);
-            again.solve(&rhs, &quote!(limit), &quote!(limit), &none)
-        });
-        let limit = limit.unwrap_or_else(|| quote!([f64::NAN; #size]));
+        let evaluation = evaluation(iteration, &self.matrix(&iteration.jacobian), printer);
         let first = Literal::usize_unsuffixed(first);
-        let judged = judge.is_some() || iteration.path.is_some();
+        let judged = iteration.judge.is_some() || iteration.path.is_some();
         let constrained = iteration.needs_guess;
-        let limits = judge.as_ref().map(|j| {
-            let names = names(&j.limit, symbols);
+        let limits = iteration.judge.as_ref().map(|j| {
+            let names = names(&j.limit, self.formulas.symbols);
             quote!(let #names = limit;)
         });
-        let attempt = match factors {
-            Some(factors) => {
-                quote!(#factors.as_ref().map(|factors| (factors.solve(&#rhs), factors)))
-            }
-            None => quote!(#private::solve_with_sign(&#matrix, &#rhs)),
-        };
-        let without_guess = if iteration.needs_guess || *finds_singular_masses {
-            quote!(return ::core::result::Result::Err(#private::SolveError::Singular { iteration: 0 }))
-        } else {
-            quote!((#rest, #private::DeterminantSign::UNKNOWN, [f64::NAN; #size]))
-        };
         quote! {
-            let (guess, origin, limit) = match #attempt {
-                ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
-                ::core::option::Option::None => #without_guess,
-            };
+            #first_guess
             let fallback = || #fallback;
             let rounding = |&#iterates: &[f64; #size]| #rounding;
             let block = #private::BlockProperties { first: #first, has_bounds: #judged, needs_strong_contraction: #constrained, limit_sign: origin };
             #limits
             let #solved = newton.solve_block(block, &guess, fallback, rounding, |&#iterates: &[f64; #size]| {
                 #statements
-                #private::Evaluation {
-                    residual: #residual,
-                    magnitude: #magnitude,
-                    jacobian: #jacobian,
-                    curvature: #curvature,
-                }
+                #evaluation
             })?;
         }
     }
 
-    /// The test of the solution of a block, after the values that it needs.
-    pub(super) fn judge(&self, at: usize, solution: &Solution<Value, Residual>) -> TokenStream {
-        let Solution::Iteration(iteration) = solution else {
-            return TokenStream::new();
-        };
-        if let Some(path) = &iteration.path {
-            return self.path(at, path);
-        }
-        let Some(judge) = &iteration.judge else {
-            return TokenStream::new();
-        };
-        let private = self.formulas.private;
-        let accepted = accepted(&judge.bounds, self.printer, private);
-        let or_full = judge.full.as_ref().map(|bounds| {
-            let full = self.full(at, bounds);
-            quote!(&& !#full)
-        });
-        quote! {
-            if newton.tests_bounds() && !(#accepted) #or_full {
-                return ::core::result::Result::Err(#private::SolveError::OtherBranch);
-            }
-        }
-    }
-
-    /// The test by the full bounds.
-    fn full(&self, at: usize, bounds: &Enclosure<Expr>) -> TokenStream {
-        let (statements, [middle, radii, distances]) = self.formulas.arrays(&[
-            Array::matrix("middle", &bounds.middle),
-            Array::rows("radius", &bounds.radii),
-            Array::vector("distance", &bounds.conditions),
-        ]);
-        let private = self.formulas.private;
-        let body = quote! {
-            #statements
-            #private::is_regular_within(&#middle, &#radii) && #private::all_positive(&#distances)
-        };
-        let entries: Vec<Expr> = bounds.entries().copied().collect();
-        let function = ("is_accepted", at);
-        (self.cold).function(function, (&entries, &[]), (&quote!(bool), &body))
-    }
-
-    /// The test of the solution of a block with multipliers of constraints.
-    fn path(&self, at: usize, judge: &PathJudge) -> TokenStream {
-        let formulas = self.formulas;
-        let PathJudge {
-            limit,
-            of_limit,
-            bounds,
-            reach,
-            defects,
-        } = judge;
-        let size = Literal::usize_unsuffixed(limit.len());
-        let none = quote!([f64::NAN; #size]);
-        let (limits, _) = start(of_limit, &none, formulas);
-        let names = names(limit, formulas.symbols);
-        let arrays = [
-            Array::matrix("middle", &bounds.middle),
-            Array::rows("radius", &bounds.radii),
-            Array::vector("defect", defects),
-            Array::vector("reach", reach),
-            Array::vector("distance", &bounds.conditions),
+    /// Calls of the functions for the second guess, and for the rounding errors of the residual.
+    fn cold_paths(
+        &self,
+        at: usize,
+        iteration: &Iteration<Value, Residual>,
+        rest: &TokenStream,
+    ) -> [TokenStream; 2] {
+        let size = Literal::usize_unsuffixed(iteration.iterates.len());
+        let vector = quote!([f64; #size]);
+        let entries = iteration.fallback.entries();
+        let (fallback, _) = start(&iteration.fallback, rest, self.formulas);
+        let equations: Vec<Expr> = iteration.residual.iter().map(|r| r.expr).collect();
+        let rounding = rounding(&equations, self.formulas);
+        let paths = [
+            ("fallback", entries, fallback),
+            ("rounding", equations, rounding),
         ];
-        let (statements, [middle, radii, defects, reach, distances]) = formulas.arrays(&arrays);
-        let private = formulas.private;
-        let body = quote! {
-            let #names = { #limits };
-            #statements
-            #private::contains_path(&#middle, &#radii, &#defects, &#reach) && #private::all_positive(&#distances)
+        paths.map(|(name, formulas, body)| {
+            (self.cold).function((name, at), (&formulas, &[]), (&vector, &body))
+        })
+    }
+
+    /// The statement that finds the first guess, the sign of the determinant in the limit, and the limit. The matrix of the guess is
+    /// the one of the limit.
+    fn first_guess(
+        &self,
+        at: usize,
+        iteration: &Iteration<Value, Residual>,
+        rest: &TokenStream,
+    ) -> TokenStream {
+        let (printer, private) = (self.printer, self.formulas.private);
+        let Iteration {
+            guess,
+            limit,
+            judge,
+            ..
+        } = iteration;
+        let size = Literal::usize_unsuffixed(iteration.iterates.len());
+        let (matrix, rhs) = (self.matrix(&guess.matrix), printer.array(&guess.rhs));
+        let factors = self.factors.of(at, &matrix, private);
+        let again = Again {
+            matrix: &matrix,
+            is_factored: factors.is_some(),
+            private,
         };
-        let entries = [of_limit.entries(), entries(&arrays)].concat();
-        let function = ("contains_path", at);
-        let full = (self.cold).function(function, (&entries, limit), (&quote!(bool), &body));
-        quote! {
-            if newton.tests_paths() && !#full {
-                return ::core::result::Result::Err(#private::SolveError::OtherBranch);
+        let guessed = self.refined(at, iteration, &again);
+        let (oriented, origin) = match (limit, &factors) {
+            (Some(_), None) => (quote!(origin), quote!(origin)),
+            (Some(_), Some(_)) => (quote!(factors), quote!(factors.sign())),
+            (None, _) => (quote!(_), quote!(#private::DeterminantSign::UNKNOWN)),
+        };
+        let none = quote!([f64::NAN; #size]);
+        let limit = match judge {
+            None => none.clone(),
+            Some(judge) if iteration.limit_is_guess(judge) => quote!(guess),
+            Some(judge) => {
+                let (rhs, limit) = (printer.array(&judge.limit_rhs), quote!(limit));
+                again.solve(&rhs, &limit, &limit, &none)
             }
+        };
+        let attempt = match factors {
+            Some(factors) => {
+                quote!(#factors.as_ref().map(|factors| (factors.solve(&#rhs), factors)))
+            }
+            None => quote!(#private::solve_with_sign(&#matrix, &#rhs)),
+        };
+        let without_guess = if iteration.needs_guess || self.finds_singular_masses {
+            quote!(return ::core::result::Result::Err(#private::SolveError::Singular { iteration: 0 }))
+        } else {
+            quote!((#rest, #private::DeterminantSign::UNKNOWN, #none))
+        };
+        quote! {
+            let (guess, origin, limit) = match #attempt {
+                ::core::option::Option::Some((guess, #oriented)) => ({ #guessed }, #origin, #limit),
+                ::core::option::Option::None => #without_guess,
+            };
         }
     }
 
@@ -310,23 +243,6 @@ impl Again<'_> {
     }
 }
 
-/// Whether a solution is accepted: the conditions hold and every matrix within the radii is regular.
-pub(super) fn accepted(
-    bounds: &Enclosure<Value>,
-    printer: &Printer<'_>,
-    private: &TokenStream,
-) -> TokenStream {
-    let Enclosure {
-        middle,
-        radii,
-        conditions,
-    } = bounds;
-    let middle = printer.stored(middle.storage, &middle.rows);
-    let radii = printer.matrix(radii);
-    let conditions = conditions.iter().map(|&c| printer.operand(c));
-    quote!(#private::is_regular_within(&#middle, &#radii) #(& (#conditions > 0f64))*)
-}
-
 /// The sum of the two stages of a guess.
 pub(super) fn sum_of_stages(size: usize) -> TokenStream {
     let entries = (0..size).map(|i| {
@@ -336,13 +252,28 @@ pub(super) fn sum_of_stages(size: usize) -> TokenStream {
     quote!([#(#entries),*])
 }
 
-/// Residuals, and their magnitudes.
-pub(super) fn residuals(residuals: &[Residual], printer: &Printer<'_>) -> [TokenStream; 2] {
+/// The evaluation at a point, after the statements of the iteration.
+pub(super) fn evaluation(
+    iteration: &Iteration<Value, Residual>,
+    jacobian: &TokenStream,
+    printer: &Printer<'_>,
+) -> TokenStream {
     let array = |of: fn(&Residual) -> Value| {
-        let values: Vec<Value> = residuals.iter().map(of).collect();
+        let values: Vec<Value> = iteration.residual.iter().map(of).collect();
         printer.array(&values)
     };
-    [array(|r| r.value), array(|r| r.magnitude)]
+    let (residual, magnitude) = (array(|r| r.value), array(|r| r.magnitude));
+    let curvature = iteration.curvature;
+    let curvature = curvature.map_or_else(|| quote!(f64::NAN), |c| printer.operand(c));
+    let private = printer.formulas.private;
+    quote! {
+        #private::Evaluation {
+            residual: #residual,
+            magnitude: #magnitude,
+            jacobian: #jacobian,
+            curvature: #curvature,
+        }
+    }
 }
 
 /// Code of a guess that is computed where it stands, all of it: the solution of a linear system, or else rest. With its

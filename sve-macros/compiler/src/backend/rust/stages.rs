@@ -3,6 +3,8 @@
 //! Input: the equations at a node. Output: implementations of traits in the runtime's `gauss`. Invariant: no branches and no calls within a loop over the
 //! stages, so that the compiler turns it into vector instructions.
 
+mod masses;
+
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
@@ -11,7 +13,7 @@ use super::function::Formulas;
 use super::jets::{parameter_jets, with_potential};
 use super::node_bounds::node_bounds;
 use super::step::inside;
-use super::{Context, attributes};
+use super::{Context, attributes, ident};
 use crate::algebra::Expr;
 use crate::derivation::Nodes;
 use crate::discretise::stages::{Form, Impulse, Stages};
@@ -61,7 +63,7 @@ pub(crate) fn stages(context: &Context<'_>, nodes: &Nodes) -> StageCode {
             impulse,
             shift,
         } => {
-            let sweep = writer.sweep(mass, *is_diagonal, offset, impulse, shift);
+            let sweep = writer.sweep((mass, *is_diagonal), offset, impulse, shift);
             (quote!(Partitioned), sweep)
         }
     };
@@ -162,6 +164,30 @@ impl Writer<'_> {
         }
     }
 
+    /// A function with a loop over the stages: its name with further arguments, what it returns, what stands around the loop.
+    fn function(
+        &self,
+        (name, arguments): (&str, &TokenStream),
+        output: &TokenStream,
+        [before, body, after]: [&TokenStream; 3],
+    ) -> TokenStream {
+        let (private, sizes, name) = (self.private, self.sizes, ident(name));
+        quote! {
+            #[inline(always)]
+            fn #name<const __S: usize>(
+                &self,
+                stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
+                #arguments
+            ) -> #output {
+                #before
+                for stage in 0..__S {
+                    #body
+                }
+                #after
+            }
+        }
+    }
+
     /// `fn impulses`.
     fn impulses(&self, impulse: &Impulse) -> (TokenStream, Operations) {
         let n = self.model.dof();
@@ -177,86 +203,77 @@ impl Writer<'_> {
         let inputs = self.inputs(false);
         let [poison, poisoned] = poison(&impulse.domain, &results[n..]);
         let stores = stores(&quote!(impulses), &results[..n], &poisoned);
-        let sizes = self.sizes;
         let n = Literal::usize_unsuffixed(n);
-        let private = self.private;
-        let tokens = quote! {
-            #[inline(always)]
-            fn impulses<const __S: usize>(
-                &self,
-                stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
-            ) -> [[f64; __S]; #n] {
-                #before
-                let mut impulses = [[0f64; __S]; #n];
-                for stage in 0..__S {
-                    #inputs
-                    #known
-                    #late
-                    #poison
-                    #stores
-                }
-                impulses
-            }
-        };
+        let tokens = self.function(
+            ("impulses", &TokenStream::new()),
+            &quote!([[f64; __S]; #n]),
+            [
+                &quote!(#before let mut impulses = [[0f64; __S]; #n];),
+                &quote!(#inputs #known #late #poison #stores),
+                &quote!(impulses),
+            ],
+        );
         (tokens, operations)
     }
 
     /// `fn impulses` and `fn displacements` of a system with masses that depend on the position.
     fn sweep(
         &self,
-        mass: &[Vec<Expr>],
-        is_diagonal: bool,
+        (mass, is_diagonal): (&[Vec<Expr>], bool),
         offset: &[Expr],
         impulse: &Impulse,
         shift: &[Expr],
+    ) -> (TokenStream, Operations) {
+        let n = self.model.dof();
+        let (impulses, of_impulses) = self.impulses_of_masses((mass, is_diagonal), offset, impulse);
+        let (displacements, of_displacements) = self.displacements(shift, is_diagonal);
+        let solves = Operations {
+            arithmetic: 2 * n * (2 * n + 1),
+            ..Operations::default()
+        };
+        let tokens = quote!(#impulses #displacements);
+        (tokens, of_impulses + of_displacements + solves)
+    }
+
+    fn impulses_of_masses(
+        &self,
+        (mass, is_diagonal): (&[Vec<Expr>], bool),
+        offset: &[Expr],
+        impulse: &Impulse,
     ) -> (TokenStream, Operations) {
         let n = self.model.dof();
         let mut roots = impulse.value.clone();
         roots.extend(impulse.domain.iter().map(|c| c.value));
         let first_of_mass = roots.len();
         roots.extend(mass.iter().flatten().chain(offset));
-        let first = self.body(&roots);
-        let shift = self.body(shift);
-        let (matrix, offsets) = first.results[first_of_mass..].split_at(n * n);
-        let inverse = self.inverse(matrix, is_diagonal);
-        let [poison, poisoned] = poison(&impulse.domain, &first.results[n..first_of_mass]);
-        let stores_of_impulses = stores(&quote!(impulses), &first.results[..n], &poisoned);
-        let [keep_inverse, kept_inverse] = self.kept_inverse(is_diagonal);
-        let velocity = self.velocity(is_diagonal);
-        let inputs = self.inputs(true);
-        let keep_offsets = stores(&quote!(masses.offset), offsets, &TokenStream::new());
-        let kept_offsets = (0..n).map(|i| {
-            let i = Literal::usize_unsuffixed(i);
-            quote!(masses.offset[#i][stage])
-        });
-        let displacements = shift.results.iter().enumerate().map(|(i, shift)| {
-            let i = Literal::usize_unsuffixed(i);
-            quote!(motion.displacements[#i][stage] = h * v[#i] + #shift; motion.velocities[#i][stage] = v[#i];)
-        });
         let Body {
             before,
             known,
             late,
-            ..
-        } = &first;
-        let (before_shift, known_shift, late_shift) = (&shift.before, &shift.known, &shift.late);
-        let sizes = self.sizes;
-        let size = Literal::usize_unsuffixed(n);
-        let private = self.private;
-        let tokens = quote! {
-            #[inline(always)]
-            fn impulses<const __S: usize>(
-                &self,
-                stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
-                kicks: &[[f64; __S]; #size],
-            ) -> ([[f64; __S]; #size], #private::gauss::Masses<__S, #size>) {
-                let mut masses = #private::gauss::Masses {
-                    inverse: [[[0f64; __S]; #size]; #size],
-                    offset: [[0f64; __S]; #size],
-                };
-                let mut impulses = [[0f64; __S]; #size];
-                #before
-                for stage in 0..__S {
+            results,
+            operations,
+        } = self.body(&roots);
+        let (matrix, offsets) = results[first_of_mass..].split_at(n * n);
+        let inverse = self.inverse(matrix, is_diagonal);
+        let [poison, poisoned] = poison(&impulse.domain, &results[n..first_of_mass]);
+        let keep_impulses = stores(&quote!(impulses), &results[..n], &poisoned);
+        let keep_offsets = stores(&quote!(masses.offset), offsets, &TokenStream::new());
+        let [keep_inverse, _] = self.kept_inverse(is_diagonal);
+        let (inputs, velocity) = (self.inputs(true), self.velocity(is_diagonal));
+        let (size, private) = (Literal::usize_unsuffixed(n), self.private);
+        let tokens = self.function(
+            ("impulses", &quote!(kicks: &[[f64; __S]; #size])),
+            &quote!(([[f64; __S]; #size], #private::gauss::Masses<__S, #size>)),
+            [
+                &quote! {
+                    let mut masses = #private::gauss::Masses {
+                        inverse: [[[0f64; __S]; #size]; #size],
+                        offset: [[0f64; __S]; #size],
+                    };
+                    let mut impulses = [[0f64; __S]; #size];
+                    #before
+                },
+                &quote! {
                     #inputs
                     #known
                     #inverse
@@ -266,104 +283,58 @@ impl Writer<'_> {
                     let v: [f64; #size] = #velocity;
                     #late
                     #poison
-                    #stores_of_impulses
-                }
-                (impulses, masses)
-            }
-            #[inline(always)]
-            fn displacements<const __S: usize>(
-                &self,
-                stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
-                kicks: &[[f64; __S]; #size],
-                masses: &#private::gauss::Masses<__S, #size>,
-            ) -> #private::gauss::Motion<__S, #size> {
-                let mut motion = #private::gauss::Motion {
-                    velocities: [[0f64; __S]; #size],
-                    displacements: [[0f64; __S]; #size],
-                };
-                #before_shift
-                for stage in 0..__S {
+                    #keep_impulses
+                },
+                &quote!((impulses, masses)),
+            ],
+        );
+        (tokens, operations)
+    }
+
+    fn displacements(&self, shift: &[Expr], is_diagonal: bool) -> (TokenStream, Operations) {
+        let Body {
+            before,
+            known,
+            late,
+            results,
+            operations,
+        } = self.body(shift);
+        let [_, kept_inverse] = self.kept_inverse(is_diagonal);
+        let (inputs, velocity) = (self.inputs(true), self.velocity(is_diagonal));
+        let (size, private) = (Literal::usize_unsuffixed(self.model.dof()), self.private);
+        let numbers: Vec<Literal> = (0..self.model.dof())
+            .map(Literal::usize_unsuffixed)
+            .collect();
+        let tokens = self.function(
+            (
+                "displacements",
+                &quote!(kicks: &[[f64; __S]; #size], masses: &#private::gauss::Masses<__S, #size>),
+            ),
+            &quote!(#private::gauss::Motion<__S, #size>),
+            [
+                &quote! {
+                    let mut motion = #private::gauss::Motion {
+                        velocities: [[0f64; __S]; #size],
+                        displacements: [[0f64; __S]; #size],
+                    };
+                    #before
+                },
+                &quote! {
                     #inputs
                     #kept_inverse
-                    let offset: [f64; #size] = [#(#kept_offsets),*];
+                    let offset: [f64; #size] = [#(masses.offset[#numbers][stage]),*];
                     let v: [f64; #size] = #velocity;
-                    #known_shift
-                    #late_shift
-                    #(#displacements)*
-                }
-                motion
-            }
-        };
-        let solves = Operations {
-            arithmetic: 2 * n * (2 * n + 1),
-            ..Operations::default()
-        };
-        (tokens, first.operations + shift.operations + solves)
-    }
-
-    /// The inverse of the mass matrix at a stage; of a diagonal one the diagonal.
-    fn inverse(&self, matrix: &[TokenStream], is_diagonal: bool) -> TokenStream {
-        let n = self.model.dof();
-        if is_diagonal {
-            let diagonal = (0..n).map(|i| &matrix[i * n + i]);
-            return quote!(let inverse = [#(1f64 / #diagonal),*];);
-        }
-        let rows = matrix.chunks(n).map(|row| quote!([#(#row),*]));
-        let private = self.private;
-        quote!(let inverse = #private::lane::inverse(&[#(#rows),*]);)
-    }
-
-    /// Writes the inverse to `masses`, and reads it from there.
-    fn kept_inverse(&self, is_diagonal: bool) -> [TokenStream; 2] {
-        let n = self.model.dof();
-        let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-        let entry = |i: usize, j: usize| {
-            let [i, j] = [i, j].map(Literal::usize_unsuffixed);
-            quote!(masses.inverse[#i][#j][stage])
-        };
-        let keep = places
-            .filter(|(i, j)| !is_diagonal || i == j)
-            .map(|(i, j)| {
-                let (kept, entry) = (entry(i, j), inverse_entry(is_diagonal, i, j));
-                quote!(#kept = #entry;)
-            });
-        let rows = (0..n).map(|i| {
-            if is_diagonal {
-                return entry(i, i);
-            }
-            let row = (0..n).map(|j| entry(i, j));
-            quote!([#(#row),*])
-        });
-        [quote!(#(#keep)*), quote!(let inverse = [#(#rows),*];)]
-    }
-
-    /// The velocity of the momentum `p` at a stage.
-    fn velocity(&self, is_diagonal: bool) -> TokenStream {
-        let n = self.model.dof();
-        let components = (0..n).map(|i| {
-            let terms = (0..n).filter(|&j| !is_diagonal || i == j).map(|j| {
-                let entry = inverse_entry(is_diagonal, i, j);
-                let j = Literal::usize_unsuffixed(j);
-                quote!(#entry * (p[#j] - offset[#j]))
-            });
-            let mut sum = TokenStream::new();
-            for (at, term) in terms.enumerate() {
-                let plus = (at > 0).then(|| quote!(+));
-                sum.extend(quote!(#plus #term));
-            }
-            sum
-        });
-        quote!([#(#components),*])
-    }
-}
-
-/// An entry of the inverse of the mass matrix; of a diagonal one the diagonal alone is stored.
-fn inverse_entry(is_diagonal: bool, row: usize, column: usize) -> TokenStream {
-    let [row, column] = [row, column].map(Literal::usize_unsuffixed);
-    if is_diagonal {
-        quote!(inverse[#row])
-    } else {
-        quote!(inverse[#row][#column])
+                    #known
+                    #late
+                    #(
+                        motion.displacements[#numbers][stage] = h * v[#numbers] + #results;
+                        motion.velocities[#numbers][stage] = v[#numbers];
+                    )*
+                },
+                &quote!(motion),
+            ],
+        );
+        (tokens, operations)
     }
 }
 

@@ -13,7 +13,9 @@ use super::ident;
 use super::solve::Solver;
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Meaning, Symbols};
-use crate::program::{Carried, Operation, Program, Step, Tier, Value, Work, operands, symbol_name};
+use crate::program::{
+    Carried, Operation, Program, Residual, Step, Tier, Value, Work, operands, symbol_name,
+};
 use crate::structure::Scheme;
 
 /// The code of a step.
@@ -75,6 +77,35 @@ pub(super) fn code(
         quote!(#tokens #after #judge)
     });
     let blocks: Vec<TokenStream> = blocks.collect();
+    let checks = checks(scheme, &printer, private);
+    let (dq, dp) = (printer.array(&scheme.dq), printer.array(&scheme.dp));
+    let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
+    let time = uses_time(&step.program, symbols).then(|| quote!(let time = state.t;));
+    Code {
+        prepared: kept,
+        carried: carried.as_ref().map_or(0, |carried| carried.pairs.len()),
+        prepare: quote!(#prepare #array),
+        body: quote! {
+            #time
+            #open
+            #load
+            #noise
+            #state
+            #(#blocks)*
+            #checks
+            #remember
+            ::core::result::Result::Ok((#dq, #dp, [#(#unknowns),*]))
+        },
+        work: Work::of(&step, carried.as_ref()),
+    }
+}
+
+/// The tests that L is defined at the solution, and that the contraction of an iteration is enough to accept it.
+fn checks(
+    scheme: &Scheme<Value, Residual>,
+    printer: &Printer<'_>,
+    private: &TokenStream,
+) -> TokenStream {
     let domain = scheme.domain.iter().enumerate().map(|(at, condition)| {
         let (value, at) = (printer.operand(condition.value), Literal::usize_unsuffixed(at));
         let holds = inside(&value, condition.is_closed);
@@ -92,27 +123,7 @@ pub(super) fn code(
             }
         }
     });
-    let (dq, dp) = (printer.array(&scheme.dq), printer.array(&scheme.dp));
-    let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
-    let time = uses_time(&step.program, symbols).then(|| quote!(let time = state.t;));
-    Code {
-        prepared: kept,
-        carried: carried.as_ref().map_or(0, |carried| carried.pairs.len()),
-        prepare: quote!(#prepare #array),
-        body: quote! {
-            #time
-            #open
-            #load
-            #noise
-            #state
-            #(#blocks)*
-            #(#domain)*
-            #(#guards)*
-            #remember
-            ::core::result::Result::Ok((#dq, #dp, [#(#unknowns),*]))
-        },
-        work: Work::of(&step, carried.as_ref()),
-    }
+    quote!(#(#domain)* #(#guards)*)
 }
 
 /// The statements of the state's tier, of which those that only yield carried values run where nothing is carried; and the statement that

@@ -16,7 +16,6 @@ use crate::system::mechanics::Mechanics;
 
 pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStream {
     let Context {
-        settings,
         block,
         model,
         about,
@@ -25,50 +24,22 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
     } = *context;
     let attributes = attributes();
     let (self_ty, [n, m]) = (context.self_ty(), context.sizes());
-    let formulas = context.formulas();
-    let Mechanics {
-        lagrangian,
-        noises,
-        force,
-        affine_momentum,
-        ..
-    } = &functions.mechanics;
-    let markers = markers(context, &functions.mechanics, &private);
-    let [doc, jet_doc, noise_doc] = documentation(about, !noises.is_empty());
+    let mechanics = &functions.mechanics;
+    let affine_momentum = mechanics.affine_momentum;
+    let [doc, jet_doc, noise_doc] = documentation(about, !mechanics.noises.is_empty());
     let configuration = written(block, private).map(|ty| quote!(, #ty));
     let received = received(block, model, private);
     let Received { flat, open, .. } = &received;
-    let lagrangian_body = lagrangian_jet(lagrangian, formulas);
-    let noise_body = noise_jets(noises, formulas);
-    let force = force.as_ref();
-    let force = force.map(|jet| force_jet(jet, &received, formulas));
-    let energy = functions.energy.as_ref();
-    let energy = energy.and_then(|energy| energy_lanes(energy, context));
-    let euler = functions.euler.as_ref();
-    let euler = euler.and_then(|euler| euler_increment(euler, settings.lanes, context));
-    let euler = euler.unwrap_or_else(no_euler);
-    let constraint_jets = constraint_jets(context, functions);
+    let lagrangian_body = lagrangian_jet(&mechanics.lagrangian, context.formulas());
+    let noise_body = noise_jets(&mechanics.noises, context.formulas());
+    let optional = optional(context, functions, &received);
     let identity = identity(model, context.arena, private);
     let roles = context.degeneracy.map(|d| roles(d, private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
     let (coordinates, momenta) = (&model.names.configuration, &model.names.momenta);
-    // the user's functions are not called by what is derived from them, and yet are not dead
-    let parts = [
-        &block.noises,
-        &block.forces,
-        &block.symmetries,
-        &block.constraints,
-    ];
-    let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
-    let functions = functions.map(|part| &part.name);
-    let constants = model
-        .constants
-        .iter()
-        .map(|(path, value)| constant_check(path, *value));
+    let (used, markers) = (used(context), markers(context, mechanics));
     quote! {
-        #attributes
-        const _: () = { #(let _ = <#self_ty>::#functions;)* };
-        #(#constants)*
+        #used
         #doc
         #attributes
         impl #private::System for #self_ty {
@@ -94,30 +65,57 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
                 #open
                 #noise_body
             }
-            #force
-            #constraint_jets
-            #energy
-            #euler
+            #optional
         }
         #markers
     }
 }
 
-/// Which splittings the structure of L allows.
-fn markers(
-    context: &Context<'_>,
-    mechanics: &Mechanics,
-    private: &TokenStream,
-) -> Option<TokenStream> {
-    let self_ty = &context.block.item.self_ty;
-    if !mechanics.is_separable || context.degeneracy.is_some() {
-        return None;
+/// The functions that not every system has.
+fn optional(context: &Context<'_>, functions: &Functions, received: &Received) -> TokenStream {
+    let force = functions.mechanics.force.as_ref();
+    let force = force.map(|jet| force_jet(jet, received, context.formulas()));
+    let constraints = constraint_jets(context, functions);
+    let energy = functions.energy.as_ref();
+    let energy = energy.and_then(|energy| energy_lanes(energy, context));
+    let euler = functions.euler.as_ref();
+    let euler = euler.and_then(|euler| euler_increment(euler, context.settings.lanes, context));
+    let euler = euler.unwrap_or_else(no_euler);
+    quote!(#force #constraints #energy #euler)
+}
+
+/// Uses of what the user wrote: functions are not called by what is derived from them, and yet are not dead; constants are those of
+/// the standard library.
+fn used(context: &Context<'_>) -> TokenStream {
+    let (block, self_ty, attributes) = (context.block, context.self_ty(), attributes());
+    let parts = [
+        &block.noises,
+        &block.forces,
+        &block.symmetries,
+        &block.constraints,
+    ];
+    let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
+    let functions = functions.map(|part| &part.name);
+    let constants = context.model.constants.iter();
+    let constants = constants.map(|(path, value)| constant_check(path, *value));
+    quote! {
+        #attributes
+        const _: () = { #(let _ = <#self_ty>::#functions;)* };
+        #(#constants)*
     }
-    // conditions of order for the splitting of a quadratic kinetic energy do not hold for steps that constraints couple
-    let is_quadratic = mechanics.affine_momentum && mechanics.constraints.is_empty();
+}
+
+/// Implementations of the traits by which splittings know a system. Conditions of order for the splitting of a quadratic kinetic energy
+/// do not hold for steps that constraints couple.
+fn markers(context: &Context<'_>, mechanics: &Mechanics) -> TokenStream {
+    let (private, self_ty) = (context.private, context.self_ty());
+    let is_separable = mechanics.is_separable && context.degeneracy.is_none();
+    let is_quadratic =
+        is_separable && mechanics.affine_momentum && mechanics.constraints.is_empty();
+    let separable = is_separable.then(|| quote!(impl #private::Separable for #self_ty {}));
     let quadratic =
         is_quadratic.then(|| quote!(impl #private::QuadraticKineticEnergy for #self_ty {}));
-    Some(quote!(impl #private::Separable for #self_ty {} #quadratic))
+    quote!(#separable #quadratic)
 }
 
 /// `ROLES`, how the velocity of each coordinate occurs in a degenerate L.
