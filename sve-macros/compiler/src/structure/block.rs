@@ -54,7 +54,7 @@ impl LeadingRows {
 }
 
 impl Reduced<'_> {
-    /// Classifies a block and writes down what solves it; `known` gets what its unknowns are called afterwards.
+    /// Chooses how a block is solved. Adds to `known` the symbols that stand for its solution.
     pub(super) fn solve(
         &mut self,
         rows: &[usize],
@@ -74,67 +74,89 @@ impl Reduced<'_> {
         let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
         let at_zero = self.newton_step(&residual, &jacobian, &origin);
 
-        let linear = self.is_linear(&jacobian, &unknowns);
-        if linear && unknowns.len() == 1 {
-            let (coefficient, rhs) = (at_zero.0[0][0], at_zero.1[0]);
-            let formula = self.arena.div(rhs, coefficient);
-            let formula = self.arena.opaque(formula);
-            known.insert(unknowns[0], formula);
-            let kind = if self.is_parameter(coefficient) {
-                Kind::Explicit
-            } else {
-                Kind::Linear
-            };
-            return Block {
-                kind,
-                unknowns,
-                nonzeros,
-                pivots: None,
-                solution: Solution::Formula(formula),
-            };
-        }
-        let solved = self.solved(&unknowns, known);
-        let variations = leading.as_ref().map(|leading| leading.variations.clone());
-        let pivots = |system: &Self, matrix: &Matrix<Expr>| {
-            variations.and_then(|variations| system.pivots(&variations, &unknowns, matrix))
+        let is_linear = self.is_linear(&jacobian, &unknowns);
+        let (kind, solution) = match unknowns.as_slice() {
+            &[unknown] if is_linear => self.formula(&at_zero, unknown, known),
+            _ if is_linear => {
+                let solved = self.solved(&unknowns, known);
+                let linear = self.linear(at_zero);
+                (Kind::Linear, Solution::System { linear, solved })
+            }
+            _ => {
+                let equations = (residual, jacobian);
+                let iteration =
+                    self.iteration(equations, at_zero, &unknowns, leading.as_ref(), known);
+                (Kind::Newton, Solution::Iteration(Box::new(iteration)))
+            }
         };
-        if linear {
-            let linear = self.linear(at_zero);
-            return Block {
-                kind: Kind::Linear,
-                pivots: pivots(self, &linear.matrix),
-                unknowns,
-                nonzeros,
-                solution: Solution::System { linear, solved },
-            };
+        let matrix = match &solution {
+            Solution::Formula(_) => None,
+            Solution::System { linear, .. } => Some(&linear.matrix),
+            Solution::Iteration(iteration) => Some(&iteration.guess.matrix),
+        };
+        let pivots = leading
+            .zip(matrix)
+            .and_then(|(leading, matrix)| self.pivots(&leading.variations, &unknowns, matrix));
+        Block {
+            kind,
+            unknowns,
+            nonzeros,
+            pivots,
+            solution,
         }
-        let needs_guess = leading.is_some();
-        let scales = leading
-            .as_ref()
-            .map_or_else(Vec::new, |leading| leading.scales.clone());
+    }
+
+    /// Solves a linear equation in one unknown: its formula takes the place of the unknown.
+    fn formula(
+        &mut self,
+        (matrix, rhs): &Rows,
+        unknown: Symbol,
+        known: &mut Replacement,
+    ) -> (Kind, Solution<Expr>) {
+        let coefficient = matrix[0][0];
+        let formula = self.arena.div(rhs[0], coefficient);
+        let formula = self.arena.opaque(formula);
+        known.insert(unknown, formula);
+        let kind = if self.is_parameter(coefficient) {
+            Kind::Explicit
+        } else {
+            Kind::Linear
+        };
+        (kind, Solution::Formula(formula))
+    }
+
+    /// Newton's method for equations with their Jacobian; `at_zero` is its step from zero.
+    fn iteration(
+        &mut self,
+        (residual, jacobian): (Vec<Expr>, Vec<Vec<Expr>>),
+        at_zero: Rows,
+        unknowns: &[Symbol],
+        leading: Option<&LeadingRows>,
+        known: &mut Replacement,
+    ) -> Iteration<Expr> {
+        let solved = self.solved(unknowns, known);
         let Start {
             judge,
             path,
             explicit,
             has_sign,
-        } = self.start(leading.as_ref(), (&residual, &jacobian), &unknowns, known);
+        } = self.start(leading, (&residual, &jacobian), unknowns, known);
         let fallback = self.linear(at_zero);
         let limit = explicit.as_ref().map(|(guess, _)| guess.matrix.clone());
         let limit = limit.filter(|_| has_sign);
         let (guess, refinements) = explicit.unwrap_or_else(|| (fallback.clone(), Vec::new()));
-        let curvature = match unknowns.as_slice() {
+        let curvature = match unknowns {
             [unknown] => Some(self.arena.diff(jacobian[0][0], *unknown)),
             _ => None,
         };
-        let pivots = pivots(self, &guess.matrix);
-        let iteration = Iteration {
+        Iteration {
             guess,
-            scales,
+            scales: leading.map_or_else(Vec::new, |leading| leading.scales.clone()),
             judge: judge.filter(|_| limit.is_some()),
             path,
             limit,
             refinements,
-            jacobian: if self.is_rotation(&unknowns) {
+            jacobian: if self.is_rotation(unknowns) {
                 Matrix::of_rotation(jacobian, self.arena)
             } else {
                 Matrix::new(jacobian, self.arena)
@@ -142,16 +164,9 @@ impl Reduced<'_> {
             residual,
             curvature,
             fallback,
-            needs_guess,
-            iterates: unknowns.clone(),
+            needs_guess: leading.is_some(),
+            iterates: unknowns.to_vec(),
             solved,
-        };
-        Block {
-            kind: Kind::Newton,
-            unknowns,
-            nonzeros,
-            pivots,
-            solution: Solution::Iteration(Box::new(iteration)),
         }
     }
 

@@ -76,68 +76,73 @@ impl Reduced<'_> {
         let mut limit_of: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
         limit_of.extend(still);
         let limit_rhs = self.newton_step(residual, jacobian, &limit_of).1;
-        let mut ranges: HashMap<Symbol, Range> = HashMap::new();
-        ranges.extend(small.iter().map(|&s| (s, Range::Small)));
-        let mut limit = Vec::new();
-        for &unknown in unknowns {
-            let Meaning::Unknown(named) = *self.symbols.meaning(unknown) else {
-                return None;
-            };
-            let symbol = self.symbols.declare(Meaning::Limit(named));
-            let Node::Symbol(solution) = *self.arena.node(known[&unknown]) else {
-                return None;
-            };
-            let moved = self.moved(residual, jacobian, unknowns, symbol, &small);
-            ranges.insert(
-                solution,
-                Range::Unknown {
-                    limit: symbol,
-                    moved,
-                },
-            );
-            limit.push(symbol);
-        }
-        let entries = self.arena.substitute_all(&jacobian.concat(), known);
-        let has_others = |&e: &Expr| {
-            let mut symbols = self.arena.symbols_of(e);
+        let (limit, ranges) = self.ranges((residual, jacobian), unknowns, known, &small)?;
+        let is_open = |system: &Self, e: Expr| {
+            let mut symbols = system.arena.symbols_of(e);
             symbols.any(|s| {
-                matches!(self.symbols.meaning(s), Meaning::Unknown(_)) && !ranges.contains_key(&s)
+                let is_unknown = matches!(system.symbols.meaning(s), Meaning::Unknown(_));
+                is_unknown && !ranges.contains_key(&s)
             })
         };
-        if entries.iter().any(has_others) {
+        let entries = self.arena.substitute_all(&jacobian.concat(), known);
+        if entries.iter().any(|&e| is_open(self, e)) {
             return None;
         }
-        let matrix: Vec<Vec<Expr>> = entries
-            .chunks(unknowns.len())
-            .map(<[Expr]>::to_vec)
-            .collect();
+        let matrix = entries.chunks(unknowns.len());
+        let matrix: Vec<Vec<Expr>> = matrix.map(<[Expr]>::to_vec).collect();
         let borders: Vec<Expr> = self.domain.iter().map(|c| c.value).collect();
-        let borders = self.arena.substitute_all(&borders, known);
-        let borders: Vec<Expr> = borders
-            .into_iter()
-            .filter(|&e| {
-                let mut symbols = self.arena.symbols_of(e);
-                symbols.all(|s| {
-                    !matches!(self.symbols.meaning(s), Meaning::Unknown(_))
-                        || ranges.contains_key(&s)
-                })
-            })
-            .collect();
-        let arena = &mut *self.arena;
-        let enclosed = |flavour, arena: &mut _| enclose(&matrix, &borders, &ranges, flavour, arena);
-        let global = enclosed(Flavour::Global, arena)?;
-        let (bounds, full) = if global.is_free_of(&ranges, arena) {
-            (global, None)
-        } else {
-            let quick = enclosed(Flavour::Limit, arena)?;
-            (quick, Some(enclosed(Flavour::Box, arena)?))
-        };
+        let mut borders = self.arena.substitute_all(&borders, known);
+        borders.retain(|&e| !is_open(self, e));
+        let (bounds, full) = self.bounds(&matrix, &borders, &ranges)?;
         Some(Judge {
             limit,
             limit_rhs,
             bounds,
             full,
         })
+    }
+
+    /// The names of the limit, and the range of each symbol between the limit and the solution.
+    fn ranges(
+        &mut self,
+        (residual, jacobian): (&[Expr], &[Vec<Expr>]),
+        unknowns: &[Symbol],
+        known: &Replacement,
+        small: &[Symbol],
+    ) -> Option<(Vec<Symbol>, HashMap<Symbol, Range>)> {
+        let mut ranges: HashMap<Symbol, Range> = HashMap::new();
+        ranges.extend(small.iter().map(|&s| (s, Range::Small)));
+        let mut limits = Vec::new();
+        for &unknown in unknowns {
+            let Meaning::Unknown(named) = *self.symbols.meaning(unknown) else {
+                return None;
+            };
+            let limit = self.symbols.declare(Meaning::Limit(named));
+            let Node::Symbol(solution) = *self.arena.node(known[&unknown]) else {
+                return None;
+            };
+            let moved = self.moved(residual, jacobian, unknowns, limit, small);
+            ranges.insert(solution, Range::Unknown { limit, moved });
+            limits.push(limit);
+        }
+        Some((limits, ranges))
+    }
+
+    /// The bounds that are looked at first, and the best ones where these are others.
+    fn bounds(
+        &mut self,
+        matrix: &[Vec<Expr>],
+        borders: &[Expr],
+        ranges: &HashMap<Symbol, Range>,
+    ) -> Option<(Enclosure<Expr>, Option<Enclosure<Expr>>)> {
+        let arena = &mut *self.arena;
+        let enclosed = |flavour, arena: &mut _| enclose(matrix, borders, ranges, flavour, arena);
+        let global = enclosed(Flavour::Global, arena)?;
+        if global.is_free_of(ranges, arena) {
+            return Some((global, None));
+        }
+        let quick = enclosed(Flavour::Limit, arena)?;
+        Some((quick, Some(enclosed(Flavour::Box, arena)?)))
     }
 
     fn is_displacement(&self, symbol: Symbol) -> bool {

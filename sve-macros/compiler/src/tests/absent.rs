@@ -5,7 +5,7 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{ImplItem, Item};
 
-use crate::tests::expand;
+use crate::tests::{expand, items};
 
 const RULES: [&str; 3] = ["initial_point", "endpoint", "midpoint"];
 
@@ -15,27 +15,30 @@ fn expansion(attribute: &str, members: &str) -> TokenStream {
     expand(&parse(attribute), &parse(&item))
 }
 
-/// The functions of a step, each as text: `prepare`, `increment`, `increment_lanes`, `linearise`.
+/// The functions of a step and beside it, each as text: `prepare`, `increment`, `increment_lanes`, `linearise`, `fallback_0`.
 fn step(attribute: &str, members: &str) -> Vec<String> {
     let expansion = expansion(attribute, members);
     assert!(
         !expansion.to_string().contains("compile_error"),
         "{expansion}"
     );
-    let file: syn::File = syn::parse2(expansion).expect("items");
-    let derived = file.items.into_iter().find_map(|item| match item {
-        Item::Impl(item) if is_step(&item) => Some(item),
-        _ => None,
-    });
+    let (mut derived, mut code) = (None, Vec::new());
+    for item in items(expansion) {
+        match item {
+            Item::Impl(item) if derived.is_none() && is_step(&item) => derived = Some(item),
+            Item::Fn(function) => code.push(function.to_token_stream().to_string()),
+            _ => {}
+        }
+    }
     let items = derived.expect("a step").items.into_iter();
-    let code = items.filter_map(|item| match item {
+    code.extend(items.filter_map(|item| match item {
         ImplItem::Fn(mut function) => {
             function.attrs.clear();
             Some(function.to_token_stream().to_string())
         }
         _ => None,
-    });
-    code.collect()
+    }));
+    code
 }
 
 /// Whether something implements `StepEquations` for a rule itself.

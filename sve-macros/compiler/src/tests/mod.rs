@@ -32,6 +32,27 @@ pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream
     crate::expand(attribute, item, Settings::default())
 }
 
+/// The items of an expansion. Those of a step with functions beside it stand in a block, which is opened.
+pub(crate) fn items(expansion: TokenStream) -> Vec<syn::Item> {
+    let file: syn::File = syn::parse2(expansion).expect("items");
+    let mut items = Vec::new();
+    for item in file.items {
+        match item {
+            syn::Item::Const(block) if matches!(*block.expr, syn::Expr::Block(_)) => {
+                let syn::Expr::Block(block) = *block.expr else {
+                    continue;
+                };
+                items.extend(block.block.stmts.into_iter().filter_map(|part| match part {
+                    syn::Stmt::Item(item) => Some(item),
+                    _ => None,
+                }));
+            }
+            item => items.push(item),
+        }
+    }
+    items
+}
+
 /// The lines of code in the documentation of this package are these.
 #[test]
 fn the_example_of_the_documentation_expands() {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::ToTokens;
 
-use crate::tests::expand;
+use crate::tests::{expand, items};
 
 fn tokens(text: &str) -> TokenStream {
     text.parse().expect("tokens")
@@ -62,7 +62,7 @@ fn expansions() -> Vec<TokenStream> {
 
 /// Each implementation: its trait, and its documentation and that of its functions.
 fn documentation(expansion: &TokenStream) -> Vec<(String, String)> {
-    let file: syn::File = syn::parse2(expansion.clone()).expect("items");
+    let all = items(expansion.clone());
     let lines = |attributes: &[syn::Attribute]| {
         let mut text = String::new();
         for attribute in attributes {
@@ -77,11 +77,11 @@ fn documentation(expansion: &TokenStream) -> Vec<(String, String)> {
         }
         text
     };
-    let items = file.items.iter().filter_map(|item| match item {
+    let implementations = all.iter().filter_map(|item| match item {
         syn::Item::Impl(item) => Some(item),
         _ => None,
     });
-    items
+    implementations
         .filter_map(|item| {
             let (name, ..) = item.trait_.as_ref()?;
             let mut text = lines(&item.attrs);
@@ -218,47 +218,23 @@ fn check_scope(stream: TokenStream, outer: &[String], count: &mut usize) {
 fn no_temporary_hides_another() {
     let mut count = 0;
     for expansion in expansions() {
-        let file: syn::File = syn::parse2(expansion).expect("items");
-        let derived = file.items.iter().filter_map(|item| match item {
-            syn::Item::Impl(item) if item.trait_.is_some() => Some(item),
-            _ => None,
-        });
-        for item in derived {
-            for part in &item.items {
-                if let syn::ImplItem::Fn(function) = part {
-                    let block = function.block.to_token_stream();
-                    // what is done after a failure is computed anew, in a block of its own, from the same inputs
-                    check_scope(without_fallbacks(block), &[], &mut count);
+        for item in items(expansion) {
+            match item {
+                syn::Item::Impl(item) if item.trait_.is_some() => {
+                    for part in &item.items {
+                        if let syn::ImplItem::Fn(function) = part {
+                            check_scope(function.block.to_token_stream(), &[], &mut count);
+                        }
+                    }
                 }
+                syn::Item::Fn(function) => {
+                    check_scope(function.block.to_token_stream(), &[], &mut count);
+                }
+                _ => {}
             }
         }
     }
     assert!(count > 1000, "{count}");
-}
-
-/// The stream without the blocks of `let fallback = || …`, `let rounding = |…| …` and `let full = || …`.
-fn without_fallbacks(stream: TokenStream) -> TokenStream {
-    let (mut after_let, mut aside) = (false, false);
-    let mut output = Vec::new();
-    for tree in stream {
-        match tree {
-            TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => {
-                if !aside {
-                    let inner = without_fallbacks(group.stream());
-                    output.push(proc_macro2::Group::new(Delimiter::Brace, inner).into());
-                }
-                aside = false;
-            }
-            TokenTree::Ident(name) => {
-                let computed_anew = ["fallback", "rounding", "full"];
-                aside |= after_let && computed_anew.iter().any(|known| name == known);
-                after_let = name == "let";
-                output.push(name.into());
-            }
-            other => output.push(other),
-        }
-    }
-    TokenStream::from_iter(output)
 }
 
 #[test]

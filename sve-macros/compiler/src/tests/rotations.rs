@@ -50,10 +50,10 @@ fn entries_of_a_rotation_are_read_where_they_are_used() {
             }
         }",
     );
-    let step = increment(&top);
-    for closure in ["let fallback =", "let rounding ="] {
-        let after = step.split(closure).nth(1).expect("a closure");
-        let state = after.find("let state =").expect("entries");
-        assert!(state < 100, "{closure} {state}");
+    for function in ["fn fallback_0", "fn rounding_0"] {
+        let after = top.split(function).nth(1).expect("a function");
+        let (_, body) = after.split_once('{').expect("a body");
+        let state = body.find("let state =").expect("entries");
+        assert!(state < 100, "{function} {state}");
     }
 }

@@ -4,15 +4,14 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::Item;
 
-use crate::tests::expand;
+use crate::tests::{expand, items};
 
 /// The items of the expansion that implement a trait for a system.
 fn implementations(attribute: &str, members: &str, of: &str) -> Vec<String> {
     let item = format!("impl P {{ {members} }}");
     let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
     let expansion = expand(&parse(attribute), &parse(&item));
-    let file: syn::File = syn::parse2(expansion).expect("items");
-    let implementations = file.items.into_iter().filter_map(|item| match item {
+    let implementations = items(expansion).into_iter().filter_map(|item| match item {
         Item::Impl(item) => Some(item),
         _ => None,
     });

@@ -41,18 +41,27 @@ impl Cold<'_> {
         let is_unknown =
             |s: &Symbol| matches!(symbols.meaning(*s), Meaning::Unknown(_) | Meaning::Limit(_));
         let contained = formulas.iter().flat_map(|&e| arena.symbols_of(e));
-        let unknowns: BTreeSet<Symbol> = contained
-            .filter(|s| is_unknown(s) && !bound.contains(s))
-            .collect();
-        let unknowns = unknowns.iter().map(|&s| ident(&symbol_name(symbols, s)));
+        let contained: BTreeSet<Symbol> = contained.collect();
+        let unknowns = contained
+            .iter()
+            .filter(|s| is_unknown(s) && !bound.contains(s));
+        let unknowns = unknowns.map(|&s| ident(&symbol_name(symbols, s)));
         let unknowns: Vec<Ident> = unknowns.collect();
+        let contains = |is_meant: fn(&Meaning) -> bool| {
+            contained.iter().any(|&s| is_meant(symbols.meaning(s)))
+        };
+        let time = contains(|meaning| matches!(meaning, Meaning::Time));
+        let time = time.then(|| quote!(let time = state.t;));
+        let noise = contains(|meaning| matches!(meaning, Meaning::Wiener(_)));
+        let (dw, m) = (noise.then(|| quote!(dw,)), &self.noises);
+        let noise = noise.then(|| quote!(dw: &[f64; #m],));
         let Received {
             flat,
             open_state,
             start,
             ..
         } = self.received;
-        let (name, self_ty, m) = (format_ident!("{name}_{block}"), self.self_ty, &self.noises);
+        let (name, self_ty) = (format_ident!("{name}_{block}"), self.self_ty);
         let body = of_argument(body.clone());
         self.functions.borrow_mut().push(quote! {
             #[cold]
@@ -61,15 +70,15 @@ impl Cold<'_> {
                 system: &#self_ty,
                 state: &#private::State<#flat>,
                 h: f64,
-                dw: &[f64; #m],
+                #noise
                 #(#unknowns: f64,)*
             ) -> #output {
                 #open_state
-                let time = state.t;
+                #time
                 #body
             }
         });
-        quote!(#name(self, #start, h, dw #(, #unknowns)*))
+        quote!(#name(self, #start, h, #dw #(#unknowns),*))
     }
 }
 

@@ -16,7 +16,7 @@ use super::code::{Place, Printer};
 use super::function::Formulas;
 use super::judge::accepted;
 use super::pivots::{self, Sparse};
-use super::solve::{evaluation, names, sum_of_stages};
+use super::solve::{Again, Policy, evaluation, names};
 use super::tangents::bound;
 use crate::algebra::Expr;
 use crate::model::{Meaning, Symbols};
@@ -100,7 +100,7 @@ impl Writer<'_> {
                         let solution = self.solved_by_pivots(at, &linear.matrix, &linear.rhs, true);
                         quote!(#solution.by)
                     } else {
-                        self.solution(at, &linear.matrix, &linear.rhs)
+                        self.solution(at, &linear.matrix, &self.printer.array(&linear.rhs))
                     };
                     let solved = bound(&self.step.scheme, at, &solution, self.symbols);
                     section.extend(quote!(#solved #after));
@@ -220,8 +220,8 @@ impl Writer<'_> {
     }
 
     /// A first solve of a block with its matrix. A block without constraints has no banded matrix.
-    fn solution(&self, at: usize, matrix: &Matrix<Value>, rhs: &[Value]) -> TokenStream {
-        let (private, rhs) = (self.private, self.printer.array(rhs));
+    fn solution(&self, at: usize, matrix: &Matrix<Value>, rhs: &TokenStream) -> TokenStream {
+        let private = self.private;
         if self.is_factored(at) {
             let factors = factors(at);
             return quote!(#factors.solve(&#rhs));
@@ -262,22 +262,17 @@ impl Writer<'_> {
     }
 
     fn guess(&self, at: usize, iteration: &Iteration<Value, Residual>) -> TokenStream {
-        let guess = &iteration.guess;
-        let first = self.solution(at, &guess.matrix, &guess.rhs);
-        let stages = iteration.refinements.iter().enumerate();
-        stages.fold(first, |guess_before, (stage, refinement)| {
-            let names = names(&refinement.first, self.symbols);
-            let statements = self.printer.statements(Tier::Guess(at, stage));
-            let more = self.solution(at, &guess.matrix, &refinement.rhs);
-            let sum = sum_of_stages(refinement.first.len());
-            quote!({
-                let guess = #guess_before;
-                let #names = guess;
-                #statements
-                let refinement = #more;
-                #sum
-            })
-        })
+        let Linear { matrix, rhs } = &iteration.guess;
+        let first = self.solution(at, matrix, &self.printer.array(rhs));
+        if iteration.refinements.is_empty() {
+            return first;
+        }
+        let again = Again {
+            solve: &|rhs| self.solution(at, matrix, rhs),
+            policy: Policy::Mask,
+        };
+        let refined = again.refined(at, iteration, self.printer);
+        quote!({ let guess = #first; #refined })
     }
 
     /// The limit of no noise and h → 0, where it is asked for.
@@ -287,7 +282,7 @@ impl Writer<'_> {
             None => quote!([f64::NAN; #size]),
             Some(judge) => {
                 let matrix = iteration.limit.as_ref().unwrap_or(&iteration.guess.matrix);
-                self.solution(at, matrix, &judge.limit_rhs)
+                self.solution(at, matrix, &self.printer.array(&judge.limit_rhs))
             }
         }
     }

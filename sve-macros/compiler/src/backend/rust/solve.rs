@@ -142,11 +142,16 @@ impl Solver<'_> {
         let (matrix, rhs) = (self.matrix(&guess.matrix), printer.array(&guess.rhs));
         let factors = self.factors.of(at, &matrix, private);
         let again = Again {
-            matrix: &matrix,
-            is_factored: factors.is_some(),
-            private,
+            solve: &|rhs| match &factors {
+                Some(_) => quote!(factors.solve(&#rhs)),
+                None => quote!(#private::solve(&#matrix, &#rhs)),
+            },
+            policy: match &factors {
+                Some(_) => Policy::Mask,
+                None => Policy::Branch,
+            },
         };
-        let guessed = self.refined(at, iteration, &again);
+        let guessed = again.refined(at, iteration, printer);
         let (oriented, origin) = match (limit, &factors) {
             (Some(_), None) => (quote!(origin), quote!(origin)),
             (Some(_), Some(_)) => (quote!(factors), quote!(factors.sign())),
@@ -161,7 +166,7 @@ impl Solver<'_> {
                 again.solve(&rhs, &limit, &limit, &none)
             }
         };
-        let attempt = match factors {
+        let attempt = match &factors {
             Some(factors) => {
                 quote!(#factors.as_ref().map(|factors| (factors.solve(&#rhs), factors)))
             }
@@ -179,43 +184,21 @@ impl Solver<'_> {
             };
         }
     }
-
-    /// A guess after its later stages.
-    fn refined(
-        &self,
-        at: usize,
-        iteration: &Iteration<Value, Residual>,
-        again: &Again<'_>,
-    ) -> TokenStream {
-        // each stage within the arm of the solve before, so that a division of theirs is done once
-        let stages = iteration.refinements.iter().enumerate().rev();
-        let guess = quote!(guess);
-        let refined = stages.fold(None, |later, (stage, Refinement { first, rhs })| {
-            let names = names(first, self.formulas.symbols);
-            let statements = self.printer.statements(Tier::Guess(at, stage));
-            let sum = sum_of_stages(first.len());
-            let rhs = self.printer.array(rhs);
-            let sum = match later {
-                Some(later) => quote!({ let guess = #sum; #later }),
-                None => sum,
-            };
-            let refined = again.solve(&rhs, &quote!(refinement), &sum, &guess);
-            Some(quote! {
-                let #names = guess;
-                #statements
-                #refined
-            })
-        });
-        refined.unwrap_or(guess)
-    }
 }
 
-/// A further solve with the matrix of a block's first solve, beside that one.
-struct Again<'a> {
-    matrix: &'a TokenStream,
-    /// Whether `factors` are those of the matrix.
-    is_factored: bool,
-    private: &'a TokenStream,
+/// What a solve does where its matrix is singular.
+pub(super) enum Policy {
+    /// Its value is `None`.
+    Branch,
+    /// Its value is not finite, or the matrix is known to be regular.
+    Mask,
+}
+
+/// Further solves with the matrix of a block's first solve, beside that one.
+pub(super) struct Again<'a> {
+    /// The solve for a right-hand side.
+    pub(super) solve: &'a dyn Fn(&TokenStream) -> TokenStream,
+    pub(super) policy: Policy,
 }
 
 impl Again<'_> {
@@ -227,24 +210,47 @@ impl Again<'_> {
         with: &TokenStream,
         without: &TokenStream,
     ) -> TokenStream {
-        let Self {
-            matrix, private, ..
-        } = self;
-        if self.is_factored {
-            return quote!({
-                let #name = factors.solve(&#rhs);
-                #with
-            });
+        let solution = (self.solve)(rhs);
+        match self.policy {
+            Policy::Mask => quote!({ let #name = #solution; #with }),
+            Policy::Branch => quote!(match #solution {
+                ::core::option::Option::Some(#name) => #with,
+                ::core::option::Option::None => #without,
+            }),
         }
-        quote!(match #private::solve(&#matrix, &#rhs) {
-            ::core::option::Option::Some(#name) => #with,
-            ::core::option::Option::None => #without,
-        })
+    }
+
+    /// The guess after its later stages. Each stage stands within the arm of the solve before, so that a division of these solves is
+    /// done once.
+    pub(super) fn refined(
+        &self,
+        at: usize,
+        iteration: &Iteration<Value, Residual>,
+        printer: &Printer<'_>,
+    ) -> TokenStream {
+        let stages = iteration.refinements.iter().enumerate().rev();
+        let guess = quote!(guess);
+        let refined = stages.fold(None, |later, (stage, Refinement { first, rhs })| {
+            let names = names(first, printer.formulas.symbols);
+            let statements = printer.statements(Tier::Guess(at, stage));
+            let (sum, rhs) = (sum_of_stages(first.len()), printer.array(rhs));
+            let sum = match later {
+                Some(later) => quote!({ let guess = #sum; #later }),
+                None => sum,
+            };
+            let refined = self.solve(&rhs, &quote!(refinement), &sum, &guess);
+            Some(quote! {
+                let #names = guess;
+                #statements
+                #refined
+            })
+        });
+        refined.unwrap_or(guess)
     }
 }
 
 /// The sum of the two stages of a guess.
-pub(super) fn sum_of_stages(size: usize) -> TokenStream {
+fn sum_of_stages(size: usize) -> TokenStream {
     let entries = (0..size).map(|i| {
         let i = Literal::usize_unsuffixed(i);
         quote!(guess[#i] + refinement[#i])
