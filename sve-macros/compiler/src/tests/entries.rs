@@ -1,6 +1,6 @@
 //! Entries of vector and matrix parameters: one symbol for each entry, even if the entry is written in several ways.
 
-use super::vectors::model;
+use super::{rows, vectors::model};
 use crate::algebra::Arena;
 use crate::model::{Meaning, Symbols};
 
@@ -24,120 +24,49 @@ fn reads(symbols: &Symbols) -> Vec<String> {
 }
 
 /// Bodies, and the parameters that are read.
-const BODIES: &[(&str, &[&str])] = &[
-    // the type of the field shows before or after the entry
-    (
-        "self.g.dot(&q) + self.g[1] * q.x",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "self.g[1] * q.x + self.g.dot(&q)",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "self.g[(1, 0)] * q.x + self.g.dot(&q)",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "self.sum() * q.x + self.g.dot(&q)",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "let g: Vector2<f64> = self.g; self.sum() * q.x + g.x",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "self.g.dot(&q) + self.g.iter().zip(q.iter()).map(|(g, q)| g * q * q).sum::<f64>()",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "let [a, b]: [f64; 2] = self.g.into(); self.g.dot(&q) + a * q.x * q.x + b * q.y",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "let mut e = self.g.dot(&q); let g: [f64; 2] = self.g.into(); for x in &g { e += x * q.x.sin(); } e",
-        &["self.g.x", "self.g.y"],
-    ),
-    (
-        "self.a[1].dot(&q) + self.a[1][0] * q.x.sin()",
-        &["self.a[1].x", "self.a[1].y"],
-    ),
-    ("WIND.dot(&q) + WIND[0] * q.x.sin()", &["WIND.x", "WIND.y"]),
-    // an array becomes a vector
-    (
-        "let a: Vector2<f64> = self.a.into(); a.dot(&q)",
-        &["self.a[0]", "self.a[1]"],
-    ),
-    (
-        "q.dot(&self.a.into()) + self.a[1] * q.x",
-        &["self.a[0]", "self.a[1]"],
-    ),
-    (
-        "let g: Vector2<f64> = self.g.into(); g.dot(&q) + self.g.dot(&q).sin()",
-        &["self.g.x", "self.g.y"],
-    ),
-    // of unknown type
-    ("self.g.x * q.x + self.g[0] * q.y", &["self.g.x"]),
-    (
-        "self.g[0] * q.x + self.g.x * q.y + self.g[1]",
-        &["self.g.x", "self.g[1]"],
-    ),
-    ("self.g[(1, 0)] * q.x + self.g[1] * q.y", &["self.g[(1,0)]"]),
-    ("self.r[(0, 1)] * q.x + self.r.y * q.y", &["self.r.y"]),
-    (
-        "self.m.m12 * q.x + self.m[(0, 1)] * q.y",
-        &["self.m[(0,1)]"],
-    ),
-    ("self.m.m21 * q.x + self.m[1] * q.y", &["self.m.m21"]),
-    // matrices are stored in columns
-    (
-        "let m: Matrix2<f64> = self.m; (m * q).dot(&q) + self.m[2] * q.x + self.m.m21 + self.m[(0, 0)]",
-        &[
-            "self.m[(0,0)]",
-            "self.m[(0,1)]",
-            "self.m[(1,0)]",
-            "self.m[(1,1)]",
-        ],
-    ),
-    (
-        "let m: Matrix2x3<f64> = self.m; m[(0, 1)] * q.x + self.m[2] * q.y",
-        &["self.m[(0,1)]"],
-    ),
-    (
-        "let g: SVector<f64, 7> = self.g; g[3] * q.x + self.g[3]",
-        &["self.g[3]"],
-    ),
-    // other entries than these
-    (
-        "self.g[0] * q.x + self.g[1] * q.y",
-        &["self.g[0]", "self.g[1]"],
-    ),
-    (
-        "self.m[(1, 1)] * q.x + self.m[0] * q.y",
-        &["self.m[(1,1)]", "self.m[0]"],
-    ),
-    (
-        "self.b.x * q.x + self.b.m11 * q.y",
-        &["self.b.m11", "self.b.x"],
-    ),
-    (
-        "self.b[0].x * q.x + self.b[1].x * q.y",
-        &["self.b[0].x", "self.b[1].x"],
-    ),
-    (
-        "self.w[0][1] * q.x + self.w[1][0] * q.y",
-        &["self.w[0][1]", "self.w[1][0]"],
-    ),
-];
+const BODIES: &str = r"
+// the type of the field shows before or after the entry
+self.g.dot(&q) + self.g[1] * q.x → self.g.x, self.g.y
+self.g[1] * q.x + self.g.dot(&q) → self.g.x, self.g.y
+self.g[(1, 0)] * q.x + self.g.dot(&q) → self.g.x, self.g.y
+self.sum() * q.x + self.g.dot(&q) → self.g.x, self.g.y
+let g: Vector2<f64> = self.g; self.sum() * q.x + g.x → self.g.x, self.g.y
+self.g.dot(&q) + self.g.iter().zip(q.iter()).map(|(g, q)| g * q * q).sum::<f64>() → self.g.x, self.g.y
+let [a, b]: [f64; 2] = self.g.into(); self.g.dot(&q) + a * q.x * q.x + b * q.y → self.g.x, self.g.y
+let mut e = self.g.dot(&q); let g: [f64; 2] = self.g.into(); for x in &g { e += x * q.x.sin(); } e → self.g.x, self.g.y
+self.a[1].dot(&q) + self.a[1][0] * q.x.sin() → self.a[1].x, self.a[1].y
+WIND.dot(&q) + WIND[0] * q.x.sin() → WIND.x, WIND.y
+// an array becomes a vector
+let a: Vector2<f64> = self.a.into(); a.dot(&q) → self.a[0], self.a[1]
+q.dot(&self.a.into()) + self.a[1] * q.x → self.a[0], self.a[1]
+let g: Vector2<f64> = self.g.into(); g.dot(&q) + self.g.dot(&q).sin() → self.g.x, self.g.y
+// of unknown type
+self.g.x * q.x + self.g[0] * q.y → self.g.x
+self.g[0] * q.x + self.g.x * q.y + self.g[1] → self.g.x, self.g[1]
+self.g[(1, 0)] * q.x + self.g[1] * q.y → self.g[(1,0)]
+self.r[(0, 1)] * q.x + self.r.y * q.y → self.r.y
+self.m.m12 * q.x + self.m[(0, 1)] * q.y → self.m[(0,1)]
+self.m.m21 * q.x + self.m[1] * q.y → self.m.m21
+// matrices are stored in columns
+let m: Matrix2<f64> = self.m; (m * q).dot(&q) + self.m[2] * q.x + self.m.m21 + self.m[(0, 0)] → self.m[(0,0)], self.m[(0,1)], self.m[(1,0)], self.m[(1,1)]
+let m: Matrix2x3<f64> = self.m; m[(0, 1)] * q.x + self.m[2] * q.y → self.m[(0,1)]
+let g: SVector<f64, 7> = self.g; g[3] * q.x + self.g[3] → self.g[3]
+// other entries than these
+self.g[0] * q.x + self.g[1] * q.y → self.g[0], self.g[1]
+self.m[(1, 1)] * q.x + self.m[0] * q.y → self.m[(1,1)], self.m[0]
+self.b.x * q.x + self.b.m11 * q.y → self.b.m11, self.b.x
+self.b[0].x * q.x + self.b[1].x * q.y → self.b[0].x, self.b[1].x
+self.w[0][1] * q.x + self.w[1][0] * q.y → self.w[0][1], self.w[1][0]
+";
 
 #[test]
 fn an_entry_is_one_parameter_however_it_is_written() {
     let mut wrong = Vec::new();
-    for (body, expected) in BODIES {
+    for [body, expected] in rows(BODIES) {
         match model(&block(body), &mut Arena::new()) {
             Ok(model) => {
                 let found = reads(&model.symbols);
-                if found != *expected {
+                if found.join(", ") != expected {
                     wrong.push(format!("{body}: {found:?}"));
                 }
             }
@@ -148,33 +77,17 @@ fn an_entry_is_one_parameter_however_it_is_written() {
 }
 
 /// Bodies with one mistake: the token at which it is reported, and a part of the message.
-const MISTAKES: &[(&str, &str, &str)] = &[
-    (
-        "self.m[2] * q.x + self.m[(0, 1)] * q.y",
-        "2",
-        "`self.m[2]` and `self.m[(0, 1)]` may be the same entry",
-    ),
-    (
-        "self.g[2] * q.x + self.g.dot(&q)",
-        "2",
-        "index 2 is out of range: a `Vector2<f64>` has the entries `.x`, `.y`",
-    ),
-    (
-        "let m: Matrix2<f64> = self.m; m.trace() * q.x + self.m[(3, 0)]",
-        "(3, 0)",
-        "index (3, 0) is out of range",
-    ),
-    (
-        "let m: Matrix2<f64> = self.m; m.trace() * q.x + self.m[4]",
-        "4",
-        "index 4 is out of range",
-    ),
-];
+const MISTAKES: &str = r"
+self.m[2] * q.x + self.m[(0, 1)] * q.y → 2 → `self.m[2]` and `self.m[(0, 1)]` may be the same entry
+self.g[2] * q.x + self.g.dot(&q) → 2 → index 2 is out of range: a `Vector2<f64>` has the entries `.x`, `.y`
+let m: Matrix2<f64> = self.m; m.trace() * q.x + self.m[(3, 0)] → (3, 0) → index (3, 0) is out of range
+let m: Matrix2<f64> = self.m; m.trace() * q.x + self.m[4] → 4 → index 4 is out of range
+";
 
 #[test]
 fn mistaken_entries_of_parameters_are_reported_at_their_index() {
     let mut wrong = Vec::new();
-    for &(body, at, message) in MISTAKES {
+    for [body, at, message] in rows(MISTAKES) {
         match model(&block(body), &mut Arena::new()) {
             Ok(model) => wrong.push(format!("{body}: {:?}", reads(&model.symbols))),
             Err(found) => {

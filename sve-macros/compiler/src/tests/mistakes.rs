@@ -3,7 +3,7 @@
 
 use proc_macro2::TokenStream;
 
-use crate::tests::expand;
+use crate::tests::{expand, rows};
 
 fn tokens(text: &str) -> TokenStream {
     text.parse().expect("tokens")
@@ -26,107 +26,60 @@ fn block(body: &str) -> String {
     )
 }
 
+/// Bodies, and their numbers of mistakes.
+const BODIES: &str = r#"
+v[0] * v[0] + v[1] * v[1] → 0
+v[0].abs() + v[1] * v[1] → 1
+v[0].abs() + v[1].floor() + q[0].sine() → 3
+let x = q[0].abs(); let y = x * x; x + y.sin() + v[0] * x → 1
+let x = q[0] % 2.0; let [a, b] = [x, x]; a * b + x.cos() → 1
+let mut s = 0.0; for i in 0..9 { s += v[i]; } s → 1
+let mut s = 0.0; for i in 0..2 { s += v[i].abs() + q[i].ceil(); } s → 2
+q.iter().map(|x| x.abs()).sum::<f64>() → 1
+q.iter().fold(0.0, |s, x| s + x.abs()) → 1
+q.map(|x| x.max(0.0))[0] + q[7] → 2
+self.helper(v[0].abs()) + self.helper(1) + self.helper() → 3
+self.halper(v[0]) + helper(v[0]) + other(v[0]) → 3
+N + G * v[0] → 2
+let x = Self::Q * v[0]; x + Self::M → 2
+if q[0] > 0.0 { v[0] } else { v[1].abs() } → 1
+let x = match 1 { _ => v[0] }; let y = loop {}; x + y + return 1.0 → 3
+println!("{}", v[0]); let f = |x: f64| x.abs(); f(v[0]) + f(v[1]) → 2
+let (a, b) = v; a + b + q[0].abs() → 2
+let x; v[0] + x → 1
+let Some(x) = q[0] else { panic!() }; x * v[0] → 1
+fn f(x: f64) -> f64 { x } f(v[0]) + f(v[1]) → 1
+v[0] * v[0] + v[1] * v[1]; → 1
+v[0] * 2 + v[1] * 3 → 2
+let mut x = q; for x in x.iter_mut() { *x *= 2.0; } v[0] * v[0] + v[1] * v[1] * x[0] → 0
+let mut x = q; for x in x.iter_mut() { *x = x.abs(); } v[0] * x[0] → 1
+let mut x = q; for y in &mut x { y = 1.0; } v[0] * x[0] → 1
+for x in self.m.iter_mut() { *x *= 2.0; } v[0] * v[0] → 1
+let mut x = q; x.iter_mut().map(|x| { *x = 1.0; *x }).sum::<f64>() * v[0] → 1
+let mut x = q; let f = |x: &mut f64| *x *= 2.0; for x in &mut x { f(x); } v[0] → 1
+let a = std::array::from_fn(|i| q[i]); v[0] * a.iter().sum::<f64>() → 1
+let a: [f64; 2] = std::array::from_fn(|i| q[i].abs()); v[0] * a[0] → 1
+let a: [f64; 2] = std::array::from_fn(2.0); v[0] * a[0] → 1
+let n = 300u8; let m = -1i32 as usize; v[0] * (2u8 + 3u16) as f64 * (200u8 + 100) as f64 → 4
+let mut n = 1; for i in 0..40 { n *= 2; } v[0] * n as f64 → 1
+let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * q[i]; } v[0] * s → 1
+let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * v[i as usize]; } v[0] * v[0] + v[1] * v[1] + s * s → 0
+let a = [0.0; OUTER]; let b: [f64; 2] = [v[0]; sizes::OUTER]; for i in 0..OUTER {} v[0] → 3
+v → 1
+let x: f64 = 1; x + self.helper(x) + self.helper(2) → 2
+q.sine() + q.collect::<Vec<f64>>() → 2
+for i in 0..self.n { } for x in self.m { } v[0] → 2
+v[0] / 0.0 + v[0].powi(2.0) + v[0].powi(5000) + v[0] ^ 2.0 → 4
+"#;
+
 #[test]
 fn one_error_a_mistake_in_a_body() {
-    for (body, mistakes) in [
-        ("v[0] * v[0] + v[1] * v[1]", 0),
-        ("v[0].abs() + v[1] * v[1]", 1),
-        ("v[0].abs() + v[1].floor() + q[0].sine()", 3),
-        (
-            "let x = q[0].abs(); let y = x * x; x + y.sin() + v[0] * x",
-            1,
-        ),
-        (
-            "let x = q[0] % 2.0; let [a, b] = [x, x]; a * b + x.cos()",
-            1,
-        ),
-        ("let mut s = 0.0; for i in 0..9 { s += v[i]; } s", 1),
-        (
-            "let mut s = 0.0; for i in 0..2 { s += v[i].abs() + q[i].ceil(); } s",
-            2,
-        ),
-        ("q.iter().map(|x| x.abs()).sum::<f64>()", 1),
-        ("q.iter().fold(0.0, |s, x| s + x.abs())", 1),
-        ("q.map(|x| x.max(0.0))[0] + q[7]", 2),
-        (
-            "self.helper(v[0].abs()) + self.helper(1) + self.helper()",
-            3,
-        ),
-        ("self.halper(v[0]) + helper(v[0]) + other(v[0])", 3),
-        ("N + G * v[0]", 2),
-        ("let x = Self::Q * v[0]; x + Self::M", 2),
-        ("if q[0] > 0.0 { v[0] } else { v[1].abs() }", 1),
-        (
-            "let x = match 1 { _ => v[0] }; let y = loop {}; x + y + return 1.0",
-            3,
-        ),
-        (
-            "println!(\"{}\", v[0]); let f = |x: f64| x.abs(); f(v[0]) + f(v[1])",
-            2,
-        ),
-        ("let (a, b) = v; a + b + q[0].abs()", 2),
-        ("let x; v[0] + x", 1),
-        ("let Some(x) = q[0] else { panic!() }; x * v[0]", 1),
-        ("fn f(x: f64) -> f64 { x } f(v[0]) + f(v[1])", 1),
-        ("v[0] * v[0] + v[1] * v[1];", 1),
-        ("v[0] * 2 + v[1] * 3", 2),
-        (
-            "let mut x = q; for x in x.iter_mut() { *x *= 2.0; } v[0] * v[0] + v[1] * v[1] * x[0]",
-            0,
-        ),
-        (
-            "let mut x = q; for x in x.iter_mut() { *x = x.abs(); } v[0] * x[0]",
-            1,
-        ),
-        ("let mut x = q; for y in &mut x { y = 1.0; } v[0] * x[0]", 1),
-        ("for x in self.m.iter_mut() { *x *= 2.0; } v[0] * v[0]", 1),
-        (
-            "let mut x = q; x.iter_mut().map(|x| { *x = 1.0; *x }).sum::<f64>() * v[0]",
-            1,
-        ),
-        (
-            "let mut x = q; let f = |x: &mut f64| *x *= 2.0; for x in &mut x { f(x); } v[0]",
-            1,
-        ),
-        (
-            "let a = std::array::from_fn(|i| q[i]); v[0] * a.iter().sum::<f64>()",
-            1,
-        ),
-        (
-            "let a: [f64; 2] = std::array::from_fn(|i| q[i].abs()); v[0] * a[0]",
-            1,
-        ),
-        ("let a: [f64; 2] = std::array::from_fn(2.0); v[0] * a[0]", 1),
-        (
-            "let n = 300u8; let m = -1i32 as usize; v[0] * (2u8 + 3u16) as f64 * (200u8 + 100) as f64",
-            4,
-        ),
-        (
-            "let mut n = 1; for i in 0..40 { n *= 2; } v[0] * n as f64",
-            1,
-        ),
-        (
-            "let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * q[i]; } v[0] * s",
-            1,
-        ),
-        (
-            "let mut s = 0.0; for i in 0..2 { s += (i - 1) as f64 * v[i as usize]; } v[0] * v[0] + v[1] * v[1] + s * s",
-            0,
-        ),
-        (
-            "let a = [0.0; OUTER]; let b: [f64; 2] = [v[0]; sizes::OUTER]; for i in 0..OUTER {} v[0]",
-            3,
-        ),
-        ("v", 1),
-        ("let x: f64 = 1; x + self.helper(x) + self.helper(2)", 2),
-        ("q.sine() + q.collect::<Vec<f64>>()", 2),
-        ("for i in 0..self.n { } for x in self.m { } v[0]", 2),
-        (
-            "v[0] / 0.0 + v[0].powi(2.0) + v[0].powi(5000) + v[0] ^ 2.0",
-            4,
-        ),
-    ] {
-        assert_eq!(errors("midpoint", &block(body)), mistakes, "{body}");
+    for [body, mistakes] in rows(BODIES) {
+        assert_eq!(
+            errors("midpoint", &block(body)).to_string(),
+            mistakes,
+            "{body}"
+        );
     }
 }
 

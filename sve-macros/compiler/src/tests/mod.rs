@@ -53,6 +53,18 @@ pub(crate) fn items(expansion: TokenStream) -> Vec<syn::Item> {
     items
 }
 
+/// The rows of a table: lines with columns that ` → ` separates, beside remarks.
+pub(crate) fn rows<const COLUMNS: usize>(table: &str) -> Vec<[&str; COLUMNS]> {
+    let mut rows = Vec::new();
+    for line in table.lines().map(str::trim) {
+        if !line.is_empty() && !line.starts_with("//") {
+            let columns: Vec<&str> = line.split(" → ").collect();
+            rows.push(columns.try_into().unwrap_or_else(|_| panic!("{line}")));
+        }
+    }
+    rows
+}
+
 /// The lines of code in the documentation of this package are these.
 #[test]
 fn the_example_of_the_documentation_expands() {
