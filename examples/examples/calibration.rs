@@ -9,10 +9,10 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape, Symbols};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape, Symbols};
 use sve_examples::gaussian::{Gaussian, Scheme};
 use sve_examples::palette;
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 use sve_runtime::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -278,16 +278,16 @@ fn checks(found: &Fit, exact: &Fit) -> Result<Vec<Check>, EnsembleError> {
     for (i, name) in ["k", "σ"].into_iter().enumerate() {
         let (value, error) = (found.last()[i], found.error(i));
         let why = format!("the value of the data; 4 errors of {error:.1e}");
-        checks.push(Check::near(name, value, TRUTH[i], 4.0 * error, why));
+        checks.push(Check::new(name, value).near(TRUTH[i], 4.0 * error, why));
         // the variance of the model's means beside that of the data
         let own = error * (SAMPLE as f64 / PATHS as f64).sqrt();
         let why = "the fit with exact means; 4 errors of the paths";
-        checks.push(Check::near(name, value, exact.last()[i], 4.0 * own, why));
+        checks.push(Check::new(name, value).near(exact.last()[i], 4.0 * own, why));
     }
     let freedom = (2 * TIMES - 2) as f64;
     let why = format!("{freedom} degrees of freedom; 4 standard deviations");
     let allowed = 4.0 * (2.0 * freedom).sqrt();
-    checks.push(Check::near("χ²", found.chi_squared, freedom, allowed, why));
+    checks.push(Check::new("χ²", found.chi_squared).near(freedom, allowed, why));
     let (summary, exact) = (run(found.last())?, exactly(found.last()));
     for (column, by) in ["k", "sigma"].into_iter().enumerate() {
         let Some(derivative) = summary.derivative("q²", by) else {
@@ -297,11 +297,11 @@ fn checks(found: &Fit, exact: &Fit) -> Result<Vec<Check>, EnsembleError> {
         let expected = exact[TIMES - 1].slopes[(1, column)];
         let why = "the exact derivative at the last time; 4.5 standard errors";
         let what = format!("∂E[q²]/∂{by}");
-        checks.push(Check::near(what, mean, expected, 4.5 * error, why));
+        checks.push(Check::new(what, mean).near(expected, 4.5 * error, why));
     }
     let iterations = (found.iterates.len() - 1) as f64;
     let why = "quadratic convergence where the fit is good";
-    checks.push(Check::near("iterations", iterations, 5.0, 3.0, why));
+    checks.push(Check::new("iterations", iterations).near(5.0, 3.0, why));
     Ok(checks)
 }
 
@@ -341,18 +341,15 @@ fn figure(data: &[Measurement], fit: &Fit) -> Figure {
             Pen::dots(palette::VERMILION, 3.0),
         ))
     };
-    Figure {
-        name: "calibration",
-        width: 1260,
-        rows: vec![Row {
-            height: 400,
-            panels: vec![
-                panel(0, "q", -1.3..1.6).legend(Corner::TopRight),
-                panel(1, "q²", 0.0..2.0).legend(Corner::TopLeft),
-                iterates(fit),
-            ],
-        }],
-    }
+    one_row(
+        "calibration",
+        [1260, 400],
+        vec![
+            panel(0, "q", -1.3..1.6).legend(Corner::TopRight),
+            panel(1, "q²", 0.0..2.0).legend(Corner::TopLeft),
+            iterates(fit),
+        ],
+    )
 }
 
 /// The last iterates in the plane of k and σ, with the ellipses of one and two standard errors.

@@ -97,13 +97,13 @@ fn at_rest(chain: &Integrator<Chain, StormerVerlet>) -> Result<Check, StepError>
         (tension / weight - 1.0).abs()
     });
     let worst = off.fold(0.0, f64::max);
-    Ok(Check::near(
-        "at rest: tension over the weight below, less 1",
-        worst,
-        0.0,
-        1e-10,
-        "rounding over h²",
-    ))
+    Ok(
+        Check::new("at rest: tension over the weight below, less 1", worst).near(
+            0.0,
+            1e-10,
+            "rounding over h²",
+        ),
+    )
 }
 
 /// With noise the forces of a step have a part that grows like h^(−1/2).
@@ -120,13 +120,11 @@ fn noise_in_forces(chain: &Integrator<Chain, StormerVerlet>) -> Result<Check, St
         Ok((up?.0[RODS - 1] - down?.0[RODS - 1]).abs())
     };
     let ratio = spread(1e-5)? / spread(1e-3)?;
-    Ok(Check::near(
+    Ok(Check::new(
         "spread of the last rod's tension, h = 1e-5 over 1e-3",
         ratio,
-        10.0,
-        0.5,
-        "h^(−1/2)",
-    ))
+    )
+    .near(10.0, 0.5, "h^(−1/2)"))
 }
 
 /// What a path gave.
@@ -179,27 +177,21 @@ fn run(chain: &Integrator<Chain, StormerVerlet>) -> Result<Run, StepError> {
     let weight = CHAIN.m * CHAIN.g * RODS as f64;
     let expected = total - Vector2::new(kicks, -weight * state.t);
     run.checks = vec![
-        Check::near(
-            "largest change of a rod's length",
-            length,
+        Check::new("largest change of a rod's length", length).near(
             0.0,
             2e-14,
             "rounding of the coordinates over the length",
         ),
-        Check::near(
+        Check::new(
             "impulse at the pivot less the change of momentum",
             (impulse - expected).norm(),
-            0.0,
-            1e-10,
-            "the momentum balance of each step",
-        ),
-        Check::near(
+        )
+        .near(0.0, 1e-10, "the momentum balance of each step"),
+        Check::new(
             "mean force at the pivot over the weight",
             impulse.y / state.t / weight,
-            1.0,
-            0.02,
-            "the momentum stays bounded",
-        ),
+        )
+        .near(1.0, 0.02, "the momentum stays bounded"),
     ];
     Ok(run)
 }
@@ -229,13 +221,13 @@ fn energy() -> Result<Check, StepError> {
     }
     let lift = CHAIN.m * CHAIN.g * CHAIN.l * (RODS * (RODS + 1) / 2) as f64 * (1.0 - 0.9f64.cos());
     let worst = halves[0].max(halves[1]) / lift;
-    Ok(Check::near(
-        "energy error of a free swing, over its energy",
-        worst,
-        0.0,
-        5e-3,
-        "no drift over 20 s",
-    ))
+    Ok(
+        Check::new("energy error of a free swing, over its energy", worst).near(
+            0.0,
+            5e-3,
+            "no drift over 20 s",
+        ),
+    )
 }
 
 /// A colour for a tension relative to the weight of the chain: blue for none, red for the weight.
@@ -319,16 +311,12 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let nonzeros = newton.map_or(0, |block| block.nonzeros);
     let run = run(&chain)?;
     let mut checks = vec![
-        Check::near(
-            "unknowns of Newton's method",
-            unknowns as f64,
+        Check::new("unknowns of Newton's method", unknowns as f64).near(
             RODS as f64,
             0.0,
             "one for each rod",
         ),
-        Check::near(
-            "entries of its Jacobian",
-            nonzeros as f64,
+        Check::new("entries of its Jacobian", nonzeros as f64).near(
             (3 * RODS - 2) as f64,
             0.0,
             "a tridiagonal matrix",

@@ -8,9 +8,9 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::envelope::envelope;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::palette;
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 
 use sve_runtime::baseline::Heun;
 use sve_runtime::prelude::*;
@@ -130,14 +130,7 @@ fn figure(pendulum: DoublePendulum, h: f64, steps: usize) -> Result<Figure, Step
         Pen::line(palette::BLUE, 1.5).symbols(Shape::Disc, 8),
     ))
     .legend(Corner::BottomRight);
-    Ok(Figure {
-        name: "double_pendulum",
-        width: 1080,
-        rows: vec![Row {
-            height: 480,
-            panels: vec![path, energy],
-        }],
-    })
+    Ok(one_row("double_pendulum", [1080, 480], vec![path, energy]))
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -181,7 +174,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     }
     let what = "midpoint: largest energy error in the last fifth over that in the first";
     let why = "an error that does not grow along a chaotic motion: the largest of 10⁵ values";
-    let checks = [Check::near(what, growth, 1.0, 0.5, why)];
+    let checks = [Check::new(what, growth).near(1.0, 0.5, why)];
     let caption = "Left: one path with noise and the motion without it, from the same start. Right: the energy error of the midpoint rule stays bounded, that of Heun’s method grows.";
     report(
         "Double pendulum",

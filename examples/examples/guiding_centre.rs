@@ -8,9 +8,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette::{BLUE, GREY, ORANGE};
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 use sve_runtime::DegenerateStep;
 use sve_runtime::prelude::*;
 
@@ -144,35 +144,25 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let kind = midpoint.plan().degenerate;
     let is_projected = kind == Some(DegenerateStep::Projected);
     let checks = [
-        Check::near(
-            "symmetric projection",
-            f64::from(u8::from(is_projected)),
+        Check::new("symmetric projection", f64::from(u8::from(is_projected))).near(
             1.0,
             0.0,
             "what the plan says",
         ),
-        Check::near("largest |ΔH/H|, 10⁵ steps", tenth, 0.0, 4e-3, "order h²"),
-        Check::near(
+        Check::new("largest |ΔH/H|, 10⁵ steps", tenth).near(0.0, 4e-3, "order h²"),
+        Check::new(
             "3·10⁵ steps over 10⁵",
             ours.largest(10 * CHECKED / STEPS) / tenth,
-            1.0,
-            0.01,
-            "no drift",
-        ),
-        Check::reported("10⁶ steps over 10⁵", ours.largest(10) / tenth, "reported"),
-        Check::near(
-            "change of the toroidal momentum",
-            apart,
+        )
+        .near(1.0, 0.01, "no drift"),
+        Check::new("10⁶ steps over 10⁵", ours.largest(10) / tenth).reported("reported"),
+        Check::new("change of the toroidal momentum", apart).near(
             0.0,
             1e-13,
             "a translation: conserved to rounding",
         ),
-        Check::reported(
-            "Runge–Kutta, largest |ΔH/H|, 10⁵ steps",
-            theirs.parts[0],
-            "drifts",
-        ),
-        Check::reported("Runge–Kutta, 10⁶ steps", theirs.largest(10), "drifts"),
+        Check::new("Runge–Kutta, largest |ΔH/H|, 10⁵ steps", theirs.parts[0]).reported("drifts"),
+        Check::new("Runge–Kutta, 10⁶ steps", theirs.largest(10)).reported("drifts"),
     ];
     let figure = figure(&midpoint, start, &ours, &theirs)?;
     let caption = "Left: a trapped orbit in the poloidal plane for some 70 bounces, and the same particle in a fluctuating potential. Right: the relative energy error for 10⁶ steps by the projected midpoint rule and by the Runge–Kutta method of order 4 with the same step.";
@@ -243,12 +233,5 @@ fn figure(
         ours.drawn.clone(),
         Pen::line(BLUE, 0.8),
     ));
-    Ok(Figure {
-        name: "guiding_centre",
-        width: 1000,
-        rows: vec![Row {
-            height: 420,
-            panels: vec![left, right],
-        }],
-    })
+    Ok(one_row("guiding_centre", [1000, 420], vec![left, right]))
 }

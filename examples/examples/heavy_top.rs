@@ -188,58 +188,24 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let kept = "kept by every step, to rounding over 10⁵ steps";
     let second_order = "bounded, of the order h²";
     let checks = [
-        Check::near(
-            "steady: rate of precession",
-            steady.precession / time,
+        Check::new("steady: rate of precession", steady.precession / time).near(
             rate,
             1e-3 * rate,
             "closed form; the error is of the order h²",
         ),
-        Check::near(
-            "steady: change of the angle",
-            steady.tilt,
-            0.0,
-            2e-3,
-            second_order,
-        ),
-        Check::near(
-            "momentum about the vertical, change",
-            nutating.momenta[0],
-            0.0,
-            1e-11,
-            kept,
-        ),
-        Check::near(
-            "momentum about the axis, change",
-            nutating.momenta[1],
-            0.0,
-            1e-11,
-            kept,
-        ),
-        Check::near(
-            "nutation: energy, change",
-            nutating.energy,
-            0.0,
-            1e-2,
-            second_order,
-        ),
-        Check::near(
+        Check::new("steady: change of the angle", steady.tilt).near(0.0, 2e-3, second_order),
+        Check::new("momentum about the vertical, change", nutating.momenta[0])
+            .near(0.0, 1e-11, kept),
+        Check::new("momentum about the axis, change", nutating.momenta[1]).near(0.0, 1e-11, kept),
+        Check::new("nutation: energy, change", nutating.energy).near(0.0, 1e-2, second_order),
+        Check::new(
             "shaken: momentum about the vertical, change",
             noisy.momenta[0],
-            0.0,
-            1e-11,
-            kept,
-        ),
-        Check::near(
-            "shaken: momentum about the axis, change",
-            noisy.momenta[1],
-            0.0,
-            1e-11,
-            kept,
-        ),
-        Check::near(
-            "shaken: energy, change",
-            noisy.energy,
+        )
+        .near(0.0, 1e-11, kept),
+        Check::new("shaken: momentum about the axis, change", noisy.momenta[1])
+            .near(0.0, 1e-11, kept),
+        Check::new("shaken: energy, change", noisy.energy).near(
             400.0,
             399.0,
             "the noise changes the energy",

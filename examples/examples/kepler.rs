@@ -10,9 +10,9 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::envelope::envelope;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::palette;
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 
 use sve_runtime::baseline::Heun;
 use sve_runtime::prelude::*;
@@ -213,14 +213,7 @@ fn figure(midpoint: &Integrator<Kepler, Midpoint>) -> Result<Figure, StepError> 
         Pen::line(palette::BLUE, 1.5).symbols(Shape::Disc, 8),
     ))
     .legend(Corner::TopRight);
-    Ok(Figure {
-        name: "kepler",
-        width: 1080,
-        rows: vec![Row {
-            height: 480,
-            panels: vec![plane, momentum],
-        }],
-    })
+    Ok(one_row("kepler", [1080, 480], vec![plane, momentum]))
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -237,25 +230,18 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 
     let why = "20,000 rounding errors of 1e-16, all of one sign, would add up to 2e-12";
     let checks = [
-        Check::near(
+        Check::new(
             "midpoint rule: largest change of the angular momentum",
             kept.angular,
-            0.0,
-            2e-12,
-            why,
-        ),
-        Check::near(
+        )
+        .near(0.0, 2e-12, why),
+        Check::new(
             "midpoint rule: largest change of the linear momentum",
             kept.linear,
-            0.0,
-            2e-12,
-            why,
-        ),
-        Check::reported(
-            "Heun: largest change of the angular momentum",
-            lost.angular,
-            "a method that keeps no momentum map of a rotation",
-        ),
+        )
+        .near(0.0, 2e-12, why),
+        Check::new("Heun: largest change of the angular momentum", lost.angular)
+            .reported("a method that keeps no momentum map of a rotation"),
     ];
     let caption = "Left: the orbit turns slowly, by the error of the rule, and wanders with noise σ = 0.015. Right, with σ = 0.01: the midpoint rule keeps the angular momentum to rounding.";
     report("Two bodies", &figure(&midpoint)?, caption, &checks)

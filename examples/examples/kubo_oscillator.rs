@@ -4,9 +4,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::palette;
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 
 use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::prelude::*;
@@ -84,14 +84,7 @@ fn figure(
         Pen::dashed(palette::VERMILION, 1.4, (6.0, 3.0)).symbols(Shape::Triangle, 10),
     ))
     .legend(Corner::BottomLeft);
-    Ok(Figure {
-        name: "kubo_oscillator",
-        width: 760,
-        rows: vec![Row {
-            height: 400,
-            panels: vec![panel],
-        }],
-    })
+    Ok(one_row("kubo_oscillator", [760, 400], vec![panel]))
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -117,13 +110,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let off = radius(&midpoint, 100_000)? - 1.0;
     let why =
         "the radius is kept to rounding: 10⁵ steps with an error of 10⁻¹⁶ each, of random sign";
-    let checks = [Check::near(
-        "midpoint rule, t = 1000: radius − 1",
-        off,
-        0.0,
-        2e-13,
-        why,
-    )];
+    let checks = [Check::new("midpoint rule, t = 1000: radius − 1", off).near(0.0, 2e-13, why)];
     let caption = "The exact radius is 1 on every path.";
     report(
         "Kubo oscillator",

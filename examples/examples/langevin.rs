@@ -7,9 +7,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette;
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 use sve_runtime::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -161,16 +161,12 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let far = far.fold(0.0, f64::max);
     println!("\nfarthest bin: {far:.1} standard errors");
     let checks = [
-        Check::near(
-            "mean of p²",
-            kinetic.mean(),
+        Check::new("mean of p²", kinetic.mean()).near(
             system.kt,
             4.5 * kinetic.standard_error(),
             "4.5 standard errors",
         ),
-        Check::near(
-            "farthest bin, in standard errors",
-            far,
+        Check::new("farthest bin, in standard errors", far).near(
             0.0,
             4.5,
             "4.5 standard errors for the largest of the bins",
@@ -226,12 +222,5 @@ fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
         line.collect(),
         Pen::dots(palette::VERMILION, 2.5),
     ));
-    Figure {
-        name: "langevin",
-        width: 560,
-        rows: vec![Row {
-            height: 360,
-            panels: vec![panel],
-        }],
-    }
+    one_row("langevin", [560, 360], vec![panel])
 }

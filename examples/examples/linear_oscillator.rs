@@ -4,9 +4,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette;
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
 use sve_runtime::prelude::*;
@@ -85,14 +85,7 @@ fn figure(times: &[f64], methods: [(&str, &[(f64, f64)]); 3]) -> Figure {
             pen.line = None;
             panel.with(Layer::new(*name, points.collect(), pen).bars(bars.collect()))
         });
-    Figure {
-        name: "linear_oscillator",
-        width: 760,
-        rows: vec![Row {
-            height: 420,
-            panels: vec![panel],
-        }],
-    }
+    one_row("linear_oscillator", [760, 420], vec![panel])
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -125,9 +118,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         // the endpoint rule's own mean energy differs from the exact one by less than 3 %
         let why = "4.5 standard errors, and 3 % for the step size";
         let exact = 0.5 + 0.5 * t;
-        Check::near(
-            format!("endpoint rule, t = {t}: mean energy"),
-            mean,
+        Check::new(format!("endpoint rule, t = {t}: mean energy"), mean).near(
             exact,
             4.5 * error + 0.03 * exact,
             why,

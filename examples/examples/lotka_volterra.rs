@@ -9,9 +9,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette::{BLUE, GREY, ORANGE};
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 use sve_runtime::prelude::*;
 use sve_runtime::{DegenerateStep, Dims, System, Variational};
 
@@ -114,50 +114,26 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let keeps =
         |kind: Option<DegenerateStep>| one(kind.is_some_and(DegenerateStep::keeps_two_form));
     let checks = [
-        Check::near(
-            "as written: keeps ω",
-            keeps(written.plan().degenerate),
+        Check::new("as written: keeps ω", keeps(written.plan().degenerate)).near(
             1.0,
             0.0,
             "what the plan says",
         ),
-        Check::near(
-            "two-form, one step",
-            area_change(&written, H)?,
-            0.0,
-            1e-14,
-            "rounding",
-        ),
-        Check::near(
-            "largest |ΔH|, first 10⁴ steps",
-            exact_first,
-            0.0,
-            0.013,
-            "order h²",
-        ),
-        Check::near(
-            "last tenth over first",
-            exact_last / exact_first,
+        Check::new("two-form, one step", area_change(&written, H)?).near(0.0, 1e-14, "rounding"),
+        Check::new("largest |ΔH|, first 10⁴ steps", exact_first).near(0.0, 0.013, "order h²"),
+        Check::new("last tenth over first", exact_last / exact_first).near(
             1.0,
             1e-3,
             "no drift in 10⁵ steps",
         ),
-        Check::near(
-            "disguised: keeps ω",
-            keeps(disguised.plan().degenerate),
+        Check::new("disguised: keeps ω", keeps(disguised.plan().degenerate)).near(
             0.0,
             0.0,
             "what the plan says",
         ),
-        Check::near(
-            "order of its two-form",
-            (coarse / fine).log2(),
-            5.0,
-            0.3,
-            "O(h⁵)",
-        ),
-        Check::reported("its |ΔH|, first tenth", drifting_first, "drifts"),
-        Check::reported("its |ΔH|, last tenth", drifting_last, "drifts"),
+        Check::new("order of its two-form", (coarse / fine).log2()).near(5.0, 0.3, "O(h⁵)"),
+        Check::new("its |ΔH|, first tenth", drifting_first).reported("drifts"),
+        Check::new("its |ΔH|, last tenth", drifting_last).reported("drifts"),
     ];
     let figure = figure(&written, &exact, &drifting)?;
     let caption = "Left: orbits of the step in the internal form, and one path with noise. Right: the energy error of the same equations in two gauges, h = 0.1.";
@@ -214,12 +190,5 @@ fn figure(
         )
         .unlisted(),
     );
-    Ok(Figure {
-        name: "lotka_volterra",
-        width: 1000,
-        rows: vec![Row {
-            height: 420,
-            panels: vec![left, right],
-        }],
-    })
+    Ok(one_row("lotka_volterra", [1000, 420], vec![left, right]))
 }

@@ -198,13 +198,7 @@ where
             plain.push((error, seconds));
             let deepest = self.steps << (finest.levels().len() - 1);
             let bias = ((self.mean_of_rule)(deepest) - self.exact).abs();
-            checks.push(Check::near(
-                format!("{}: mean for an error of {error:e}, {deepest} steps on the last level, {steps} of plain paths", self.name),
-                finest.mean(),
-                self.exact,
-                bias + 4.5 * finest.standard_error(),
-                "the exact bias of the last level and 4.5 standard errors",
-            ));
+            checks.push(Check::new(format!("{}: mean for an error of {error:e}, {deepest} steps on the last level, {steps} of plain paths", self.name), finest.mean()).near(self.exact, bias + 4.5 * finest.standard_error(), "the exact bias of the last level and 4.5 standard errors"));
         }
         println!("{}\n{finest}\n", self.name);
         checks.extend(self.check_errors()?);
@@ -224,16 +218,20 @@ where
             squares += (self.multilevel(error, 100 + seed)?.mean() - self.exact).powi(2);
         }
         let found = (squares / seeds as f64).sqrt() / error;
-        Ok(Some(Check::near(
-            format!(
-                "{}: root of the mean squared error of {seeds} runs over the wanted error",
-                self.name
+        Ok(Some(
+            Check::new(
+                format!(
+                    "{}: root of the mean squared error of {seeds} runs over the wanted error",
+                    self.name
+                ),
+                found,
+            )
+            .near(
+                0.75,
+                0.75,
+                "at most 1 in the mean, and 4 standard deviations of 32 values more",
             ),
-            found,
-            0.75,
-            0.75,
-            "at most 1 in the mean, and 4 standard deviations of 32 values more",
-        )))
+        ))
     }
 }
 
@@ -305,27 +303,31 @@ fn compare(name: &str, times: &Times) -> Vec<Check> {
     let pairs = times.multilevel.iter().zip(&times.plain);
     let mut checks: Vec<_> = pairs
         .map(|(multilevel, plain)| {
-            Check::reported(
+            Check::new(
                 format!(
                     "{name}: time of plain Monte Carlo over that of levels, error {:e}",
                     plain.0
                 ),
                 plain.1 / multilevel.1,
-                "measured in this run",
             )
+            .reported("measured in this run")
         })
         .collect();
     let levels = times.finest.levels();
     let [first, .., last] = &levels[levels.len() - 4..] else {
         return checks;
     };
-    checks.push(Check::near(
-        format!("{name}: fall of the variance from level to level, last four"),
-        (first.variance / last.variance).cbrt(),
-        4.0,
-        0.6,
-        "strong order 1; a variance of a thousand paths is known to 10 %",
-    ));
+    checks.push(
+        Check::new(
+            format!("{name}: fall of the variance from level to level, last four"),
+            (first.variance / last.variance).cbrt(),
+        )
+        .near(
+            4.0,
+            0.6,
+            "strong order 1; a variance of a thousand paths is known to 10 %",
+        ),
+    );
     checks
 }
 

@@ -166,7 +166,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let check = |(rule, (whole, end)): (&str, (f64, f64))| {
         let what =
             format!("{rule}, h = 0.0125: energy error of the last tenth over that of the run");
-        Check::near(what, end / whole, 1.0, 0.1, "an error that does not grow")
+        Check::new(what, end / whole).near(1.0, 0.1, "an error that does not grow")
     };
     let checks: Vec<Check> = ["midpoint", "Taylor"]
         .into_iter()

@@ -241,50 +241,30 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         gaps.iter().fold(0.0f64, |m, &g| m.max(g)) / gaps.iter().fold(f64::MAX, |m, &g| m.min(g));
     let kept = "kept by every step, to rounding over 10⁵ steps";
     let checks = [
-        Check::near(
-            "Casimir |Π|², relative change",
-            without.casimir,
-            0.0,
-            1e-12,
-            kept,
-        ),
-        Check::near("… with noise", with.casimir, 0.0, 1e-12, kept),
-        Check::near(
-            "momentum in space RΠ, relative change",
-            without.spatial,
-            0.0,
-            1e-12,
-            kept,
-        ),
-        Check::near("… with noise", with.spatial, 0.0, 1e-12, kept),
-        Check::near(
-            "energy, relative change",
-            without.energy,
+        Check::new("Casimir |Π|², relative change", without.casimir).near(0.0, 1e-12, kept),
+        Check::new("… with noise", with.casimir).near(0.0, 1e-12, kept),
+        Check::new("momentum in space RΠ, relative change", without.spatial).near(0.0, 1e-12, kept),
+        Check::new("… with noise", with.spatial).near(0.0, 1e-12, kept),
+        Check::new("energy, relative change", without.energy).near(
             0.0,
             1e-4,
             "bounded, of the order h²",
         ),
-        Check::near(
-            "energy with noise, relative change",
-            with.energy,
+        Check::new("energy with noise, relative change", with.energy).near(
             0.55,
             0.45,
             "between 0.1 and 1: the noise changes the energy, within the bounds of the sphere",
         ),
-        Check::near(
-            "time between flips",
-            between,
+        Check::new("time between flips", between).near(
             exact,
             2e-3 * exact,
             "elliptic integral; the rule has an error of the order h²",
         ),
-        Check::near(
+        Check::new(
             "longest over shortest time between flips with noise",
             spread.min(50.0),
-            30.0,
-            28.0,
-            "flips at random times",
-        ),
+        )
+        .near(30.0, 28.0, "flips at random times"),
     ];
     println!(
         "{}",

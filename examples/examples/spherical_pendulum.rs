@@ -10,7 +10,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use sve_examples::check::{self, Check};
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen};
+use sve_examples::report::one_row;
 use sve_examples::{palette, render};
 use sve_runtime::prelude::*;
 
@@ -112,27 +113,13 @@ fn kept(path: &Path3) -> [Check; 3] {
     let rounding = "rounding";
     let drift = largest(path, |s| system.turn_momentum(s) - moment);
     [
-        Check::near(
+        Check::new(
             "largest |q|² − 1",
             largest(path, |s| s.q.norm_squared() - 1.0),
-            0.0,
-            2e-15,
-            rounding,
-        ),
-        Check::near(
-            "largest ⟨q, p⟩",
-            largest(path, |s| s.q.dot(&s.p)),
-            0.0,
-            4e-15,
-            rounding,
-        ),
-        Check::near(
-            "change of the momentum about the vertical",
-            drift,
-            0.0,
-            1e-13,
-            rounding,
-        ),
+        )
+        .near(0.0, 2e-15, rounding),
+        Check::new("largest ⟨q, p⟩", largest(path, |s| s.q.dot(&s.p))).near(0.0, 4e-15, rounding),
+        Check::new("change of the momentum about the vertical", drift).near(0.0, 1e-13, rounding),
     ]
 }
 
@@ -149,20 +136,16 @@ fn energy(path: &Path3) -> Result<[Check; 2], StepError> {
     };
     let (first, second) = energies.split_at(energies.len() / 2);
     Ok([
-        Check::near(
-            "largest energy error",
-            worst(&energies),
+        Check::new("largest energy error", worst(&energies)).near(
             0.0,
             1e-4,
             "h² times a constant of the motion",
         ),
-        Check::near(
+        Check::new(
             "second half of it over the first",
             worst(second) / worst(first),
-            1.0,
-            0.02,
-            "no drift",
-        ),
+        )
+        .near(1.0, 0.02, "no drift"),
     ])
 }
 
@@ -214,7 +197,7 @@ fn bath() -> Result<[Check; 2], Box<dyn Error>> {
         let mean = list.iter().sum::<f64>() / n;
         let error = (list.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n * (n - 1.0))).sqrt();
         let reason = format!("4 standard errors of {error:.4}, and h² of the rule");
-        Check::near(what, mean, expected, 4.0 * error + bias, reason)
+        Check::new(what, mean).near(expected, 4.0 * error + bias, reason)
     };
     let beta = system.g / system.kt;
     Ok([
@@ -302,20 +285,20 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut checks: Vec<Check> = kept(&noisy).into();
     checks.extend(energy(&quiet)?);
     let highest = swing[0].iter().map(|x| x.1).fold(-1.0, f64::max);
-    checks.push(Check::near(
-        "highest point of the swing over the pole",
-        highest,
-        1.0,
-        1e-3,
-        "a point within a step of the pole",
-    ));
-    checks.push(Check::near(
-        "its distance from the pendulum in an angle, h over h/2",
-        ratio,
-        4.0,
-        0.1,
-        "order 2, with both poles on the way",
-    ));
+    checks.push(
+        Check::new("highest point of the swing over the pole", highest).near(
+            1.0,
+            1e-3,
+            "a point within a step of the pole",
+        ),
+    );
+    checks.push(
+        Check::new(
+            "its distance from the pendulum in an angle, h over h/2",
+            ratio,
+        )
+        .near(4.0, 0.1, "order 2, with both poles on the way"),
+    );
     checks.extend(bath()?);
     print!("{}", check::table("spherical pendulum", &checks));
 
@@ -335,22 +318,19 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         swing[0].clone(),
         Pen::line(palette::BLUE, 1.2),
     ));
-    let figure = Figure {
-        name: "spherical_pendulum",
-        width: 1000,
-        rows: vec![Row {
-            height: 360,
-            panels: vec![
-                sphere("without noise", &quiet[..3000].to_vec(), palette::BLUE),
-                sphere(
-                    "with noise along the vertical",
-                    &noisy[..3000].to_vec(),
-                    palette::VERMILION,
-                ),
-                panel,
-            ],
-        }],
-    };
+    let figure = one_row(
+        "spherical_pendulum",
+        [1000, 360],
+        vec![
+            sphere("without noise", &quiet[..3000].to_vec(), palette::BLUE),
+            sphere(
+                "with noise along the vertical",
+                &noisy[..3000].to_vec(),
+                palette::VERMILION,
+            ),
+            panel,
+        ],
+    );
     let folder = Path::new("target").join(figure.name);
     std::fs::create_dir_all(&folder)?;
     std::fs::write(folder.join("spherical_pendulum.svg"), render::svg(&figure)?)?;

@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette;
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 
 use sve_runtime::prelude::*;
 
@@ -91,14 +91,7 @@ fn figure(machine: Synchrotron, ends: &[(f64, f64)], bunches: &[Bunch], times: &
         Axis::new("part of the bunch", 0.0..1.4 * most),
     )
     .with(Layer::new("lost", points.clone(), Pen::series(0)).bars(bars.collect()));
-    Figure {
-        name: "synchrotron",
-        width: 1080,
-        rows: vec![Row {
-            height: 400,
-            panels: vec![bucket, loss],
-        }],
-    }
+    one_row("synchrotron", [1080, 400], vec![bucket, loss])
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -151,9 +144,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let error = ((bunch.squares - bunch.energy.powi(2)) / (PARTICLES as f64 - 1.0)).sqrt();
         let exact = first + 0.5 * machine.sigma1.powi(2) * t;
         let why = "4.5 standard errors, and 0.002 for the step size";
-        Check::near(
-            format!("t = {t}: mean energy"),
-            bunch.energy,
+        Check::new(format!("t = {t}: mean energy"), bunch.energy).near(
             exact,
             4.5 * error + 0.002,
             why,

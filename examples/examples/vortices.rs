@@ -8,9 +8,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE};
-use sve_examples::report::report;
+use sve_examples::report::{one_row, report};
 use sve_runtime::prelude::*;
 
 type Plane = [[f64; 2]; 4];
@@ -149,47 +149,26 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         .fold(0.0f64, |m, x| m.max(x.abs()));
 
     let checks = [
-        Check::near("largest |ΔH|, first fifth", worst[0], 0.0, 6e-5, "order h²"),
-        Check::near(
-            "last fifth over first",
-            worst[4] / worst[0],
+        Check::new("largest |ΔH|, first fifth", worst[0]).near(0.0, 6e-5, "order h²"),
+        Check::new("last fifth over first", worst[4] / worst[0]).near(
             1.0,
             0.05,
             "no drift in 10⁵ steps",
         ),
-        Check::near(
-            "|Σ Γ x|, |Σ Γ y|",
-            centre,
-            0.0,
-            2e-11,
-            "linear invariants, rounding",
-        ),
-        Check::near(
-            "change of Σ Γ r²",
-            moment,
-            0.0,
-            1e-8,
-            "a quadratic invariant, rounding",
-        ),
-        Check::near(
-            "the centre in the strain",
-            wandering,
+        Check::new("|Σ Γ x|, |Σ Γ y|", centre).near(0.0, 2e-11, "linear invariants, rounding"),
+        Check::new("change of Σ Γ r²", moment).near(0.0, 1e-8, "a quadratic invariant, rounding"),
+        Check::new("the centre in the strain", wandering).near(
             0.0,
             1e-13,
             "the strain is linear: 0 stays 0",
         ),
-        Check::near(
+        Check::new(
             "two-form after 200 noisy steps",
             noisy.two_form_change(&tangent) / size.powi(2),
-            0.0,
-            1e-13,
-            "relative to the square of the tangent map",
-        ),
-        Check::reported(
-            "largest entry of the tangent map",
-            size,
-            "how far neighbours are apart",
-        ),
+        )
+        .near(0.0, 1e-13, "relative to the square of the tangent map"),
+        Check::new("largest entry of the tangent map", size)
+            .reported("how far neighbours are apart"),
     ];
     let figure = figure(&midpoint, &shaken, &errors)?;
     let caption = "Left: four vortices for 20 units of time; dots mark their starts. Middle: the same start in a strain that fluctuates. Right: the energy error without noise, which does not drift.";
@@ -235,12 +214,5 @@ fn figure(
         errors.to_vec(),
         Pen::line(GREY, 0.6),
     ));
-    Ok(Figure {
-        name: "vortices",
-        width: 1140,
-        rows: vec![Row {
-            height: 400,
-            panels: vec![left, middle, right],
-        }],
-    })
+    Ok(one_row("vortices", [1140, 400], vec![left, middle, right]))
 }

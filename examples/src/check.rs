@@ -33,32 +33,31 @@ pub enum Verdict {
 }
 
 impl Check {
-    /// `measured` has to be within `tolerance` of `expected`.
-    pub fn near(
-        what: impl Into<String>,
-        measured: f64,
-        expected: f64,
-        tolerance: f64,
-        reason: impl Into<String>,
-    ) -> Self {
+    /// A measured number that is reported and not compared.
+    pub fn new(what: impl Into<String>, measured: f64) -> Self {
         Self {
             what: what.into(),
             measured,
-            verdict: Verdict::Compared {
-                expected,
-                tolerance,
-                reason: reason.into(),
-            },
+            verdict: Verdict::Reported(String::new()),
         }
     }
 
-    /// A number that is reported and not compared.
-    pub fn reported(what: impl Into<String>, measured: f64, why: impl Into<String>) -> Self {
-        Self {
-            what: what.into(),
-            measured,
-            verdict: Verdict::Reported(why.into()),
-        }
+    /// The number has to be within `tolerance` of `expected`.
+    #[must_use]
+    pub fn near(mut self, expected: f64, tolerance: f64, reason: impl Into<String>) -> Self {
+        self.verdict = Verdict::Compared {
+            expected,
+            tolerance,
+            reason: reason.into(),
+        };
+        self
+    }
+
+    /// The number is reported and not compared.
+    #[must_use]
+    pub fn reported(mut self, why: impl Into<String>) -> Self {
+        self.verdict = Verdict::Reported(why.into());
+        self
     }
 
     /// Keeps the comparison where `applies`; reports the number with the given reason elsewhere.
@@ -191,11 +190,16 @@ mod tests {
 
     #[test]
     fn what_is_not_a_number_agrees_with_nothing() {
-        assert!(Check::near("x", f64::NAN, 0.0, 1.0, "").failed());
-        assert!(Check::near("x", f64::INFINITY, 0.0, f64::MAX, "").failed());
-        assert!(!Check::near("x", 1.0, 0.5, 0.5, "").failed());
+        assert!(Check::new("x", f64::NAN).near(0.0, 1.0, "").failed());
         assert!(
-            !Check::near("x", 9.0, 0.0, 1.0, "")
+            Check::new("x", f64::INFINITY)
+                .near(0.0, f64::MAX, "")
+                .failed()
+        );
+        assert!(!Check::new("x", 1.0).near(0.5, 0.5, "").failed());
+        assert!(
+            !Check::new("x", 9.0)
+                .near(0.0, 1.0, "")
                 .only_if(false, "short run")
                 .failed()
         );

@@ -5,9 +5,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use crate::check::{self, Check};
-use crate::figure::Figure;
+use crate::figure::{Figure, Panel, Row};
 use crate::page::{self, Section};
 use crate::render;
+
+/// The figure of one row of panels, with its width and height in CSS pixels.
+pub fn one_row(name: &'static str, [width, height]: [u32; 2], panels: Vec<Panel>) -> Figure {
+    let rows = vec![Row { height, panels }];
+    Figure { name, width, rows }
+}
 
 /// Writes `target/NAME/index.html`, `NAME.svg` and `NAME.png`, where NAME is that of the figure, and prints the numbers. Returns the exit status: failure
 /// if a number is off.

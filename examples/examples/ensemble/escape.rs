@@ -18,8 +18,9 @@ use std::error::Error;
 use std::f64::consts::TAU;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::palette::{self, Color};
+use sve_examples::report::one_row;
 use sve_runtime::ensemble::Rate;
 use sve_runtime::prelude::*;
 
@@ -213,35 +214,19 @@ fn checks(decay: &Decay) -> Vec<Check> {
                 "his formula's next order 3/8 kT/ΔU and the step",
             ),
         ),
-        Check::near(
-            format!("ΔU/kT = {barrier}: exact λ over Kramers' 2k"),
-            exact / kramers,
-            1.0,
-            next,
-            "the next order, as above; it is smaller with this friction",
-        ),
-        Check::reported(
-            format!(
+        Check::new(format!("ΔU/kT = {barrier}: exact λ over Kramers' 2k"), exact / kramers).near(1.0, next, "the next order, as above; it is smaller with this friction"),
+        Check::new(format!(
                 "ΔU/kT = {barrier}: twice the rate of first arrivals at the bottom of the other well, over λ"
-            ),
-            2.0 * arrivals.value / exact,
-            format!(
+            ), 2.0 * arrivals.value / exact).reported(format!(
                 "± {:.3}; 1 in the limit of a high barrier",
                 2.0 * arrivals.standard_error / exact
-            ),
-        ),
-        Check::near(
-            format!(
+            )),
+        Check::new(format!(
                 "ΔU/kT = {barrier}: arrivals of paths that stop there, less those of paths that go on"
-            ),
-            difference as f64,
-            0.0,
-            0.0,
-            format!(
+            ), difference as f64).near(0.0, 0.0, format!(
                 "the same paths; those that stop make {:.0} % of the steps",
                 100.0 * part
-            ),
-        ),
+            )),
     ]
 }
 
@@ -304,12 +289,5 @@ fn draw(decays: &[Decay]) -> Figure {
         let layer = Layer::new("midpoint rule, ± one standard error", bar, pen);
         ratios = ratios.with(if k == 0 { layer } else { layer.unlisted() });
     }
-    Figure {
-        name: "escape",
-        width: 1110,
-        rows: vec![Row {
-            height: 420,
-            panels: vec![populations, ratios],
-        }],
-    }
+    one_row("escape", [1110, 420], vec![populations, ratios])
 }

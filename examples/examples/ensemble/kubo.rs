@@ -8,9 +8,10 @@ use std::error::Error;
 use std::f64::consts::{PI, TAU};
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::gaussian::expectation;
 use sve_examples::palette;
+use sve_examples::report::one_row;
 use sve_runtime::prelude::*;
 
 use crate::{Options, Report, known_difference, mean};
@@ -173,9 +174,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
     }
     let radius = &summary["radius"];
     let off = (last(radius.max()) - 1.0).max(1.0 - last(radius.min()));
-    checks.push(Check::near(
-        "largest |radius − 1| of all paths",
-        off,
+    checks.push(Check::new("largest |radius − 1| of all paths", off).near(
         0.0,
         4.0 * f64::EPSILON * STEPS as f64,
         "conserved exactly: four roundings a step",
@@ -218,11 +217,12 @@ fn fit(
     let (freedom, expected_difference) = ((BINS - 1) as f64, distance(&|bin| count(rule, bin)));
     let deviation = (2.0 * freedom + 4.0 * expected_difference).sqrt();
     let z = (chi2 - freedom - expected_difference) / deviation;
-    Check::near(
+    Check::new(
         format!("χ² of the histogram against {name} (z = {z:.2})"),
         chi2,
-        freedom + expected_difference,
-        // the tail of χ² is longer than a normal's: 5.1 of its deviations have 1e-5 above
+    )
+    .near(
+        freedom + expected_difference, // the tail of χ² is longer than a normal's: 5.1 of its deviations have 1e-5 above
         5.1 * deviation,
         "degrees of freedom, and the error of the rule's distribution; false alarm about 1e-5",
     )
@@ -294,12 +294,5 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
         dots.collect(),
         Pen::dots(palette::BLUE, 2.0),
     ));
-    Figure {
-        name: "phase",
-        width: 1110,
-        rows: vec![Row {
-            height: 400,
-            panels: vec![histogram, difference],
-        }],
-    }
+    one_row("phase", [1110, 400], vec![histogram, difference])
 }

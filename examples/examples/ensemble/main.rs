@@ -57,9 +57,7 @@ pub(crate) fn mean(
 ) -> Check {
     let z = (measured - expected) / standard_error;
     let factor = sve_examples::gaussian::standard_errors(paths as f64);
-    Check::near(
-        format!("{} (z = {z:.2})", what.as_ref()),
-        measured,
+    Check::new(format!("{} (z = {z:.2})", what.as_ref()), measured).near(
         expected,
         factor * standard_error,
         format!("{reason}; {factor:.1} standard errors allowed (false alarm 1e-4)"),
@@ -77,7 +75,7 @@ pub(crate) fn known_difference(
 ) -> Check {
     let off = 100.0 * (measured / expected - 1.0);
     let parts = [known, STANDARD_ERRORS * standard_error].map(|x| (100.0 * x / expected).abs());
-    Check::near(
+    Check::new(
         format!(
             "{} (differs by {off:+.2} %; allowed {:.2} % for {why}, {:.2} % for scatter)",
             what.as_ref(),
@@ -85,6 +83,8 @@ pub(crate) fn known_difference(
             parts[1]
         ),
         measured,
+    )
+    .near(
         expected,
         STANDARD_ERRORS * standard_error + known,
         format!("{why}, and {STANDARD_ERRORS} standard errors"),

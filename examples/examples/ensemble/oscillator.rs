@@ -8,9 +8,10 @@ use std::array::from_fn;
 use std::error::Error;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::gaussian::{Matrix, Scheme};
 use sve_examples::palette::{self, Color};
+use sve_examples::report::one_row;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
 use sve_runtime::prelude::*;
 use sve_runtime::{Method, StepError};
@@ -196,12 +197,14 @@ fn checks(options: &Options, curve: &Curve) -> Vec<Check> {
     let (_, error) = curve.exact[last * EVERY];
     // kurtosis of a squared radius is at most 9, that of one squared coordinate 15: the variance is known to √(14/n)
     let relative = 0.5 * (14.0 / options.paths as f64).sqrt();
-    let spread = Check::near(
+    let spread = Check::new(
         format!(
             "{}: standard error of the last, from the sample",
             curve.name
         ),
         curve.errors[last],
+    )
+    .near(
         error,
         4.5 * relative * error,
         "moment recursion; 4.5 standard deviations of a sample's standard deviation",
@@ -229,17 +232,14 @@ fn draw(curves: &[Curve]) -> Figure {
         .iter()
         .filter(|c| c.variational)
         .fold(rest, |panel, c| lines(panel, c, EARLY, |t| 0.5 + 0.5 * t));
-    Figure {
-        name: "energy",
-        width: 1110,
-        rows: vec![Row {
-            height: 460,
-            panels: vec![
-                whole.legend(Corner::BottomRight),
-                rest.legend(Corner::TopLeft),
-            ],
-        }],
-    }
+    one_row(
+        "energy",
+        [1110, 460],
+        vec![
+            whole.legend(Corner::BottomRight),
+            rest.legend(Corner::TopLeft),
+        ],
+    )
 }
 
 /// Means of a method as symbols on its exact line and band, all less some function of time.

@@ -20,9 +20,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use sve_examples::check::{self, Check};
-use sve_examples::figure::{Figure, Row};
 use sve_examples::page::{self, Section};
 use sve_examples::render;
+use sve_examples::report::one_row;
 
 fn run() -> Result<bool, Box<dyn Error>> {
     let folder = Path::new("target/feynman_kac");
@@ -32,14 +32,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let (times, time_checks) = time_to_error::measure()?;
     checks.extend(time_checks);
     println!("{}", check::table("Parabolic equations by paths", &checks));
-    let figure = Figure {
-        name: "feynman_kac",
-        width: 1080,
-        rows: vec![Row {
-            height: 440,
-            panels: vec![solution, times],
-        }],
-    };
+    let figure = one_row("feynman_kac", [1080, 440], vec![solution, times]);
     let svg = render::svg(&figure)?;
     fs::write(folder.join("feynman_kac.svg"), &svg)?;
     fs::write(folder.join("feynman_kac.png"), render::png(&figure)?)?;
@@ -60,9 +53,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
 
 /// A mean against its expectation with a known bias.
 pub(crate) fn mean(what: String, measured: f64, expected: f64, error: f64, bias: f64) -> Check {
-    Check::near(
-        what,
-        measured,
+    Check::new(what, measured).near(
         expected,
         4.5 * error + bias.abs(),
         format!("4.5 standard errors of {error:.1e}, and the bias {bias:.1e} of the rule"),

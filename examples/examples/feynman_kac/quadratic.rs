@@ -133,13 +133,13 @@ where
 /// Solves at many points and three times, and at the known point with a million paths.
 pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
     let motion = Integrator::new(Oscillator, Midpoint);
-    let mut checks = vec![Check::near(
-        "1: closed form at (0.7, −0.4), t = 2",
-        exact(TIME, POINT),
-        VALUE,
-        1e-12,
-        "the value to 12 digits",
-    )];
+    let mut checks = vec![
+        Check::new("1: closed form at (0.7, −0.4), t = 2", exact(TIME, POINT)).near(
+            VALUE,
+            1e-12,
+            "the value to 12 digits",
+        ),
+    ];
     let (h, steps) = (1.0 / 16.0, 32);
     let [q, p] = POINT;
     let ensemble = |paths| {
@@ -162,9 +162,7 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
     ));
     let spread =
         (mean_of_steps(&motion, 32, [0.5, 0.5], 2.0 * KAPPA)? - (VALUE + bias).powi(2)).sqrt();
-    checks.push(Check::near(
-        "1: its standard error",
-        error,
+    checks.push(Check::new("1: its standard error", error).near(
         spread * 1e-3,
         5e-3 * spread * 1e-3,
         "the exact variance of the weight of a path",
@@ -213,12 +211,12 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
                 .unlisted(),
             );
     }
-    checks.push(Check::near(
-        "1: largest error at 25 points and 2 times, in standard errors",
-        worst,
-        0.0,
-        4.5,
-        "a false alarm in 3,000",
-    ));
+    checks.push(
+        Check::new(
+            "1: largest error at 25 points and 2 times, in standard errors",
+            worst,
+        )
+        .near(0.0, 4.5, "a false alarm in 3,000"),
+    );
     Ok((panel, checks))
 }

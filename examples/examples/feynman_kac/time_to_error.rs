@@ -171,20 +171,22 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         let pen = Pen::line(series.color, 1.5).symbols(series.shape, series.points.len());
         let name = series.name.replace('`', "");
         panel = panel.with(Layer::new(name, points.collect(), pen));
-        checks.push(Check::near(
-            format!("1: weak order, {}", series.name),
-            series.order,
-            series.expected,
-            0.12,
-            "the slope between the finest steps; the next term of the error still counts",
-        ));
+        checks.push(
+            Check::new(format!("1: weak order, {}", series.name), series.order).near(
+                series.expected,
+                0.12,
+                "the slope between the finest steps; the next term of the error still counts",
+            ),
+        );
     }
     for series in &all {
-        checks.push(Check::reported(
-            format!("1: nanoseconds a path and step, {}", series.name),
-            1e9 * series.step,
-            "measured in this run",
-        ));
+        checks.push(
+            Check::new(
+                format!("1: nanoseconds a path and step, {}", series.name),
+                1e9 * series.step,
+            )
+            .reported("measured in this run"),
+        );
     }
     let at = |series: &Series, error: f64| {
         let logs: Vec<_> = series
@@ -200,11 +202,17 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
     };
     for error in [2e-3, 1e-3] {
         let ratio = at(&all[3], error) / at(&all[0], error);
-        checks.push(Check::reported(
-            format!("1: time of naive Euler–Maruyama over `midpoint` for an error of {error:e}"),
-            ratio,
-            "both measured in this run; the ensemble on all cores, the naive loop on one",
-        ));
+        checks.push(
+            Check::new(
+                format!(
+                    "1: time of naive Euler–Maruyama over `midpoint` for an error of {error:e}"
+                ),
+                ratio,
+            )
+            .reported(
+                "both measured in this run; the ensemble on all cores, the naive loop on one",
+            ),
+        );
     }
     Ok((panel, checks))
 }

@@ -1,6 +1,7 @@
 //! The picture: the largest energy of stiff oscillators against ωh, by rule.
 
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
+use sve_examples::report::one_row;
 use sve_runtime::prelude::*;
 
 use super::stiff::{Linear, Quartic, largest_energy};
@@ -73,12 +74,5 @@ pub(super) fn figure() -> Figure {
             ],
         ),
     ];
-    Figure {
-        name: "hard_cases",
-        width: 1080,
-        rows: vec![Row {
-            height: 420,
-            panels,
-        }],
-    }
+    one_row("hard_cases", [1080, 420], panels)
 }

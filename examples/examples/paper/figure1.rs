@@ -4,8 +4,9 @@ use std::error::Error;
 use std::f64::consts::PI;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette;
+use sve_examples::report::one_row;
 use sve_runtime::baseline::TaylorSeries2;
 use sve_runtime::prelude::*;
 
@@ -85,34 +86,22 @@ fn rule_checks(
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     let drift = (mean(last) - mean(first)) / deviation(&energies);
     Ok([
-        Check::near(
-            format!("Taylor rule from q = {q}: largest energy deviation"),
-            deviation(&energies),
-            expected,
-            tolerance,
-            "computed independently to the digits given; half a unit of the last one",
-        )
+        Check::new(format!("Taylor rule from q = {q}: largest energy deviation"), deviation(&energies)).near(expected, tolerance, "computed independently to the digits given; half a unit of the last one")
         .only_if(options.paper_horizon(), "stated for a horizon of 2000"),
-        Check::near(
-            format!("Taylor rule from q = {q}: mean energy, last tenth − first tenth, over that deviation"),
-            drift,
-            0.0,
-            0.02,
-            "no drift; a tenth of the run holds about 100 periods, and its mean depends on the phase at its ends",
-        )
+        Check::new(format!("Taylor rule from q = {q}: mean energy, last tenth − first tenth, over that deviation"), drift).near(0.0, 0.02, "no drift; a tenth of the run holds about 100 periods, and its mean depends on the phase at its ends")
         .only_if(options.horizon >= 1000.0, "a tenth of the run holds too few periods"),
     ])
 }
 
 fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> {
     let energies = energies(run)?;
-    let mut checks = vec![Check::near(
-        "Taylor method from q = 1: energy at t = 0",
-        energies[0],
-        -9.8 * 1.0_f64.cos(),
-        1e-14,
-        "−9.8 cos 1, rounded",
-    )];
+    let mut checks = vec![
+        Check::new("Taylor method from q = 1: energy at t = 0", energies[0]).near(
+            -9.8 * 1.0_f64.cos(),
+            1e-14,
+            "−9.8 cos 1, rounded",
+        ),
+    ];
     for (t, expected, tolerance) in [(200.0, 45.3, 0.05), (2000.0, 471.0, 0.5)] {
         let step = step_of(t);
         let what = format!("Taylor method from q = 1: energy at t = {t}");
@@ -120,9 +109,9 @@ fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> 
             Some(&energy) => {
                 let reason =
                     "computed independently to the digits given; half a unit of the last one";
-                Check::near(what, energy, expected, tolerance, reason)
+                Check::new(what, energy).near(expected, tolerance, reason)
             }
-            None => Check::reported(what, f64::NAN, "not applicable: beyond the horizon"),
+            None => Check::new(what, f64::NAN).reported("not applicable: beyond the horizon"),
         });
     }
     if !options.paper_horizon() {
@@ -131,11 +120,9 @@ fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> 
             "Taylor method from q = 1: energy at t = {}",
             options.horizon
         );
-        checks.push(Check::reported(
-            what,
-            last,
-            "nothing was computed independently for this horizon",
-        ));
+        checks.push(
+            Check::new(what, last).reported("nothing was computed independently for this horizon"),
+        );
     }
     Ok(checks)
 }
@@ -224,12 +211,5 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
         let edge = Layer::new("range of the other panels", vec![(-PI, p), (PI, p)], pen);
         series = series.with(if p > 0.0 { edge } else { edge.unlisted() });
     }
-    Figure {
-        name: "figure1",
-        width: 1110,
-        rows: vec![Row {
-            height: 400,
-            panels: vec![exact, rule, series],
-        }],
-    }
+    one_row("figure1", [1110, 400], vec![exact, rule, series])
 }

@@ -35,11 +35,13 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     let solution = exact.run(&path, options.steps());
     let picture = Picture::of(&runs, &solution)?;
     let mut checks = vec![growth(&runs[FORWARD])];
-    checks.push(Check::reported(
-        "forward Euler–Maruyama: leaves the picture at t",
-        picture.left.unwrap_or(f64::NAN),
-        format!("first |q| or |p| above {:.0}", picture.size),
-    ));
+    checks.push(
+        Check::new(
+            "forward Euler–Maruyama: leaves the picture at t",
+            picture.left.unwrap_or(f64::NAN),
+        )
+        .reported(format!("first |q| or |p| above {:.0}", picture.size)),
+    );
     checks.push(settled(
         options,
         entries[BACKWARD].scheme.linear()?,
@@ -119,9 +121,11 @@ fn growth(run: &Run) -> Check {
     let noise = 2.0 * OSCILLATOR.sigma * ((1.0 + H * H) / H).sqrt()
         / ln_radius(from).exp()
         / (to.t - from.t);
-    Check::near(
+    Check::new(
         "forward Euler–Maruyama: growth rate of the energy, second half",
         rate,
+    )
+    .near(
         expected,
         5.0 * noise + 1e-12,
         "ln(1 + h²)/h; 5 standard deviations of the noise added since, and rounding",
@@ -163,13 +167,7 @@ fn settled(
         c = product(&a, &c);
     }
     let independent = last.quadratic(&ENERGY).1 / variance;
-    Ok(Check::near(
-        "backward Euler–Maruyama: mean energy, second half",
-        average,
-        expected,
-        standard_errors(independent) * variance.sqrt(),
-        format!("moment recursion (it tends to 5); worth {independent:.0} independent values, false alarm 1e-4"),
-    )
+    Ok(Check::new("backward Euler–Maruyama: mean energy, second half", average).near(expected, standard_errors(independent) * variance.sqrt(), format!("moment recursion (it tends to 5); worth {independent:.0} independent values, false alarm 1e-4"))
     .only_if(options.horizon >= 200.0, "not settled before t = 100"))
 }
 
@@ -189,24 +187,28 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
         law.quadratic(&[[1.0, 0.0], [0.0, 1.0]]).0.sqrt()
     });
     [
-        Check::near(
+        Check::new(
             format!(
                 "{}: error at the horizon, squared, in units of its covariance",
                 entry.name
             ),
             surprise,
+        )
+        .near(
             2.0,
             SURPRISE - 2.0,
             "χ² with 2 degrees of freedom, exact covariance by recursion; false alarm 1e-4",
         ),
-        Check::reported(
+        Check::new(
             format!(
                 "{}: distance from the exact solution at the horizon",
                 entry.name
             ),
             error[0].hypot(error[1]),
-            format!("root mean square over all paths, by recursion: {rms:.4}"),
-        ),
+        )
+        .reported(format!(
+            "root mean square over all paths, by recursion: {rms:.4}"
+        )),
     ]
 }
 
@@ -218,9 +220,11 @@ fn law(scheme: &Scheme<2>, solution: &Run) -> Check {
         .distributions(START)
         .nth(steps)
         .map(|law| law.surprise([z.q[0], z.p[0]]));
-    Check::near(
+    Check::new(
         "exact solution at the horizon, squared, in units of its covariance",
         surprise.unwrap_or(f64::NAN),
+    )
+    .near(
         2.0,
         SURPRISE - 2.0,
         "χ² with 2 degrees of freedom; false alarm 1e-4",
@@ -232,11 +236,7 @@ fn energy_at_end(name: &str, run: &Run) -> Result<Check, StepError> {
         Some(z) => (z.t, energy(z)?),
         None => (f64::NAN, f64::NAN),
     };
-    Ok(Check::reported(
-        format!("{name}: energy at t = {t:.0}"),
-        energy,
-        "this path",
-    ))
+    Ok(Check::new(format!("{name}: energy at t = {t:.0}"), energy).reported("this path"))
 }
 
 fn draw(

@@ -3,9 +3,10 @@
 use std::error::Error;
 
 use sve_examples::check::{Check, number};
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::gaussian::{Matrix, Scheme, standard_errors};
 use sve_examples::palette;
+use sve_examples::report::one_row;
 use sve_runtime::prelude::*;
 
 use crate::Report;
@@ -151,23 +152,23 @@ fn recursion(name: &str, scheme: &Scheme<2>, independent: [f64; 3]) -> Check {
         .filter(|(_, value)| digits(*value))
         .map(|(t, value)| (energies[step_of(t)] / value - 1.0).abs())
         .fold(0.0, f64::max);
-    Check::near(
+    Check::new(
         format!(
             "{name}: E[H] by recursion, relative difference from values computed independently"
         ),
         worst,
-        0.0,
-        1e-10,
-        "20 000 steps, a few roundings of A and M each",
     )
+    .near(0.0, 1e-10, "20 000 steps, a few roundings of A and M each")
 }
 
 fn six_digits(scheme: &Scheme<2>) -> Check {
     let energies = expected(scheme, step_of(TIMES[2]));
     let value = INDEPENDENT[SIX_DIGITS.0][SIX_DIGITS.1];
-    Check::near(
+    Check::new(
         "forward Euler–Maruyama: E[H] by recursion at t = 2000",
         energies[step_of(TIMES[2])],
+    )
+    .near(
         value,
         5e-6 / 1.471_76 * value,
         "computed independently to six digits; half a unit of the last one",
@@ -197,24 +198,18 @@ fn means(options: &Options, name: &str, scheme: &Scheme<2>, sums: &Sums) -> Vec<
         let (mean, error) = expected(t);
         let measured = sums.mean(step_of(t));
         let score = (measured - mean) / error;
-        Check::near(
-            format!("{name}: mean energy at t = {t:.0}"),
-            measured,
-            mean,
-            factor * error,
-            format!("moment recursion; z = {score:.2}, {factor:.1} exact standard errors allowed (false alarm 1e-4)"),
-        )
+        Check::new(format!("{name}: mean energy at t = {t:.0}"), measured).near(mean, factor * error, format!("moment recursion; z = {score:.2}, {factor:.1} exact standard errors allowed (false alarm 1e-4)"))
         .only_if(
             (factor * error).is_finite() && measured.is_finite(),
             "energies or their squares overflow",
         )
     };
     let end = options.steps() as f64 * H;
-    let error = Check::reported(
+    let error = Check::new(
         format!("{name}: standard error of that mean, from the sample"),
         sums.standard_error(step_of(end)),
-        format!("exact: {}", number(expected(end).1)),
-    );
+    )
+    .reported(format!("exact: {}", number(expected(end).1)));
     times(options)
         .into_iter()
         .map(check)
@@ -234,11 +229,13 @@ fn paired(options: &Options, name: &str, joint: &Scheme<4>, sums: &Sums, exact: 
     let law = joint.distributions(start).nth(step);
     let (mean, variance) = law.map_or((f64::NAN, f64::NAN), |law| law.quadratic(&form));
     let paths = f64::from(options.paths);
-    Check::near(
+    Check::new(
         format!(
             "{name}: mean energy less that of the exact solution on the same paths, t = {t:.0}"
         ),
         sums.mean(step) - exact.mean(step),
+    )
+    .near(
         mean,
         standard_errors(paths) * (variance / paths).sqrt(),
         "joint moment recursion of scheme and exact solution",
@@ -259,17 +256,14 @@ fn draw(options: &Options, entries: &[Entry], schemes: &[Scheme<2>], sums: &[Sum
         Axis::new("time t", 0.0..early),
         Axis::new("mean energy", 0.0..0.95 * early),
     );
-    Figure {
-        name: "figure3",
-        width: 1110,
-        rows: vec![Row {
-            height: 460,
-            panels: vec![
-                curves(whole, options, entries, schemes, sums, horizon),
-                curves(part, options, entries, schemes, sums, early),
-            ],
-        }],
-    }
+    one_row(
+        "figure3",
+        [1110, 460],
+        vec![
+            curves(whole, options, entries, schemes, sums, horizon),
+            curves(part, options, entries, schemes, sums, early),
+        ],
+    )
 }
 
 /// Means, the exact mean with its standard error, and expectations, up to time `end`.

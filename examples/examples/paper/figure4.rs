@@ -94,9 +94,7 @@ fn checks(options: &Options, runs: &Runs) -> Vec<Check> {
         .iter()
         .map(|z| (z.q[0].powi(2) + z.p[0].powi(2) - 1.0).abs());
     let mut checks = vec![
-        Check::near(
-            "midpoint: largest |q² + p² − 1|",
-            worst.fold(0.0, f64::max),
+        Check::new("midpoint: largest |q² + p² − 1|", worst.fold(0.0, f64::max)).near(
             0.0,
             4.0 * f64::EPSILON * steps,
             "conserved exactly: four roundings a step",
@@ -105,21 +103,20 @@ fn checks(options: &Options, runs: &Runs) -> Vec<Check> {
     ];
     checks.extend(overflow(options, &runs.euler));
     let left = runs.euler.inside(PICTURE).last().map_or(f64::NAN, |z| z.t);
-    checks.push(Check::reported(
-        "Euler–Maruyama: leaves the picture at t",
-        left,
-        format!("first |q| or |p| above {PICTURE}"),
-    ));
+    checks.push(
+        Check::new("Euler–Maruyama: leaves the picture at t", left)
+            .reported(format!("first |q| or |p| above {PICTURE}")),
+    );
     let (growth, variance) =
         of_angle(|x| 0.5 * ((1.0 - 0.5 * KUBO.sigma.powi(2) * H).powi(2) + x * x).ln());
     let end = runs.corrected.states.last().map_or(f64::NAN, ln_radius);
-    checks.push(Check::near(
-        "corrected Euler–Maruyama: ln radius at the horizon",
-        end,
-        steps * growth,
-        DEVIATIONS * (steps * variance).sqrt(),
-        "N E ½ln((1 − σ²h/2)² + x²), x ~ N(ah, σ²h), by quadrature; 5 standard deviations",
-    ));
+    checks.push(
+        Check::new("corrected Euler–Maruyama: ln radius at the horizon", end).near(
+            steps * growth,
+            DEVIATIONS * (steps * variance).sqrt(),
+            "N E ½ln((1 − σ²h/2)² + x²), x ~ N(ah, σ²h), by quadrature; 5 standard deviations",
+        ),
+    );
     checks
 }
 
@@ -133,9 +130,11 @@ fn lag(midpoint: &Run, exact: &Run, steps: f64) -> Check {
         run.states.windows(2).map(angle).sum()
     };
     let (mean, variance) = of_angle(|x| 2.0 * (x / 2.0).atan() - x);
-    Check::near(
+    Check::new(
         "midpoint: angle turned, less that of the exact solution",
         turned(midpoint) - turned(exact),
+    )
+    .near(
         steps * mean,
         DEVIATIONS * (steps * variance).sqrt(),
         "N E(2 atan(x/2) − x), x ~ N(ah, σ²h), by quadrature; 5 standard deviations",
@@ -150,31 +149,21 @@ fn overflow(options: &Options, euler: &Run) -> [Check; 2] {
     let expected = H * steps;
     let what = "Euler–Maruyama: overflow at t";
     let time = match euler.overflow {
-        Some(t) => Check::near(
-            what,
-            t,
+        Some(t) => Check::new(what, t).near(
             expected,
             allowed,
             "h ln(f64::MAX) / E ½ln(1 + x²) by quadrature; 5 standard deviations of the time",
         ),
-        None => Check::near(
-            what,
-            f64::NAN,
-            expected,
-            allowed,
-            "has to overflow before the horizon",
-        )
-        .only_if(
-            options.horizon > expected + allowed,
-            &format!("expected near t = {expected:.0}, which the horizon need not reach"),
-        ),
+        None => Check::new(what, f64::NAN)
+            .near(expected, allowed, "has to overflow before the horizon")
+            .only_if(
+                options.horizon > expected + allowed,
+                &format!("expected near t = {expected:.0}, which the horizon need not reach"),
+            ),
     };
     let last = euler.states.last().map_or(f64::NAN, ln_radius) / std::f64::consts::LN_10;
-    let finite = Check::reported(
-        "Euler–Maruyama: decimal exponent of the last radius",
-        last,
-        "never NaN: the step returns an error",
-    );
+    let finite = Check::new("Euler–Maruyama: decimal exponent of the last radius", last)
+        .reported("never NaN: the step returns an error");
     [time, finite]
 }
 

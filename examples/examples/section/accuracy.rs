@@ -17,13 +17,11 @@ pub(crate) fn checks() -> Result<Vec<Check>, Box<dyn Error>> {
         order("`midpoint`", &midpoint, 0.1, 3.0)?,
         order("`stormer_verlet`", &verlet, 0.1, 3.0)?,
         order("`gauss(2)`", &gauss2, 0.4, 5.0)?,
-        Check::near(
+        Check::new(
             "error at a crossing, `gauss(4)`, h = 0.1",
             error(&Integrator::new(system, Gauss::<4>), 0.1)?,
-            0.0,
-            1e-14,
-            "order 9: rounding only",
-        ),
+        )
+        .near(0.0, 1e-14, "order 9: rounding only"),
     ];
     checks.push(replay()?);
     Ok(checks)
@@ -57,7 +55,7 @@ where
     let order = (error(method, h)? / error(method, 0.25 * h)?).log2() / 2.0;
     let what = format!("order of the error at a crossing, {name}");
     let reason = "the local order of a step; the next term of the error still counts";
-    Ok(Check::near(what, order, expected, 0.1, reason))
+    Ok(Check::new(what, order).near(expected, 0.1, reason))
 }
 
 /// The largest difference between a section with noise and its repetition: the path within a step is a function of seed, path and step.
@@ -70,11 +68,9 @@ fn replay() -> Result<Check, Box<dyn Error>> {
     };
     let (first, second) = (section()?, section()?);
     let differences = first.iter().zip(&second).map(|(a, b)| (a.t - b.t).abs());
-    Ok(Check::near(
+    Ok(Check::new(
         "a section with noise and its repetition, `stormer_verlet`",
         differences.fold(0.0, f64::max),
-        0.0,
-        0.0,
-        "the same bits",
-    ))
+    )
+    .near(0.0, 0.0, "the same bits"))
 }

@@ -105,15 +105,13 @@ fn panel(
     }
     let what = format!("{title}: largest relative change of the energy");
     checks.push(if sigma == 0.0 {
-        Check::near(
-            what,
-            largest,
+        Check::new(what, largest).near(
             0.0,
             1e-9,
             "`gauss(4)` with h = 0.1 keeps the energy within 1e-9",
         )
     } else {
-        Check::reported(what, largest, "the noise changes the energy")
+        Check::new(what, largest).reported("the noise changes the energy")
     });
     Ok(panel)
 }

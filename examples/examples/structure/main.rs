@@ -13,7 +13,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use scenes::{Facts, Scene, Visitor, every_scene};
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row as Panels, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
+use sve_examples::report::one_row;
 use sve_examples::{palette, render};
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
@@ -277,14 +278,11 @@ fn figure(rows: &[Row]) -> Figure {
         ))
         .with(Layer::new("without", unstructured, open))
         .legend(Corner::TopRight);
-    Figure {
-        name: "structure",
-        width: 1080,
-        rows: vec![Panels {
-            height: 80 + 22 * rows.len() as u32,
-            panels: vec![panel],
-        }],
-    }
+    one_row(
+        "structure",
+        [1080, 80 + 22 * rows.len() as u32],
+        vec![panel],
+    )
 }
 
 /// The explanation of the columns.
