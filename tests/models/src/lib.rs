@@ -1,5 +1,5 @@
 //! Shared code of the tests: models, the users' functions as oracles, all models with all rules as objects, checks of a feature of the
-//! language, difference quotients, random points, an exact solution.
+//! language, difference quotients, orders of convergence, random points, an exact solution.
 
 pub mod case;
 pub mod configured;
@@ -12,6 +12,8 @@ pub mod functions;
 pub mod language;
 pub mod models;
 pub mod oracle;
+pub mod orders;
 pub mod potential;
 pub mod random;
 pub mod reference;
+pub mod steps;

@@ -2,7 +2,7 @@
 //! models and rules.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::{Dims, System};
 
 use crate::case::{Case, case};
 use crate::configured::Configured;
@@ -70,7 +70,7 @@ rules! {
 }
 
 /// `Pendulum by midpoint`, for messages.
-pub fn name<S: Variational<R>, R>(integrator: &Integrator<S, R>) -> String {
+pub fn name<S: System, R: sve_runtime::Rule<S::Itself>>(integrator: &Integrator<S, R>) -> String {
     let plan = integrator.plan();
     format!("{} by {}", plan.system, plan.rule)
 }

@@ -1,77 +1,45 @@
 //! Steps computed elsewhere with 40-digit arithmetic, independently of this project.
 
-use serde::Deserialize;
-use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
-
 use sve_models::degenerate::{InternalLotkaVolterra, Kubo, LotkaVolterra, Spin};
+use sve_models::reference::{ReferenceRun, check};
+use sve_runtime::prelude::*;
+use sve_runtime::{Dims, Rule, System};
 
-#[derive(Deserialize)]
-struct ReferencePath {
-    rule: String,
-    h: f64,
-    dw: Vec<[f64; 1]>,
-    states: Vec<[f64; 4]>,
-}
-
-fn path(file: &str, rule: &str) -> ReferencePath {
-    let path = format!("{}/data/{file}.json", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
-    let all: Vec<ReferencePath> = serde_json::from_str(&text).expect("reference data");
-    let mut all = all.into_iter();
-    all.find(|run| run.rule == rule)
-        .unwrap_or_else(|| panic!("{file}: {rule}"))
-}
-
-/// Largest error of the states along a run, relative to the largest of their components: of the configuration, and of p.
-fn errors<S, R>(system: S, rule: R, run: &ReferencePath) -> [f64; 2]
+/// The error along a run from the rest state of its first configuration.
+fn error<S, R>(run: &ReferenceRun, system: S, rule: R) -> f64
 where
-    S: Variational<R> + System<Dims = Dims<2, 1>>,
+    S: System<Dims = Dims<2, 1>>,
+    R: Rule<S::Itself>,
 {
-    let integrator = Integrator::new(system, rule);
-    let [x, y, ..] = run.states[0];
-    let mut state = State::from_configuration(integrator.system(), [x, y]).unwrap();
-    let mut worst = [0.0f64; 2];
-    for (dw, expected) in run.dw.iter().zip(&run.states[1..]) {
-        integrator.step(&mut state, run.h, dw).unwrap();
-        let size = expected.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        for i in 0..2 {
-            worst[0] = worst[0].max((state.q[i] - expected[i]).abs() / size);
-            worst[1] = worst[1].max((state.p[i] - expected[2 + i]).abs() / size);
-        }
-    }
-    assert!(run.dw.len() > 3 && run.dw.len() + 1 == run.states.len());
-    worst
-}
-
-fn check<S, R>(file: &str, name: &str, system: S, rule: R)
-where
-    S: Variational<R> + System<Dims = Dims<2, 1>>,
-{
-    let [q, p] = errors(system, rule, &path(file, name));
-    println!("{file} {name}: {q:.1e} {p:.1e}");
-    assert!(q < 1e-12 && p < 1e-12, "{file} {name}: {q:e} {p:e}");
+    let [x, y, ..] = *run.first() else {
+        panic!("no configuration");
+    };
+    let start = State::from_configuration(&system, [x, y]).unwrap();
+    run.error_from(system, rule, start)
 }
 
 #[test]
 fn steps_of_lotka_volterra() {
-    check("lotka_volterra", "midpoint", LotkaVolterra, Midpoint);
-    let rule = "midpoint_dvi";
-    check("lotka_volterra", rule, InternalLotkaVolterra, Midpoint);
-    let rule = "initial_point";
-    check("lotka_volterra", rule, InternalLotkaVolterra, InitialPoint);
-    let rule = "endpoint";
-    check("lotka_volterra", rule, InternalLotkaVolterra, Endpoint);
+    check("lotka_volterra", 4, 1e-12, |run| match run.rule.as_str() {
+        "midpoint" => error(run, LotkaVolterra, Midpoint),
+        "midpoint_dvi" => error(run, InternalLotkaVolterra, Midpoint),
+        "initial_point" => error(run, InternalLotkaVolterra, InitialPoint),
+        "endpoint" => error(run, InternalLotkaVolterra, Endpoint),
+        other => panic!("unknown rule {other}"),
+    });
 }
 
 #[test]
 fn steps_of_a_spin() {
-    check("spin", "midpoint", Spin, Midpoint);
+    check("spin", 1, 1e-12, |run| error(run, Spin, Midpoint));
 }
 
 #[test]
 fn steps_of_a_rotation() {
-    check("kubo_degenerate", "initial_point", Kubo, InitialPoint);
-    check("kubo_degenerate", "midpoint", Kubo, Midpoint);
-    check("kubo_degenerate", "endpoint", Kubo, Endpoint);
+    check("kubo_degenerate", 3, 1e-12, |run| match run.rule.as_str() {
+        "initial_point" => error(run, Kubo, InitialPoint),
+        "midpoint" => error(run, Kubo, Midpoint),
+        "endpoint" => error(run, Kubo, Endpoint),
+        other => panic!("unknown rule {other}"),
+    });
 }

@@ -1,6 +1,7 @@
 //! Tangent maps and sensitivities against differences of steps, symplecticity with noise, momenta, and steps back.
 
 use sve_models::random::Random;
+use sve_models::steps::{check_return, check_sensitivity, check_tangent};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
@@ -10,9 +11,6 @@ use crate::systems::{
 
 const H: f64 = 0.15;
 
-/// Half the distance of the states between which differences are taken.
-const SHIFT: f64 = 1e-5;
-
 fn random_state<const N: usize>(random: &mut Random) -> State<[f64; N]> {
     State::at(
         random.uniform(0.2, 1.0),
@@ -21,60 +19,20 @@ fn random_state<const N: usize>(random: &mut Random) -> State<[f64; N]> {
     )
 }
 
-fn numbers<const N: usize>(state: &State<[f64; N]>) -> Vec<f64> {
-    [state.q, state.p].concat()
-}
-
 /// Compares the tangent map with central differences, checks that it is symplectic, and that the step back returns.
 fn check<S, R, const N: usize, const M: usize>(system: &S, rule: R, is_forced: bool)
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,
 {
     let integrator = Integrator::new(system, rule);
-    let name = format!("{} by {}", integrator.plan().system, integrator.plan().rule);
     let mut random = Random::new(17);
     for _ in 0..25 {
         let start = random_state::<N>(&mut random);
         let dw: [f64; M] = random.array(-0.2, 0.2);
-        let step = |mut state: State<[f64; N]>| {
-            integrator.step(&mut state, H, &dw).unwrap();
-            numbers(&state)
-        };
-        let tangent = integrator.tangent(&start, H, &dw).unwrap();
-        for column in 0..2 * N {
-            let shifted = |by: f64| {
-                let mut state = start;
-                let place = if column < N {
-                    &mut state.q[column]
-                } else {
-                    &mut state.p[column - N]
-                };
-                *place += by;
-                step(state)
-            };
-            let (above, below) = (shifted(SHIFT), shifted(-SHIFT));
-            for row in 0..2 * N {
-                let difference = (above[row] - below[row]) / (2.0 * SHIFT);
-                let entry = tangent[row][column];
-                assert!(
-                    (entry - difference).abs() < 1e-8,
-                    "{name}: {entry} for {difference}"
-                );
-            }
-        }
-        if !is_forced {
-            let defect = tangent.symplectic_defect();
-            assert!(defect < 1e-13, "{name}: {defect:e}");
-        }
-        let mut state = start;
-        integrator.step(&mut state, H, &dw).unwrap();
-        integrator.step(&mut state, -H, &dw.map(|w| -w)).unwrap();
-        for (x, y) in numbers(&state).iter().zip(numbers(&start)) {
-            assert!(
-                (x - y).abs() < 4e-15 * (1.0 + y.abs()),
-                "{name}: {x} for {y}"
-            );
-        }
+        let defect = (!is_forced).then_some(1e-13);
+        check_tangent(&integrator, &start, H, &dw, defect);
+        let back = dw.map(|w| -w);
+        check_return(&integrator, &start, H, [&dw, &back], 4e-15);
     }
 }
 
@@ -101,36 +59,18 @@ fn tangent_maps_are_derivatives_and_symplectic_and_steps_return() {
 
 #[test]
 fn sensitivities_are_derivatives_by_the_parameters() {
+    let names = ["m", "b", "k", "nu", "sigma[0]", "sigma[1]"];
     let parameters = [1.3, 0.4, 0.8, 0.3, 0.5, 0.4];
     let mut random = Random::new(4);
     for _ in 0..20 {
         let start = random_state::<2>(&mut random);
         let dw = random.array(-0.2, 0.2);
-        let end = |parameters: [f64; 6]| {
-            let integrator = Integrator::new(Everything::with_parameters(parameters), Gauss::<4>);
-            let mut state = start;
-            integrator.step(&mut state, H, &dw).unwrap();
-            numbers(&state)
+        let system = |name: &str, by: f64| {
+            let mut parameters = parameters;
+            parameters[names.iter().position(|n| *n == name).unwrap()] += by;
+            Everything::with_parameters(parameters)
         };
-        let integrator = Integrator::new(everything(), Gauss::<4>);
-        let sensitivity = integrator.sensitivity(&start, H, &dw).unwrap();
-        let names = ["m", "b", "k", "nu", "sigma[0]", "sigma[1]"];
-        for (at, name) in names.into_iter().enumerate() {
-            let shifted = |by: f64| {
-                let mut parameters = parameters;
-                parameters[at] += by;
-                end(parameters)
-            };
-            let (above, below) = (shifted(SHIFT), shifted(-SHIFT));
-            let field = sensitivity.get(name).unwrap();
-            for (row, entry) in field.q.iter().chain(&field.p).enumerate() {
-                let difference = (above[row] - below[row]) / (2.0 * SHIFT);
-                assert!(
-                    (entry - difference).abs() < 1e-8,
-                    "{name}: {entry} for {difference}"
-                );
-            }
-        }
+        check_sensitivity(system, Gauss::<4>, &names, &start, (H, &dw));
     }
 }
 

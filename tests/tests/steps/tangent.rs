@@ -6,28 +6,15 @@ use sve_models::differences::derivatives;
 use sve_models::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, Polar};
 use sve_models::oracle::{self, Model, Rule, cases, name};
 use sve_models::random::Random;
+use sve_models::steps::stepped;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Tangent, Variational};
+use sve_runtime::{System, Tangent, Variational};
 
 /// Differences are good to 1e-12 (see `differences`) times derivatives of the seventh order, below 100 here.
 const DIFFERENCES: f64 = 1e-9;
 
 /// Rounding: some 50 operations an entry, and entries up to 10 that are multiplied and cancel.
 const SYMPLECTIC: f64 = 1e-12;
-
-/// `(q₁, p₁)`.
-fn image<S, R, const N: usize, const M: usize>(
-    integrator: &Integrator<S, R>,
-    mut state: State<[f64; N]>,
-    h: f64,
-    dw: &[f64; M],
-) -> Vec<f64>
-where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
-{
-    integrator.step(&mut state, h, dw).unwrap();
-    [state.q, state.p].concat()
-}
 
 fn tangents_are_derivatives(case: &dyn Case, random: &mut Random) {
     let (h, model) = (0.1, case.model());
@@ -135,7 +122,7 @@ fn parameter<S, R, const N: usize, const M: usize>(
         let integrator = Integrator::new(make(value + d), rule);
         let mut state = start;
         integrator.step(&mut state, 0.1, &dw[0]).unwrap();
-        image(&integrator, state, 0.1, &dw[1])
+        stepped(&integrator, &state, 0.1, &dw[1])
     });
     for (got, expected) in got.q.iter().chain(&got.p).zip(&differences) {
         assert!(

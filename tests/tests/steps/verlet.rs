@@ -1,17 +1,15 @@
-//! The rule of Störmer and Verlet: steps to 40 digits, closed forms, symmetry, symplecticity.
-
-use std::collections::HashMap;
+//! The rule of Störmer and Verlet: closed forms, symmetry, symplecticity.
 
 use sve_models::models::{Damped, DoublePendulum, Driven, Kubo, Mixed, Pendulum, Polar};
 use sve_models::oracle::{damped, double_pendulum, driven, kubo, mixed, pendulum, polar};
 use sve_models::random::Random;
-use sve_models::reference::ReferenceRun;
+use sve_models::steps::{check_return, check_tangent};
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockKind, Dims, System, Variational, baseline};
 
 /// A particle in a double well whose kicks depend on its place.
-struct DoubleWell {
-    s: f64,
+pub(crate) struct DoubleWell {
+    pub(crate) s: f64,
 }
 
 #[variational(stormer_verlet)]
@@ -24,36 +22,6 @@ impl DoubleWell {
     fn kicks(&self, q: f64) -> f64 {
         self.s * (2.0 * q).sin()
     }
-}
-
-/// Follows the runs of a file of reference steps.
-fn follow<S, const N: usize, const M: usize>(
-    file: &str,
-    bound: f64,
-    system: impl Fn(&HashMap<String, f64>) -> S,
-) where
-    S: Variational<StormerVerlet> + System<Dims = Dims<N, M>>,
-{
-    for run in ReferenceRun::read(file) {
-        let worst = run.error(&Integrator::new(system(&run.params), StormerVerlet));
-        assert!(worst < bound, "{file}: {worst:e}");
-    }
-}
-
-#[test]
-fn steps_agree_with_40_digits() {
-    follow("verlet_double_well", 1e-12, |p| DoubleWell { s: p["s"] });
-    follow("verlet_kubo", 1e-12, |p| Kubo {
-        a: p["a"],
-        sigma: p["sigma"],
-    });
-    // chaotic: rounding errors grow along the run
-    follow("verlet_double_pendulum", 1e-10, |p| DoublePendulum {
-        m: [p["m1"], p["m2"]],
-        l: [p["l1"], p["l2"]],
-        g: p["g"],
-        s: p["s"],
-    });
 }
 
 #[test]
@@ -90,19 +58,10 @@ fn is_symmetric_and_symplectic<S, const N: usize, const M: usize>(
     for _ in 0..50 {
         let start = point(&mut random);
         let dw: [f64; M] = random.array(-0.1, 0.1);
-        let mut state = start;
-        let (tangent, _) = integrator
-            .step_with_derivatives(&mut state, H, &dw)
-            .unwrap();
-        let name = integrator.plan().system;
-        if !forced {
-            assert!(tangent.symplectic_defect() < 1e-12, "{name}: {tangent:?}");
-        }
-        integrator.step(&mut state, -H, &dw.map(|w| -w)).unwrap();
-        let numbers = |state: &State<[f64; N]>| [state.q, state.p].concat();
-        for (x, y) in numbers(&state).iter().zip(numbers(&start)) {
-            assert!((x - y).abs() < 1e-13, "{name}: {state:?} for {start:?}");
-        }
+        let defect = (!forced).then_some(1e-12);
+        check_tangent(&integrator, &start, H, &dw, defect);
+        let back = dw.map(|w| -w);
+        check_return(&integrator, &start, H, [&dw, &back], 1e-13);
     }
 }
 

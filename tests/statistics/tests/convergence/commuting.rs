@@ -1,9 +1,10 @@
 //! Noises that commute with one another and with H: a Gauss rule with S stages has the strong order S.
 
+use sve_models::orders::{Row, end, total};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
-use super::strong_order::{Path, line, measure, record, rotated, run, total};
+use super::strong_order::{EXACT, rotated};
 
 /// H = I with H₁ = (σ₁I, σ₂I²), I = (q² + p²)/2.
 #[derive(Clone, Debug)]
@@ -43,24 +44,15 @@ impl Central {
     }
 }
 
-/// Prints and checks the orders of the rules with two and three stages.
-fn has_order_of_stages<S, const N: usize, const M: usize>(
-    system: &S,
-    noise: &str,
-    start: State<[f64; N]>,
-    path: impl Fn(u64) -> Path<N>,
-) where
+/// The rules with two and three stages.
+fn rows<S, const N: usize, const M: usize>(system: &S, start: State<[f64; N]>) -> [Row<'_>; 2]
+where
     S: Variational<Gauss<2>> + Variational<Gauss<3>> + System<Dims = Dims<N, M>>,
 {
-    let (two, three) = (
-        Integrator::new(system, Gauss::<2>),
-        Integrator::new(system, Gauss::<3>),
-    );
-    let name = two.plan().system;
-    let order = measure(&path, |path| run(&two, start, path));
-    line(name, "gauss(2)", noise, 2.0, order);
-    let order = measure(&path, |path| run(&three, start, path));
-    line(name, "gauss(3)", noise, 3.0, order);
+    [
+        Row::new(system, Gauss::<2>, start).of_order(2.0),
+        Row::new(system, Gauss::<3>, start).of_order(3.0),
+    ]
 }
 
 #[test]
@@ -68,14 +60,11 @@ fn functions_of_the_action() {
     let sigma = [0.5, 0.2];
     let start = State::new([0.8], [0.3]);
     let action = 0.5 * (0.8_f64.powi(2) + 0.3_f64.powi(2));
-    let path = |path| {
-        let fine = record(path, 2, 10);
-        let [w1, w2] = total(&fine);
-        let angle = 1.0 + sigma[0] * w1 + 2.0 * sigma[1] * action * w2;
-        let end = rotated(start, angle);
-        Path { fine, end }
-    };
-    has_order_of_stages(&Actions { sigma }, "H₁ = (σ₁I, σ₂I²)", start, path);
+    let path = EXACT.against(2, |path| {
+        let [w1, w2] = total(path);
+        rotated(&start, 1.0 + sigma[0] * w1 + 2.0 * sigma[1] * action * w2)
+    });
+    EXACT.check("H₁ = (σ₁I, σ₂I²)", &rows(&Actions { sigma }, start), path);
 }
 
 #[test]
@@ -84,15 +73,12 @@ fn angular_momentum_in_a_central_potential() {
     let start = State::new([0.8, -0.2], [0.3, 0.9]);
     // The flows of H and of the noise commute: first that of H, then a rotation.
     let quiet = Integrator::new(Central { sigma: 0.0 }, Gauss::<3>);
-    let mut path = quiet.trajectory(start, 0.5_f64.powi(10), NoNoise);
-    let end = path.nth((1 << 10) - 1).unwrap().unwrap();
-    let path = |path| {
-        let fine = record(path, 1, 10);
-        let [w] = total(&fine);
-        let (s, c) = (system.sigma * w).sin_cos();
-        let turned = |[x, y]: [f64; 2]| [c * x - s * y, s * x + c * y];
-        let end = State::at(1.0, turned(end.q), turned(end.p));
-        Path { fine, end }
-    };
-    has_order_of_stages(&system, "H₁ = σ(q₀p₁ − q₁p₀)", start, path);
+    let still = Recorded::new(0.5_f64.powi(10), vec![[0.0]; 1 << 10]).unwrap();
+    let quiet = end(&quiet, start, &still);
+    let path = EXACT.against(1, |path| {
+        let (s, c) = (system.sigma * total::<1>(path)[0]).sin_cos();
+        let turned = |z: &[f64]| [c * z[0] - s * z[1], s * z[0] + c * z[1]];
+        quiet.chunks(2).flat_map(turned).collect()
+    });
+    EXACT.check("H₁ = σ(q₀p₁ − q₁p₀)", &rows(&system, start), path);
 }

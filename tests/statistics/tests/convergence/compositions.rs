@@ -1,13 +1,19 @@
 //! Compositions and splittings with noise of strength σ: their error on paths is O(hʳ + σh). So the strong order is 1, and the order r shows where noise is weak.
 
 use sve_models::oracle::synchrotron;
+use sve_models::orders::{Paths, Row, Tolerance, distance2, end};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, StrongOrder, System, Variational};
 
-use super::strong_order::{Path, distance2, measure, record, run, with_fine_reference};
+use super::strong_order::{EXACT, FINE};
 
-/// Standard errors of the fitted slope within which the order has to be.
-const SIGMAS: f64 = 4.0;
+const PATHS: Paths = Paths {
+    tolerance: Tolerance {
+        bias: 0.0,
+        error: 0.03,
+    },
+    ..FINE
+};
 
 /// A pendulum with noise in position, which does not commute with H.
 #[derive(Clone, Debug)]
@@ -45,56 +51,32 @@ impl Turned {
     }
 }
 
-/// Measures the strong order of a method, and compares it with that of the plan.
-fn has_order_one<S, R, const N: usize, const M: usize>(
-    system: S,
-    rule: R,
-    start: State<[f64; N]>,
-    path: impl Fn(u64) -> Path<N>,
-) where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
-{
-    let method = Integrator::new(system, rule);
-    let plan = method.plan();
-    assert_eq!(plan.strong_order, StrongOrder::One);
-    let composition = plan.substeps.expect("a composition").composition;
-    let name = format!("{} by {}, {composition}", plan.system, plan.rule);
-    let (order, error) = measure(path, |path| run(&method, start, path));
-    println!("| {name} | 1 | {order:.3} ± {error:.3} |");
-    assert!(
-        (order - 1.0).abs() < SIGMAS * error,
-        "{name}: {order} ± {error}"
-    );
-}
-
 #[test]
 fn noise_in_position() {
     let system = synchrotron();
     let start = State::new([0.5], [0.8]);
-    let path = with_fine_reference(&system, start);
-    has_order_one(
-        &system,
-        Composed::new(StormerVerlet, KahanLi8),
-        start,
-        &path,
-    );
-    has_order_one(&system, Composed::new(Midpoint, KahanLi8), start, &path);
-    has_order_one(&system, Split::new(BlanesMoan4), start, &path);
-    has_order_one(&system, Split::new(BlanesMoanRkn6), start, &path);
+    let fine = Integrator::new(&system, Midpoint);
+    let path = PATHS.against(2, |path| end(&fine, start, path));
+    let rows = [
+        Row::new(&system, Composed::new(StormerVerlet, KahanLi8), start),
+        Row::new(&system, Composed::new(Midpoint, KahanLi8), start),
+        Row::new(&system, Split::new(BlanesMoan4), start),
+        Row::new(&system, Split::new(BlanesMoanRkn6), start),
+    ];
+    PATHS.check("γ = (σ₁ sin q, σ₂ cos q)", &rows, path);
 }
 
 #[test]
 fn noise_in_position_and_momentum() {
     let system = Turned { sigma: 0.5 };
     let start = State::new([1.0], [0.3]);
-    let path = with_fine_reference(&system, start);
-    has_order_one(
-        &system,
-        Composed::new(StormerVerlet, KahanLi8),
-        start,
-        &path,
-    );
-    has_order_one(&system, Composed::new(Midpoint, KahanLi8), start, &path);
+    let fine = Integrator::new(&system, Midpoint);
+    let path = PATHS.against(1, |path| end(&fine, start, path));
+    let rows = [
+        Row::new(&system, Composed::new(StormerVerlet, KahanLi8), start),
+        Row::new(&system, Composed::new(Midpoint, KahanLi8), start),
+    ];
+    PATHS.check("H₁ = σI", &rows, path);
 }
 
 /// Root mean square over paths of the error at time 1 with 8 steps.
@@ -108,10 +90,10 @@ where
     let method = Integrator::new(&system, rule);
     let paths = 40;
     let square = |path| {
-        let increments = record(path, 1, 10);
-        let exact = run(&fine, start, &increments);
+        let increments = EXACT.record(path, 1);
+        let exact = end(&fine, start, &increments);
         let coarse = increments.coarsen(128).unwrap();
-        distance2(&run(&method, start, &coarse), &exact)
+        distance2(&end(&method, start, &coarse), &exact)
     };
     ((0..paths).map(square).sum::<f64>() / paths as f64).sqrt()
 }

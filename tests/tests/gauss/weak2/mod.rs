@@ -2,10 +2,12 @@
 
 mod systems;
 
+use sve_models::orders::numbers;
 use sve_models::potential::{
     Additive, Heavy, HeavyByHand, Pendulums, PendulumsByHand, Well, WellByHand,
 };
 use sve_models::random::Random;
+use sve_models::steps::{check_return, check_tangent};
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Rule, StrongOrder, System, Variational};
@@ -42,12 +44,8 @@ fn point<const N: usize>(random: &mut Random) -> State<[f64; N]> {
     )
 }
 
-fn entries<const N: usize>(state: &State<[f64; N]>) -> Vec<f64> {
-    [state.q, state.p].concat()
-}
-
 /// The state after a step, and its derivatives by the state and by some parameters.
-fn numbers<T, R, const N: usize, const M: usize, const K: usize>(
+fn derived<T, R, const N: usize, const M: usize, const K: usize>(
     integrator: &Integrator<T, R>,
     start: &State<[f64; N]>,
     dw: &[f64; K],
@@ -66,7 +64,7 @@ where
         all.extend(field.q);
         all.extend(field.p);
     }
-    [entries(&state), all]
+    [numbers(&state), all]
 }
 
 /// Compares steps by two rules, with their derivatives.
@@ -85,8 +83,8 @@ fn agree<T, U, P, R, const N: usize, const M: usize, const K: usize>(
     for _ in 0..20 {
         let start: State<[f64; N]> = point(&mut random);
         let dw: [f64; K] = random.array(-0.2, 0.2);
-        let found = numbers::<_, _, N, M, K>(one, &start, &dw, parameters);
-        let expected = numbers::<_, _, N, M, K>(other, &start, &dw, parameters);
+        let found = derived::<_, _, N, M, K>(one, &start, &dw, parameters);
+        let expected = derived::<_, _, N, M, K>(other, &start, &dw, parameters);
         close(&found[0], &expected[0], ROUNDING, &name);
         close(&found[1], &expected[1], DERIVATIVES, &name);
     }
@@ -180,40 +178,18 @@ fn is_symplectic<T, R, const N: usize, const M: usize, const K: usize>(
     T: System<Dims = Dims<N, M>>,
     R: Rule<T::Itself, Increments = [f64; K]>,
 {
-    const SHIFT: f64 = 1e-5;
-    let name = format!("{} by {}", integrator.plan().system, integrator.plan().rule);
     let mut random = Random::new(9);
     for _ in 0..20 {
         let start: State<[f64; N]> = point(&mut random);
         let dw: [f64; K] = random.array(-0.2, 0.2);
-        let tangent = integrator.tangent(&start, H, &dw).unwrap();
-        let defect = tangent.symplectic_defect();
-        assert!(defect < 1e-13, "{name}: {defect:e}");
-        for column in 0..2 * N {
-            let end = |by: f64| {
-                let mut state = start;
-                let (q, p) = (&mut state.q, &mut state.p);
-                *q.iter_mut().chain(p).nth(column).unwrap() += by;
-                integrator.step(&mut state, H, &dw).unwrap();
-                entries(&state)
-            };
-            let (right, left) = (end(SHIFT), end(-SHIFT));
-            for row in 0..2 * N {
-                let slope = (right[row] - left[row]) / (2.0 * SHIFT);
-                let entry = tangent[row][column];
-                assert!((slope - entry).abs() < 1e-8, "{name}: {entry} for {slope}");
-            }
-        }
-        let mut state = start;
-        integrator.step(&mut state, H, &dw).unwrap();
+        check_tangent(integrator, &start, H, &dw, Some(1e-13));
         // stages change places in the step back
         let stages = K / M;
         let back = core::array::from_fn(|at| {
             let (process, stage) = (at / stages, at % stages);
             -dw[process * stages + stages - 1 - stage]
         });
-        integrator.step(&mut state, -H, &back).unwrap();
-        close(&entries(&state), &entries(&start), ROUNDING, &name);
+        check_return(integrator, &start, H, [&dw, &back], ROUNDING);
     }
 }
 
@@ -245,7 +221,7 @@ fn trajectories_are_repeated_steps() {
         integrator.step(&mut state, 0.05, &dw).unwrap();
         let next = next.unwrap();
         // times of trajectories are rounded once
-        close(&entries(&state), &entries(&next), 1e-15, "repeated steps");
+        close(&numbers(&state), &numbers(&next), 1e-15, "repeated steps");
     }
 }
 

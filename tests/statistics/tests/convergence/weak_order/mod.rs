@@ -11,6 +11,7 @@ mod stages;
 mod systems;
 
 use sve_models::models::Oscillator;
+use sve_models::orders::{Order, Tolerance, distance2};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
@@ -18,30 +19,20 @@ use moments::{Matrix, distance, exact, matrix, moments, plus};
 use quadrature::{expectations, gauss_hermite, tensor};
 use systems::{Bent, Coupled, CubicFriction, Heavy, Parametric, Quadratic, products};
 
-/// What a slope may be off: at the larger steps the next term of the error still counts.
-const BIAS: f64 = 0.12;
+/// At the larger steps the next term of the error still counts.
+const TOLERANCE: Tolerance = Tolerance {
+    bias: 0.12,
+    error: 0.0,
+};
 
-/// Slope of the least-squares line through the logarithms of the errors for steps halved again and again.
-fn slope(errors: &[f64]) -> f64 {
-    let mean = (errors.len() - 1) as f64 / 2.0;
-    let (mut covariance, mut variance) = (0.0, 0.0);
-    for (k, error) in errors.iter().enumerate() {
-        let x = k as f64 - mean;
-        covariance -= x * error.log2();
-        variance += x * x;
-    }
-    covariance / variance
+/// Prints a row of the table and checks it.
+fn line(system: &str, rule: &str, noise: &str, expected: u32, errors: &[f64]) {
+    Order::of(errors).check([system, rule, noise], f64::from(expected), TOLERANCE);
 }
 
-/// Prints a line of the table and checks it.
-fn line(system: &str, rule: &str, noise: &str, expected: u32, errors: &[f64]) {
-    let order = slope(errors);
-    let last = errors.last().unwrap();
-    println!("| {system} | {rule} | {noise} | {expected} | {order:.3} | {last:.1e} |");
-    assert!(
-        (order - f64::from(expected)).abs() < BIAS,
-        "{system} by {rule}: weak order {order}, expected {expected}: {errors:?}"
-    );
+/// The distance of two rows of numbers.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    distance2(a, b).sqrt()
 }
 
 /// One line for a rule: steps of 2⁻⁴ … 2⁻⁷.
@@ -265,8 +256,7 @@ fn nonlinear<S, R, const N: usize, const M: usize>(
             &nodes,
             observe,
         );
-        let squares = found.iter().zip(exact).map(|(x, y)| (x - y).powi(2));
-        squares.sum::<f64>().sqrt()
+        apart(&found, exact)
     };
     let errors = [2, 4, 8].map(error);
     let plan = integrator.plan();
@@ -383,11 +373,8 @@ fn cubic_friction() {
         )
     };
     let values = [1, 2, 4, 8].map(found);
-    let difference = |pair: &[Vec<f64>]| {
-        let squares = pair[0].iter().zip(&pair[1]).map(|(x, y)| (x - y).powi(2));
-        squares.sum::<f64>().sqrt()
-    };
-    let errors: Vec<f64> = values.windows(2).map(difference).collect();
+    let pairs = values.windows(2);
+    let errors: Vec<f64> = pairs.map(|pair| apart(&pair[0], &pair[1])).collect();
     line(
         "CubicFriction",
         "midpoint with the term",
