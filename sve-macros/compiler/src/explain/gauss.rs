@@ -1,6 +1,7 @@
 //! The action of a Gauss rule in its textbook form, and the equations of its stages.
 
-use super::step::{StepTexts, features, with_notation};
+use super::action::{features, with_notation};
+use super::step::StepTexts;
 use crate::algebra::Arena;
 use crate::catalogue::Rule;
 use crate::discretise::stages::Stages;

@@ -13,6 +13,7 @@
 //! - Parameters are called like their fields; `self.` stands in front of those that are called like something else here.
 //! - `s1`, `c1`, `r1`, `f1`, `u1`, …: sines, cosines, roots, other functions and sums that occur more than once in long formulas.
 
+mod action;
 mod gauss;
 mod motion;
 mod names;

@@ -1,17 +1,16 @@
 //! The discrete action of a rule in its textbook form, and the equations of the step that it gives.
 
+use super::action::{constraints, features, textbook, with_notation, written_out};
 use super::names::Names;
 use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Symbol};
-use crate::catalogue::{Rule, RuleOption};
+use crate::catalogue::Rule;
 use crate::derivation::Derived;
 use crate::model::configuration::Factor;
-use crate::model::{AtNode, Constraint, END, Meaning, Model, NodeQuantity, Symbols, unknown};
+use crate::model::{AtNode, END, NodeQuantity, Symbols, unknown};
 use crate::rules::action::Action;
-use crate::rules::degenerate;
 use crate::rules::discretisation;
-use crate::rules::textbook::{Features, Textbook};
 use crate::structure::{Block, Kind, Matrix, Scheme, Solution};
 use crate::system::classify::Classified;
 
@@ -47,59 +46,6 @@ pub(crate) fn step(derived: &Derived, system: &Classified) -> StepTexts {
     }
 }
 
-/// The text of an action: its textbook form, the action written out where it is short, and what stands in them.
-pub(super) fn with_notation(
-    textbook: Textbook,
-    written_out: Vec<String>,
-    features: &Features,
-    model: &Model,
-) -> String {
-    let Textbook {
-        action,
-        mut notation,
-        work,
-    } = textbook;
-    if !written_out.is_empty() {
-        notation.push("Δq = q₁ − q₀".to_owned());
-    }
-    if features.potential.is_some() {
-        notation.push(potential(model).to_owned());
-    }
-    let mut lines = vec![action];
-    lines.extend(written_out);
-    if model.force.is_some() {
-        lines.push(format!("with the virtual work h·{work} beside δS"));
-    }
-    if !notation.is_empty() {
-        lines.push(notation.join(", "));
-    }
-    lines.join("\n")
-}
-
-/// The constraints in the textbook form of an action.
-fn constraints(model: &Model, arena: &Arena) -> String {
-    let is_timed = |c: &Constraint| arena.contains(c.value, model.time);
-    let [t0, t1] = if model.constraints.iter().any(is_timed) {
-        ["t₀, ", "t₁, "]
-    } else {
-        ["", ""]
-    };
-    match model.constraints.len() {
-        0 => String::new(),
-        1 => format!(" + λ·φ({t0}q₀) + μ·φ({t1}q₁)"),
-        _ => format!(" + ⟨λ, φ({t0}q₀)⟩ + ⟨μ, φ({t1}q₁)⟩"),
-    }
-}
-
-/// The action in its textbook form.
-fn textbook(rule: Rule, system: &Classified, features: &Features) -> Textbook {
-    let plain = discretisation(rule).textbook(features);
-    match (&system.degeneracy, rule.node()) {
-        (Some(degeneracy), Some(node)) => degenerate::textbook(degeneracy, node, plain, features),
-        _ => plain,
-    }
-}
-
 /// Characters from which on an expression is not written out in a condition.
 const CONDITION: usize = 120;
 
@@ -116,72 +62,6 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
         format!("{value} {relation} 0")
     });
     conditions.collect()
-}
-
-/// What of the system shows in the textbook form of an action.
-pub(super) fn features(
-    rule: Rule,
-    system: &Classified,
-    potential: Option<f64>,
-    arena: &Arena,
-) -> Features {
-    let (model, mechanics) = (&system.model, &system.mechanics);
-    let timed = |e: Expr| arena.contains(e, model.time);
-    let noises = &model.noises;
-    let gammas = noises.iter().filter(|g| g.is_gamma).count();
-    let given = |list: &[Expr]| list.iter().any(|&e| arena.constant_value(e) != Some(0.0));
-    let moves_q = mechanics.noises.iter().any(|g| given(&g.dp));
-    let moves_p = mechanics.noises.iter().any(|g| given(&g.dq));
-    Features {
-        degrees_of_freedom: model.dof(),
-        is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
-        force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
-        potential,
-        has_stage_noise: rule.options.contain(RuleOption::StageNoise),
-        gammas,
-        hamiltonians: noises.len() - gammas,
-        moves_both: moves_q && moves_p,
-    }
-}
-
-/// What K of the option `weak2` stands for.
-fn potential(model: &Model) -> &'static str {
-    let is_gamma = model.noises.iter().all(|noise| noise.is_gamma);
-    match (is_gamma, model.noises.len(), model.dof()) {
-        (true, 1, 1) => "K = (∂γ/∂q)²/(∂²L/∂v²)",
-        (true, _, 1) => "K = Σ (∂γ/∂q)²/(∂²L/∂v²)",
-        (true, 1, _) => "K = ⟨∂γ/∂q, M⁻¹·∂γ/∂q⟩ with M = ∂²L/∂v²",
-        (true, _, _) => "K = Σ ⟨∂γ/∂q, M⁻¹·∂γ/∂q⟩ with M = ∂²L/∂v²",
-        (false, _, _) => "K = Σ {G, {G, H} + ∂G/∂t} with G = −γ or H₁",
-    }
-}
-
-/// The action as the expression that is differentiated, and its parts; nothing where it is long.
-fn written_out(rule: Rule, action: &Action, symbols: &Symbols, arena: &Arena) -> Vec<String> {
-    let mut page = Page::new(arena, Names::new(symbols, Some(rule)));
-    page.name_parts(&[action.value]);
-    let mut sum = Sum::default();
-    sum.add(1.0, action.value, arena);
-    sum.terms
-        .sort_by_key(|&(term, _)| textbook_place(term, action, symbols, arena));
-    let Some(text) = page.whole(&sum) else {
-        return Vec::new();
-    };
-    let mut lines = vec![format!("S = {text}")];
-    // the nodes are explained beside the textbook form
-    lines.extend(page.explanations(|e| AtNode::of(e, arena).is_some()));
-    lines
-}
-
-/// First L, then the constraints, then the noise.
-fn textbook_place(term: Expr, action: &Action, symbols: &Symbols, arena: &Arena) -> u8 {
-    let is_noise = |s| matches!(symbols.meaning(s), Meaning::Wiener(_));
-    if arena.symbols_of(term).any(is_noise) {
-        return 2;
-    }
-    let h = arena.known_symbol(action.h);
-    let is_h = |factor| Some(factor) == h;
-    u8::from(!arena.operands_of(term).any(is_h))
 }
 
 /// What is solved, and what follows from it.
@@ -209,16 +89,7 @@ fn equations(
     }
     page.name_parts(&roots);
 
-    let mut lines = Vec::new();
-    let mut header = String::new();
-    for &(block, rows) in &shown_blocks {
-        let next = heading(block, symbols);
-        if next != header {
-            lines.push(next.clone());
-            header = next;
-        }
-        lines.extend(rows_of(block, rows, &mut page, symbols));
-    }
+    let mut lines = solved(&shown_blocks, &mut page, symbols);
     let left = unknowns - shown(unknowns);
     if left > 0 {
         lines.push(format!("  … ({left} more unknowns)"));
@@ -244,6 +115,21 @@ fn equations(
         lines.push(
             "computed as a matrix times the state, whose entries are known before it".to_owned(),
         );
+    }
+    lines
+}
+
+/// The equations of blocks, below what is said of each kind of block.
+fn solved(blocks: &[(&Block<Expr>, usize)], page: &mut Page<'_>, symbols: &Symbols) -> Vec<String> {
+    let mut lines = Vec::new();
+    let mut header = String::new();
+    for &(block, rows) in blocks {
+        let next = heading(block, symbols);
+        if next != header {
+            lines.push(next.clone());
+            header = next;
+        }
+        lines.extend(rows_of(block, rows, page, symbols));
     }
     lines
 }

@@ -93,7 +93,7 @@ impl Lowering<'_> {
         at: &impl Spanned,
     ) -> Option<Value> {
         let indices = (0..n).map(|i| vec![Value::count(i)]);
-        let values = self.called(closure, indices, &at.span())?;
+        let values = self.called(closure, indices, at.span())?;
         let Some(ty) = entry else {
             return Some(Value::Array(values));
         };
@@ -114,15 +114,15 @@ impl Lowering<'_> {
         &mut self,
         closure: &Closure,
         arguments: impl Iterator<Item = Vec<Value>>,
-        at: &Span,
+        at: Span,
     ) -> Option<Vec<Value>> {
         let mistakes = self.errors.count();
         let mut results = Vec::new();
         for values in arguments {
-            self.tick(at)?;
+            self.tick(&at)?;
             let values = values.into_iter();
-            let arguments = values.map(|value| Argument { value, at: *at }).collect();
-            let result = self.call_closure(closure, arguments, at);
+            let arguments = values.map(|value| Argument { value, at }).collect();
+            let result = self.call_closure(closure, arguments, &at);
             if self.errors.count() > mistakes {
                 return None;
             }

@@ -110,17 +110,14 @@ pub(crate) fn annotated(
         others = rest;
         found
     };
-    let noises = of(&[Role::Gamma, Role::H1, Role::TangentH1]);
-    let (forces, symmetries) = (of(&[Role::Force]), of(&[Role::Symmetry]));
-    let constraints = of(&[Role::Constraint]);
     is_plain.then_some(Annotated {
         arguments,
         item,
         lagrangian: lagrangian?,
-        noises,
-        forces,
-        symmetries,
-        constraints,
+        noises: of(&[Role::Gamma, Role::H1, Role::TangentH1]),
+        forces: of(&[Role::Force]),
+        symmetries: of(&[Role::Symmetry]),
+        constraints: of(&[Role::Constraint]),
         functions,
         constants,
     })

@@ -165,42 +165,16 @@ fn member(
     all: &[Rule],
     errors: &mut Errors,
 ) -> Option<Rule> {
-    let first_and_last = [family.first()?, family.last()?];
-    let [least, most] = first_and_last.map(|rule| rule.stages().unwrap_or_default());
     let given = arguments.map_or(&[][..], |a| &a.arguments);
     let options = options_of(given);
     let write = |number: &str| {
         let arguments: Vec<String> = [vec![number.to_owned()], options.clone()].concat();
         written(&name.to_string(), &arguments)
     };
-    let numbers: Vec<(usize, &LitInt)> = given.iter().enumerate().filter_map(number).collect();
-    let mut refuse = |place: Span, message: String| {
-        errors.push(place, message);
+    let (at, number) = the_number(name, arguments, family, &write, errors)?;
+    let mut refuse = |message: String| {
+        errors.push(number.span(), message);
         None
-    };
-    let (at, number) = match numbers.as_slice() {
-        [] => {
-            let place = match arguments {
-                Some(empty) if given.is_empty() => empty.parentheses.span.join(),
-                _ => name.span(),
-            };
-            let example = example(family);
-            let stages = example.stages().unwrap_or_default().to_string();
-            let message = format!(
-                "`{name}` needs its number of stages, {least} to {most}: write `{}`, which has order {}",
-                write(&stages),
-                example.order
-            );
-            return refuse(place, message);
-        }
-        &[(at, number)] => (at, number),
-        [(_, first), (_, second), ..] => {
-            let message = format!(
-                "`{name}` takes one number, that of its stages: write `{}`",
-                write(&first.to_string())
-            );
-            return refuse(second.span(), message);
-        }
     };
     let stages = number.base10_digits().parse::<usize>().ok();
     let found = family.iter().find(|rule| rule.stages() == stages);
@@ -213,16 +187,56 @@ fn member(
             ),
             _ => other_stages(name, number, family, &write),
         };
-        return refuse(number.span(), message);
+        return refuse(message);
     };
     if at > 0 || !number.suffix().is_empty() {
         let message = format!(
             "the number of stages comes first, without a suffix: write `{}`",
             write(number.base10_digits())
         );
-        return refuse(number.span(), message);
+        return refuse(message);
     }
     Some(rule)
+}
+
+/// The number among the arguments of a family, and its place among them. Returns nothing after an error.
+fn the_number<'a>(
+    name: &Ident,
+    arguments: Option<&'a RuleArguments>,
+    family: &[Rule],
+    write: &impl Fn(&str) -> String,
+    errors: &mut Errors,
+) -> Option<(usize, &'a LitInt)> {
+    let first_and_last = [family.first()?, family.last()?];
+    let [least, most] = first_and_last.map(|rule| rule.stages().unwrap_or_default());
+    let given = arguments.map_or(&[][..], |a| &a.arguments);
+    let numbers: Vec<(usize, &LitInt)> = given.iter().enumerate().filter_map(number).collect();
+    let (place, message) = match numbers.as_slice() {
+        &[number] => return Some(number),
+        [] => {
+            let place = match arguments {
+                Some(empty) if given.is_empty() => empty.parentheses.span.join(),
+                _ => name.span(),
+            };
+            let example = example(family);
+            let stages = example.stages().unwrap_or_default().to_string();
+            let message = format!(
+                "`{name}` needs its number of stages, {least} to {most}: write `{}`, which has order {}",
+                write(&stages),
+                example.order
+            );
+            (place, message)
+        }
+        [(_, first), (_, second), ..] => {
+            let message = format!(
+                "`{name}` takes one number, that of its stages: write `{}`",
+                write(&first.to_string())
+            );
+            (second.span(), message)
+        }
+    };
+    errors.push(place, message);
+    None
 }
 
 /// What to say of a number of stages that a family does not have: it may have been meant as the order.

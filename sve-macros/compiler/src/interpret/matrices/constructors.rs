@@ -321,7 +321,7 @@ impl Lowering<'_> {
         let indices = Matrix::from_fn(ty, |row, column| vec![row, column]).entries;
         let indices = indices.into_iter();
         let indices = indices.map(|pair| pair.into_iter().map(Value::count).collect());
-        let entries = self.called(closure, indices, &function.at)?;
+        let entries = self.called(closure, indices, function.at)?;
         self.numbers(&Matrix { ty, entries }, &function.at)
     }
 
