@@ -121,12 +121,13 @@ fn statements(block: TokenStream) -> Vec<Statement> {
     statements
 }
 
-/// A statement. A `let` is movable if its pattern has only names, and if it does not borrow a temporary value.
+/// A statement. A `let` is movable if its pattern has only names, and if it does not borrow a temporary value. A `use` holds for the
+/// whole block.
 fn statement(mut tokens: Vec<TokenTree>) -> Statement {
     if !tokens.first().is_some_and(|tree| is_word(tree, "let")) {
         return Statement {
+            is_movable: !tokens.first().is_some_and(|tree| is_word(tree, "use")),
             rest: tokens,
-            is_movable: true,
             ..Statement::default()
         };
     }
@@ -325,6 +326,15 @@ mod tests {
         let names = names.join(" , ");
         assert!(cut.contains(&format!("let ({names}) = {{")), "{cut}");
         assert!(cut.contains(&format!("({names}) }} ;")), "{cut}");
+    }
+
+    #[test]
+    fn a_use_holds_for_all_inner_blocks() {
+        let count = 2 * LETS;
+        let code = format!("{{ use rounded::*; {} a{} }}", sums(count), count - 1);
+        let cut = bounded(parse(&code)).to_string();
+        let cut: String = cut.split_whitespace().collect();
+        assert!(cut.starts_with("{userounded::*;let(a"), "{cut}");
     }
 
     /// The second `guess` hides the first, a closure stays in the block of the values that it borrows, and a mutable variable outside.
