@@ -138,13 +138,16 @@ impl Angles {
     }
 }
 
+/// The end of an exact path, from its start and its noise.
+type ExactEnd<'a, Q> = &'a dyn Fn(&State<Q>, &Recorded) -> Vec<f64>;
+
 /// Checks the orders of all rules from a state near a consistent one, against `exact` or the midpoint rule with the finest steps.
 fn check<S, Q, const N: usize, const M: usize>(
     paths: Paths,
     system: &S,
     noise: &str,
     start: State<Q>,
-    exact: Option<&dyn Fn(&State<Q>, &Recorded) -> Vec<f64>>,
+    exact: Option<ExactEnd<'_, Q>>,
 ) where
     S: System<Dims = Dims<N, M, Q>>
         + Variational<InitialPoint>
