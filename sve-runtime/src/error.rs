@@ -3,13 +3,12 @@
 mod convert;
 mod messages;
 mod noise;
-mod observed;
+pub(crate) mod observed;
 
 pub(crate) use convert::step_error;
 use messages::{branch_lost, iteration_limit, no_time, singular_mass, within_step};
 pub use noise::NoiseError;
 pub(crate) use noise::check_step;
-pub use observed::Observed;
 
 use crate::readable::debug_is_display;
 use crate::solve::SingularRow;

@@ -5,7 +5,7 @@
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
 use super::observer::LastStep;
-use crate::error::Observed;
+use crate::error::observed::Observed;
 use crate::system::StateOf;
 use crate::trajectory::Method;
 

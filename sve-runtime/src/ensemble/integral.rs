@@ -8,7 +8,7 @@ use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
 use super::observe::Closure;
 use super::observer::{LastStep, Plain};
-use crate::error::Observed;
+use crate::error::observed::Observed;
 use crate::system::StateOf;
 use crate::trajectory::Method;
 

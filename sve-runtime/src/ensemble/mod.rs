@@ -70,7 +70,7 @@ mod tangents;
 mod tile;
 mod warning;
 
-pub use crate::error::Observed;
+pub use crate::error::observed::Observed;
 pub use by::By;
 pub use covariance::{Covariance, TwoTime};
 #[cfg(feature = "checkpoint")]

@@ -5,8 +5,8 @@
 
 use core::marker::PhantomData;
 
-use crate::error::Observed;
 use crate::error::StepError;
+use crate::error::observed::Observed;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};

@@ -3,12 +3,14 @@
 //! Input: seed, path, step, process and step size. Output: √h z with z a standard normal.
 //! Invariant: z is a pure function of (seed, path, step, process), the same bits on every machine.
 
+#[cfg(feature = "ensemble")]
+use super::Halves;
 use super::counter_path::CounterPath;
 use super::distribution::{Distribution, Workspace};
 #[cfg(feature = "ensemble")]
 use super::many_paths::{ManyPaths, PathData, PathDistribution};
 use super::stages::StagePath;
-use super::{Halves, Noise, NoiseError, Replayable, WithinSteps, box_muller};
+use super::{Noise, NoiseError, Replayable, WithinSteps, box_muller};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
 ///

@@ -5,8 +5,8 @@
 use std::io;
 
 use super::{Table, Values, table_writers};
-use crate::error::Observed;
 use crate::error::StepError;
+use crate::error::observed::Observed;
 use crate::phase::configuration::{Configuration, FixedSize};
 use crate::phase::state::State;
 use crate::readable::debug_is_display;

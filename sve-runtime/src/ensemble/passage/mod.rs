@@ -17,7 +17,7 @@ use self::counts::PassageRequest;
 use super::Ensemble;
 use super::observe::{Closure, Function};
 use super::statistic::AnyRequest;
-use crate::error::Observed;
+use crate::error::observed::Observed;
 use crate::system::{StateOf, System};
 use crate::trajectory::Method;
 

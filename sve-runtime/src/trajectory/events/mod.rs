@@ -18,8 +18,8 @@ use std::collections::VecDeque;
 
 use self::function::{Action, Direction, EventFunction, Function};
 use super::Trajectory;
-use crate::error::Observed;
 use crate::error::StepError;
+use crate::error::observed::Observed;
 use crate::method::OneStepMethod;
 use crate::noise::{Halves, Noise};
 use crate::system::StateOf;
