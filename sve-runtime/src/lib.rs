@@ -430,7 +430,7 @@ pub mod __private {
     pub use crate::solve::newton::{
         BlockProperties, BlockSolver, Evaluation, Newton, rounding as rounded,
     };
-    pub use crate::solve::regularity::{all_positive, cold, contains_path, is_regular_within};
+    pub use crate::solve::regularity::{all_positive, contains_path, is_regular_within};
     pub use crate::system::linearisation::{Covector, Directions, Entries, Linearisation};
     pub use crate::system::plan::{
         Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,

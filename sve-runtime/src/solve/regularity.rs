@@ -158,13 +158,6 @@ pub fn all_positive(numbers: &[f64]) -> bool {
     numbers.iter().all(|&x| x > 0.0)
 }
 
-/// Calls a function on a path that is rarely taken, so that the compiler optimises the rest of the step for the other path.
-#[cold]
-#[inline(never)]
-pub fn cold<T>(f: impl FnOnce() -> T) -> T {
-    f()
-}
-
 /// Returns `E = |C| R`.
 #[inline(always)]
 fn deviation<const K: usize, const C: usize>(
