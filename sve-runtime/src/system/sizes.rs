@@ -1,0 +1,159 @@
+//! The fixed sizes of a system, and the types that have them.
+
+use core::marker::PhantomData;
+
+use super::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
+use crate::lanes::Lane;
+use crate::phase::Field;
+use crate::phase::configuration::{Coordinates, FixedSize, FlatConfiguration};
+use crate::phase::dual::{Dual, DualState};
+use crate::phase::lanes::LaneStates;
+use crate::phase::state::State;
+use crate::phase::tangents::{FieldLanes, TangentLanes};
+
+/// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
+#[derive(Clone, Copy, Debug)]
+pub struct Dims<const N: usize, const M: usize, Q = [f64; N]>(PhantomData<Q>);
+
+/// The increments of the Wiener processes over a step: a row of numbers.
+pub trait Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]> {
+    /// All increments zero.
+    const NONE: Self;
+    /// Number of Wiener processes.
+    #[doc(hidden)]
+    const PROCESSES: usize;
+    /// Returns these increments times a factor.
+    #[must_use]
+    fn times(&self, factor: f64) -> Self;
+}
+
+impl<const M: usize> Increments for [f64; M] {
+    const NONE: Self = [0.0; M];
+    const PROCESSES: usize = M;
+    #[inline]
+    fn times(&self, factor: f64) -> Self {
+        self.map(|w| factor * w)
+    }
+}
+
+/// The types that belong to the sizes and the configuration of a system. Implemented by [`Dims`] alone.
+///
+/// Generated code computes with rows of `N` coordinates; the runtime converts them from and to the configuration.
+pub trait Dimensions {
+    /// The configuration, `Q`.
+    type Configuration: FixedSize;
+    /// A row of coordinates, `[f64; N]`.
+    type Vector: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
+    /// The increments of the Wiener processes over a step, `[f64; M]`.
+    type Increments: Increments;
+    /// The configuration in the form in which steps compute with it: `[f64; N]` in a vector space.
+    type Flat: Copy + core::fmt::Debug;
+    /// The state in this form: [`State<[f64; N]>`](State) in a vector space.
+    type FlatState: Clone + core::fmt::Debug;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    /// A state in each lane: [`StateLanes<N>`](crate::StateLanes) in a vector space.
+    type StateLanes: Clone + Copy + core::fmt::Debug;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    /// The increments of each lane, `[Lane; M]`.
+    type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
+    #[doc(hidden)]
+    /// A tangent vector in each lane.
+    type TangentLanes: FieldLanes<Self::Vector>;
+    /// [`LagrangianJet<N>`](LagrangianJet).
+    type LagrangianJet;
+    /// `[NoiseJet<N>; M]`.
+    type NoiseJets;
+    /// [`ForceJet<N>`](ForceJet).
+    type ForceJet;
+    /// [`ConstraintJet<N>`](ConstraintJet).
+    type ConstraintJet;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    /// All increments of all lanes zero.
+    const NO_INCREMENT_LANES: Self::IncrementLanes;
+    #[doc(hidden)]
+    /// A row of zeros.
+    const ZERO: Self::Vector;
+    /// A state in dual numbers, [`DualState<N>`](crate::DualState) in a vector space.
+    type DualState<'a>;
+    /// No force.
+    const NO_FORCE: Self::ForceJet;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    /// The same state in each lane.
+    fn splat(state: &State<Self::Configuration>) -> Self::StateLanes;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    /// The state of a lane.
+    fn get(lanes: &Self::StateLanes, lane: usize) -> State<Self::Configuration>;
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    /// Replaces the state of a lane.
+    fn set(lanes: &mut Self::StateLanes, lane: usize, state: &State<Self::Configuration>);
+    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    /// The times of the lanes.
+    fn times(lanes: &mut Self::StateLanes) -> &mut Lane;
+    #[doc(hidden)]
+    /// A state that varies along a direction, with the function that has the parameters.
+    fn dual_state<'a>(
+        state: &State<Self::Configuration>,
+        direction: &Field<Self::Vector>,
+        parameter: &'a dyn Fn(&str) -> Dual,
+    ) -> Self::DualState<'a>;
+    #[doc(hidden)]
+    /// The increments of a lane.
+    fn increments_of(lanes: &Self::IncrementLanes, lane: usize) -> Self::Increments;
+    #[doc(hidden)]
+    /// The increments of all processes where there is a single one.
+    fn of_only_process(increments: &Lane) -> Option<&Self::IncrementLanes>;
+}
+
+impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M, Q> {
+    type Configuration = Q;
+    type Vector = [f64; N];
+    type Increments = [f64; M];
+    type Flat = Q::Flat;
+    type FlatState = State<Q::Flat>;
+    type StateLanes = <Q::Flat as FlatConfiguration<N>>::Lanes;
+    type IncrementLanes = [Lane; M];
+    type TangentLanes = TangentLanes<N>;
+    type LagrangianJet = LagrangianJet<N>;
+    type NoiseJets = [NoiseJet<N>; M];
+    type ForceJet = ForceJet<N>;
+    type ConstraintJet = ConstraintJet<N>;
+    const ZERO: [f64; N] = [0.0; N];
+    type DualState<'a> = DualState<'a, N, Q::Dual>;
+    const NO_FORCE: ForceJet<N> = ForceJet {
+        value: [0.0; N],
+        dq: [[0.0; N]; N],
+        dv: [[0.0; N]; N],
+        dt: [0.0; N],
+    };
+    const NO_INCREMENT_LANES: [Lane; M] = [[0.0; crate::lanes::LANES]; M];
+    fn splat(state: &State<Q>) -> Self::StateLanes {
+        LaneStates::splat(&state.to_coordinates())
+    }
+    #[inline(always)]
+    fn get(lanes: &Self::StateLanes, lane: usize) -> State<Q> {
+        State::from_coordinates(&lanes.get(lane))
+    }
+    #[inline(always)]
+    fn set(lanes: &mut Self::StateLanes, lane: usize, state: &State<Q>) {
+        lanes.set(lane, &state.to_coordinates());
+    }
+    #[inline(always)]
+    fn times(lanes: &mut Self::StateLanes) -> &mut Lane {
+        lanes.times()
+    }
+    fn dual_state<'a>(
+        state: &State<Q>,
+        direction: &Field<[f64; N]>,
+        parameter: &'a dyn Fn(&str) -> Dual,
+    ) -> DualState<'a, N, Q::Dual> {
+        DualState::along(state, direction, parameter)
+    }
+    #[inline(always)]
+    fn increments_of(lanes: &[Lane; M], lane: usize) -> [f64; M] {
+        lanes.map(|process| process[lane])
+    }
+    #[inline(always)]
+    fn of_only_process(increments: &Lane) -> Option<&[Lane; M]> {
+        core::slice::from_ref(increments).try_into().ok()
+    }
+}
