@@ -1,7 +1,8 @@
-//! The procedural macro of [sve](https://docs.rs/sve-runtime): from a Lagrangian to a specialised variational step.
+//! The procedural macro of [sve](https://docs.rs/sve-runtime): from a Lagrangian to a specialised
+//! variational step.
 //!
-//! Use it through `sve-runtime`, which re-exports it and has runnable examples. Generated code refers to that crate.
-//! The package `sve-compiler` does the work.
+//! Use it through `sve-runtime`, which re-exports it and has runnable examples. Generated code
+//! refers to that crate. The package `sve-compiler` does the work.
 
 use proc_macro::TokenStream;
 use sve_compiler::Settings;
@@ -10,8 +11,9 @@ use sve_compiler::Settings;
 ///
 /// # Arguments
 ///
-/// `#[variational(rule, …)]` lists the rules to derive, each once; `crate = path` may stand among them. Options of a rule stand in parentheses; a rule with
-/// an option is another rule, which may stand beside that without: `#[variational(midpoint, midpoint(weak2))]`.
+/// `#[variational(rule, …)]` lists the rules to derive, each once; `crate = path` may stand among
+/// them. Options of a rule stand in parentheses; a rule with an option is another rule, which may
+/// stand beside that without: `#[variational(midpoint, midpoint(weak2))]`.
 ///
 /// | argument | type in the runtime | node of the discrete action | deterministic order |
 /// | --- | --- | --- | --- |
@@ -29,8 +31,8 @@ use sve_compiler::Settings;
 ///
 /// # Items of the block
 ///
-/// Arguments are told apart by their order. An argument that is called `t`, `q`, `v` or `p` in the place of another quantity is an
-/// error; other names say nothing.
+/// Arguments are told apart by their order. An argument that is called `t`, `q`, `v` or `p` in the
+/// place of another quantity is an error; other names say nothing.
 ///
 /// | item | signature (`t: f64` may come first, after `&self`) | meaning |
 /// | --- | --- | --- |
@@ -43,21 +45,27 @@ use sve_compiler::Settings;
 /// | other `fn` | anything in the language below | helpers, inlined |
 /// | `const` | a number, an array, a vector or a matrix | written `Self::NAME` |
 ///
-/// The equations are, with Stratonovich integrals and an independent Wiener process for each γ and each H₁ in source order,
+/// The equations are, with Stratonovich integrals and an independent Wiener process for each γ and
+/// each H₁ in source order,
 ///
 /// ```text
 /// dq =  v dt          + Σ ∂H₁/∂p ∘ dW
 /// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
 /// ```
 ///
-/// With constraints, `dp` has the term `Σ ∂φ/∂q ∘ dΛ` too, where Λ is such that φ = 0. The rules `initial_point`, `endpoint`, `midpoint` and `stormer_verlet` take constraints: the action gets
-/// `⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩`, so that the forces of constraints act at both ends of a step, and the momentum ends along the constraints. `stormer_verlet` is then RATTLE.
-/// Where masses are constant and forces explicit, Newton's method has one unknown for each constraint.
+/// With constraints, `dp` has the term `Σ ∂φ/∂q ∘ dΛ` too, where Λ is such that φ = 0. The rules
+/// `initial_point`, `endpoint`, `midpoint` and `stormer_verlet` take constraints: the action gets
+/// `⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩`, so that the forces of constraints act at both ends of a step,
+/// and the momentum ends along the constraints. `stormer_verlet` is then RATTLE. Where masses are
+/// constant and forces explicit, Newton's method has one unknown for each constraint.
 ///
-/// An H₁ must move q along the constraints, `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is along it. `#[h1(tangent)]` takes H₁ at the momentum along the constraints,
-/// `Πp = p − Dφᵀ(Dφ M⁻¹ Dφᵀ)⁻¹ Dφ M⁻¹ p`, which always does; it is for at most three coupled constraints.
+/// An H₁ must move q along the constraints, `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is
+/// along it. `#[h1(tangent)]` takes H₁ at the momentum along the constraints,
+/// `Πp = p − Dφᵀ(Dφ M⁻¹ Dφᵀ)⁻¹ Dφ M⁻¹ p`, which always does; it is for at most three coupled
+/// constraints.
 ///
-/// A Lagrangian may be linear in some velocities, or not contain them at all. The macro finds this, and the plan says which case holds:
+/// A Lagrangian may be linear in some velocities, or not contain them at all. The macro finds this,
+/// and the plan says which case holds:
 ///
 /// | L | the step | preserved |
 /// | --- | --- | --- |
@@ -67,11 +75,14 @@ use sve_compiler::Settings;
 /// | linear in some velocities, with mass in the others | `midpoint`, with the projection of the linear ones; none where α is affine | as above |
 /// | without some velocities, whose coordinates 0 = ∂L/∂q determine | `midpoint`, `initial_point`, `endpoint`; the coordinates are eliminated | the symplectic form of the others |
 ///
-/// There p = α(q) is no free variable: states start from `State::from_configuration`. A γ moves these coordinates, ω dq = ∇H dt − ∇γ ∘ dW, so that γ's need not commute; an H₁ is
-/// written as γ = −H₁(q, α(q)). Adding a total derivative to L changes no equation of motion but the step of the third case, where energies may drift: write L so that half of the velocities do
-/// not occur if you can.
+/// There p = α(q) is no free variable: states start from `State::from_configuration`. A γ moves
+/// these coordinates, ω dq = ∇H dt − ∇γ ∘ dW, so that γ's need not commute; an H₁ is written as γ =
+/// −H₁(q, α(q)). Adding a total derivative to L changes no equation of motion but the step of the
+/// third case, where energies may drift: write L so that half of the velocities do not occur if you
+/// can.
 ///
-/// A symmetry is refused, with the name of the function that it changes, unless these expressions vanish:
+/// A symmetry is refused, with the name of the function that it changes, unless these expressions
+/// vanish:
 ///
 /// ```text
 /// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0     ⟨∂φ/∂q, ξ⟩ = 0
@@ -79,89 +90,119 @@ use sve_compiler::Settings;
 ///
 /// Then ⟨p, ξ⟩ is conserved, with noise too, and by the steps where ξ is affine in q.
 ///
-/// Where the algebra leaves 0, that is a proof. What it leaves open is evaluated in 106 bits, at random points near 1 and of
-/// scales from 1e-15 to 1e15, and compared with the sum of the magnitudes of its terms: a breaking term is refused down to some
-/// 1e-26 of the other terms at any of these points, and a smaller one is not seen. Decimal constants are rounded, and like terms
-/// are collected in `f64`: what is smaller than that rounding, 1e-15 of the terms with such constants, cannot be decided and is
-/// accepted. The documentation of the momentum and the plan say which of the three it is: nothing for a proof, "checked, not
-/// proved" or "not decided". The same holds of noises that commute, each of which is scaled to the order of 1 first.
+/// Where the algebra leaves 0, that is a proof. What it leaves open is evaluated in 106 bits, at
+/// random points near 1 and of scales from 1e-15 to 1e15, and compared with the sum of the
+/// magnitudes of its terms: a breaking term is refused down to some 1e-26 of the other terms at any
+/// of these points, and a smaller one is not seen. Decimal constants are rounded, and like terms
+/// are collected in `f64`: what is smaller than that rounding, 1e-15 of the terms with such
+/// constants, cannot be decided and is accepted. The documentation of the momentum and the plan say
+/// which of the three it is: nothing for a proof, "checked, not proved" or "not decided". The same
+/// holds of noises that commute, each of which is scaled to the order of 1 first.
 ///
-/// `N = 1` may be written `q: f64`. Instead of `[f64; N]` the coordinates may be `[[f64; D]; B]`, a vector of nalgebra, `Vector1<f64>` to
-/// `Vector6<f64>` or `SVector<f64, N>`, or an array of these, `[Vector3<f64>; B]`; the paths of these types may be written out, as in
-/// `na::Vector3<f64>`. All coordinates, velocities and momenta of a block have the same type, and so have forces and generators, unless there is a
-/// rotation. `M` noises may be returned as a
-/// vector too. `N` and `M` are literals or constants of the block, `Self::N`, and `{ Self::N }` among generic arguments.
+/// `N = 1` may be written `q: f64`. Instead of `[f64; N]` the coordinates may be `[[f64; D]; B]`, a
+/// vector of nalgebra, `Vector1<f64>` to `Vector6<f64>` or `SVector<f64, N>`, or an array of these,
+/// `[Vector3<f64>; B]`; the paths of these types may be written out, as in `na::Vector3<f64>`. All
+/// coordinates, velocities and momenta of a block have the same type, and so have forces and
+/// generators, unless there is a rotation. `M` noises may be returned as a vector too. `N` and `M`
+/// are literals or constants of the block, `Self::N`, and `{ Self::N }` among generic arguments.
 ///
 /// # Rotations
 ///
-/// A rotation `r: Rotation3<f64>` has its angular velocity in the body frame, `w: Vector3<f64>`, in the place of the velocity, and its
-/// angular momentum in the body frame, `pi: Vector3<f64>`, in that of the momentum: `lagrangian(&self, r, w)`, `#[gamma]` of `(&self, r)`,
-/// `#[h1]` of `(&self, r, pi)`. Several are `[Rotation3<f64>; K]` with `[Vector3<f64>; K]`. Beside a vector there are two arguments a
-/// quantity, `lagrangian(&self, q, r, v, w)`, `(&self, q, r)`, `(&self, q, r, p, pi)`; forces and symmetries then return a tuple. A
-/// `#[force]` is a torque in the body frame, a `#[symmetry]` the body vector ξ with `δR = R ξ̂`. In the language: `r * a`, `r.inverse() * a`,
-/// `r.transpose()`, `r.inverse_transform_vector(&a)`, `r * s`, `r.matrix()`, `r[(i, j)]`.
+/// A rotation `r: Rotation3<f64>` has its angular velocity in the body frame, `w: Vector3<f64>`, in
+/// the place of the velocity, and its angular momentum in the body frame, `pi: Vector3<f64>`, in
+/// that of the momentum: `lagrangian(&self, r, w)`, `#[gamma]` of `(&self, r)`, `#[h1]` of
+/// `(&self, r, pi)`. Several are `[Rotation3<f64>; K]` with `[Vector3<f64>; K]`. Beside a vector
+/// there are two arguments a quantity, `lagrangian(&self, q, r, v, w)`, `(&self, q, r)`,
+/// `(&self, q, r, p, pi)`; forces and symmetries then return a tuple. A `#[force]` is a torque in
+/// the body frame, a `#[symmetry]` the body vector ξ with `δR = R ξ̂`. In the language: `r * a`,
+/// `r.inverse() * a`, `r.transpose()`, `r.inverse_transform_vector(&a)`, `r * s`, `r.matrix()`,
+/// `r[(i, j)]`.
 ///
-/// The increment of a rotation is the Cayley vector of `R₀ᵀR₁`, the node the middle of the geodesic. Momenta are those of the
-/// discrete action on the group, so that steps are symplectic on T*SO(3). Noises commute by the bracket
-/// `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with left-trivialised `f_R`. Only `midpoint` and its compositions are for rotations; constraints,
+/// The increment of a rotation is the Cayley vector of `R₀ᵀR₁`, the node the middle of the
+/// geodesic. Momenta are those of the discrete action on the group, so that steps are symplectic on
+/// T*SO(3). Noises commute by the bracket `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with
+/// left-trivialised `f_R`. Only `midpoint` and its compositions are for rotations; constraints,
 /// baselines, compensated sums and lanes are not.
 ///
-/// If L does not depend on the attitude, `#[variational(midpoint, reduced)]` leaves it out: `lagrangian(&self, w: Vector3<f64>)`, `#[h1]` of
-/// `(&self, pi: Vector3<f64>)`, `#[force]` of `(&self, w: Vector3<f64>)`. The state, `State<Reduced>`, is the body momentum alone (Euler–Poincaré, Lie–Poisson);
-/// `Integrator::step_with_attitude` gives the attitude along a path.
+/// If L does not depend on the attitude, `#[variational(midpoint, reduced)]` leaves it out:
+/// `lagrangian(&self, w: Vector3<f64>)`, `#[h1]` of `(&self, pi: Vector3<f64>)`, `#[force]` of
+/// `(&self, w: Vector3<f64>)`. The state, `State<Reduced>`, is the body momentum alone
+/// (Euler–Poincaré, Lie–Poisson); `Integrator::step_with_attitude` gives the attitude along a path.
 ///
 /// # Parameters
 ///
-/// What the functions read of `self` are the parameters: fields `f64`, arrays `[f64; K]`, vectors, matrices and rotations of nalgebra and
-/// arrays of these, also of structs within. The macro does not see the types of fields. The length of an array need not be known. The
-/// type of a vector, matrix or rotation follows from its use:
+/// What the functions read of `self` are the parameters: fields `f64`, arrays `[f64; K]`, vectors,
+/// matrices and rotations of nalgebra and arrays of these, also of structs within. The macro does
+/// not see the types of fields. The length of an array need not be known. The type of a vector,
+/// matrix or rotation follows from its use:
 ///
 /// - in a sum, the other operand has the same type: `q - self.anchor`;
-/// - in a call, the receiver or an argument has it: `self.gravity.dot(&q)`, `a.cross(&self.b)`, `self.f(self.gravity)`;
+/// - in a call, the receiver or an argument has it: `self.gravity.dot(&q)`, `a.cross(&self.b)`,
+///   `self.f(self.gravity)`;
 /// - entries are numbers: `self.gravity.z`, `self.inertia[(0, 1)]`;
-/// - in a product or a quotient the field is a number: `self.mass * v`. If it is none, its type has to be known from another use in the block, or be
-///   written once, as in `let inertia: Matrix3<f64> = self.inertia;` or as the result of a function. Otherwise the compiler finds another type than `f64` and
-///   reports it at the field.
+/// - in a product or a quotient the field is a number: `self.mass * v`. If it is none, its type has
+///   to be known from another use in the block, or be written once, as in
+///   `let inertia: Matrix3<f64> = self.inertia;` or as the result of a function. Otherwise the
+///   compiler finds another type than `f64` and reports it at the field.
 ///
-/// A type that follows from one use holds for the whole block. Where the type does not follow, the error at the token asks for `let g: Vector3<f64> = self.g;`.
+/// A type that follows from one use holds for the whole block. Where the type does not follow, the
+/// error at the token asks for `let g: Vector3<f64> = self.g;`.
 ///
 /// # Language of a body
 ///
 /// Straight-line Rust over `f64`:
 ///
-/// - `let` with patterns (names, tuples, arrays, `_`), shadowing, `let mut` with `=`, `+=`, `-=`, `*=`, `/=`; blocks;
-/// - `+ − * /`, parentheses, `f64` literals, and integers where Rust wants them: indices, bounds, exponents of `powi`;
-/// - `for` over a range with bounds known at compile time, an array or an iterator; loops are unrolled;
-/// - `if`, `continue` and `break` by conditions on integers known at compile time, such as `i != j`;
-/// - arrays, tuples, slices, `[x; N]`, indexing by what is known at compile time, `len()` of an array;
-/// - of the methods of arrays and iterators: `iter`, `into_iter`, `copied`, `map`, `zip`, `enumerate`, `rev`, `step_by`, `skip`, `take`, `chain`, `filter`
-///   (on indices), `flatten`, `flat_map`, `fold`, `for_each`, `sum`, `product`, `windows`, `chunks`, `chunks_exact`, with closures that are written in place;
-/// - calls of functions of the block, `self.f(…)` or `Self::f(…)`; constants `Self::NAME`, those of `std::f64::consts`, and those from
-///   outside the block whose names are in capitals, which are read like parameters;
-/// - integers known at compile time, with the types of Rust: `as` wraps (`300i32 as u8` is 44), arithmetic that overflows is an
-///   error; `as f64`, `f64::from`, `into` where the type is written;
-/// - `std::array::from_fn` with its length in the type of the variable, of the result or in `from_fn::<_, N, _>`; `iter_mut` and
-///   `for x in &mut a` of local arrays;
+/// - `let` with patterns (names, tuples, arrays, `_`), shadowing, `let mut`
+///   with `=`, `+=`, `-=`, `*=`, `/=`; blocks;
+/// - `+ − * /`, parentheses, `f64` literals, and integers where Rust wants them: indices, bounds,
+///   exponents of `powi`;
+/// - `for` over a range with bounds known at compile time, an array or an iterator; loops are
+///   unrolled;
+/// - `if`, `continue` and `break` by conditions on integers known at compile time, such as
+///   `i != j`;
+/// - arrays, tuples, slices, `[x; N]`, indexing by what is known at compile time, `len()` of an
+///   array;
+/// - of the methods of arrays and iterators: `iter`, `into_iter`, `copied`, `map`, `zip`,
+///   `enumerate`, `rev`, `step_by`, `skip`, `take`, `chain`, `filter` (on indices), `flatten`,
+///   `flat_map`, `fold`, `for_each`, `sum`, `product`, `windows`, `chunks`, `chunks_exact`, with
+///   closures that are written in place;
+/// - calls of functions of the block, `self.f(…)` or `Self::f(…)`; constants `Self::NAME`, those of
+///   `std::f64::consts`, and those from outside the block whose names are in capitals, which are
+///   read like parameters;
+/// - integers known at compile time, with the types of Rust: `as` wraps (`300i32 as u8` is 44),
+///   arithmetic that overflows is an error; `as f64`, `f64::from`, `into` where the type is
+///   written;
+/// - `std::array::from_fn` with its length in the type of the variable, of the result or in
+///   `from_fn::<_, N, _>`; `iter_mut` and `for x in &mut a` of local arrays;
 /// - of nalgebra, with `&` wherever it takes references:
-///   - `+ − * /` and `+= −= *= /=` of vectors, matrices, rotations and numbers; products of matrices, vectors and rotations;
-///   - `.x`, `.y`, `.z`, `.w`, `.m21`, `v[i]`, `m[(i, j)]`, read and assigned to; `len`, `nrows`, `ncols`;
-///   - `dot`, `cross`, `perp`, `norm`, `norm_squared`, `magnitude`, `magnitude_squared`, `metric_distance`, `normalize`, `component_mul`, `component_div`, `scale`,
-///     `unscale`, `add_scalar`, `lerp`, `sum`, `product`, `mean`, `transpose`, `tr_mul`, `trace`, `determinant` of up to 6 rows, `diagonal`, `cross_matrix`,
-///     `to_scalar`, `inverse`, `transform_vector`, `inverse_transform_vector` and `matrix` of rotations, `into_inner`;
-///   - parts: `row`, `column`, `rows`, `columns`, `fixed_rows::<K>`, `fixed_columns::<K>`, `fixed_view::<R, C>`, `xy`, `xyz` and their like;
-///     iterators: `iter`, `iter_mut`, `row_iter`, `column_iter`; closures: `map`, `zip_map`, `fold`; sums of vectors, `.sum::<Vector3<f64>>()`;
-///   - `new`, `zeros`, `identity`, `repeat`, `from_element`, `from_diagonal`, `from_diagonal_element`, `from_columns`, `from_rows`, `from_row_slice`,
-///     `from_column_slice`, `from` an array, `from_fn`, `x()` and `x_axis()` and their like; `into` between arrays and vectors where the type is written;
-///     `Rotation2::new`, `Rotation3::from_euler_angles`, `Rotation3::from_axis_angle`, `Unit::new_normalize`. Constants of the block need
-///     functions that are `const` in nalgebra, which are `new` of vectors and matrices;
-/// - of the methods of `f64`: `powi`, `powf`, `sqrt`, `cbrt`, `exp`, `exp2`, `exp_m1`, `ln`, `ln_1p`, `log`, `log2`, `log10`, `sin`, `cos`, `sin_cos`,
-///   `tan`, `asin`, `acos`, `atan`, `atan2`, `sinh`, `cosh`, `tanh`, `asinh`, `acosh`, `atanh`, `hypot`, `recip`, `mul_add`, `to_radians`,
-///   `to_degrees`.
+///   - `+ − * /` and `+= −= *= /=` of vectors, matrices, rotations and numbers; products of
+///     matrices, vectors and rotations;
+///   - `.x`, `.y`, `.z`, `.w`, `.m21`, `v[i]`, `m[(i, j)]`, read and assigned to; `len`, `nrows`,
+///     `ncols`;
+///   - `dot`, `cross`, `perp`, `norm`, `norm_squared`, `magnitude`, `magnitude_squared`,
+///     `metric_distance`, `normalize`, `component_mul`, `component_div`, `scale`, `unscale`,
+///     `add_scalar`, `lerp`, `sum`, `product`, `mean`, `transpose`, `tr_mul`, `trace`,
+///     `determinant` of up to 6 rows, `diagonal`, `cross_matrix`, `to_scalar`, `inverse`,
+///     `transform_vector`, `inverse_transform_vector` and `matrix` of rotations, `into_inner`;
+///   - parts: `row`, `column`, `rows`, `columns`, `fixed_rows::<K>`, `fixed_columns::<K>`,
+///     `fixed_view::<R, C>`, `xy`, `xyz` and their like; iterators: `iter`, `iter_mut`, `row_iter`,
+///     `column_iter`; closures: `map`, `zip_map`, `fold`; sums of vectors,
+///     `.sum::<Vector3<f64>>()`;
+///   - `new`, `zeros`, `identity`, `repeat`, `from_element`, `from_diagonal`,
+///     `from_diagonal_element`, `from_columns`, `from_rows`, `from_row_slice`, `from_column_slice`,
+///     `from` an array, `from_fn`, `x()` and `x_axis()` and their like; `into` between arrays and
+///     vectors where the type is written; `Rotation2::new`, `Rotation3::from_euler_angles`,
+///     `Rotation3::from_axis_angle`, `Unit::new_normalize`. Constants of the block need functions
+///     that are `const` in nalgebra, which are `new` of vectors and matrices;
+/// - of the methods of `f64`: `powi`, `powf`, `sqrt`, `cbrt`, `exp`, `exp2`, `exp_m1`, `ln`,
+///   `ln_1p`, `log`, `log2`, `log10`, `sin`, `cos`, `sin_cos`, `tan`, `asin`, `acos`, `atan`,
+///   `atan2`, `sinh`, `cosh`, `tanh`, `asinh`, `acosh`, `atanh`, `hypot`, `recip`, `mul_add`,
+///   `to_radians`, `to_degrees`.
 ///
 /// # What is refused
 ///
-/// Each of these is an error at the token in question that says what to write instead; independent mistakes are reported
-/// together.
+/// Each of these is an error at the token in question that says what to write instead; independent
+/// mistakes are reported together.
 ///
 /// | refused | why |
 /// | --- | --- |
@@ -191,22 +232,28 @@ use sve_compiler::Settings;
 ///
 /// # What is generated
 ///
-/// The block itself, without the role attributes: its functions remain ordinary functions. Beside it
+/// The block itself, without the role attributes: its functions remain ordinary functions. Beside
+/// it
 ///
-/// - `impl System`: the type `Q` of configurations, which is that of `q` in the signature (`[f64; 1]` for `f64`); L and the noise Hamiltonians with their first and second derivatives, on which energy, Legendre transform, drift
-///   and the baseline methods rest; differences such as `1 − cos x` or `√(1 + x) − 1` are computed in forms that do not cancel;
-/// - `impl StartOfStep`: the test that one velocity has the momentum where a step starts, as far as L leaves it open;
-/// - for each `#[symmetry] fn name` a function `name_momentum(&self, &State<Q>) -> f64`, the momentum ⟨p, ξ⟩, of the same visibility;
-/// - for each rule `impl StepEquations<Rule>`: `prepare`, what depends on parameters and step size alone; `increment`, the
-///   step; and `PLAN`, what the step became.
+/// - `impl System`: the type `Q` of configurations, which is that of `q` in the signature
+///   (`[f64; 1]` for `f64`); L and the noise Hamiltonians with their first and second derivatives,
+///   on which energy, Legendre transform, drift and the baseline methods rest; differences such as
+///   `1 − cos x` or `√(1 + x) − 1` are computed in forms that do not cancel;
+/// - `impl StartOfStep`: the test that one velocity has the momentum where a step starts, as far as
+///   L leaves it open;
+/// - for each `#[symmetry] fn name` a function `name_momentum(&self, &State<Q>) -> f64`, the
+///   momentum ⟨p, ξ⟩, of the same visibility;
+/// - for each rule `impl StepEquations<Rule>`: `prepare`, what depends on parameters and step size
+///   alone; `increment`, the step; and `PLAN`, what the step became.
 ///
-/// Their documentation shows L, the noise terms, the equations of motion, the discrete action and the equations of the step as
-/// mathematics; `PLAN` has the same texts, of bounded length.
+/// Their documentation shows L, the noise terms, the equations of motion, the discrete action and
+/// the equations of the step as mathematics; `PLAN` has the same texts, of bounded length.
 ///
-/// The step solves `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(internal variables)` for the discrete action S of the rule, which includes the
-/// Stratonovich correction. It is straight-line code with one `let` an operation around its linear solves and Newton
-/// iterations, and it does not allocate. After an error the implementations are emitted without bodies, so that uses of the
-/// system give no errors of their own.
+/// The step solves `p₀ = −∂S/∂q₀`, `p₁ = ∂S/∂q₁`, `0 = ∂S/∂(internal variables)` for the discrete
+/// action S of the rule, which includes the Stratonovich correction. It is straight-line code with
+/// one `let` an operation around its linear solves and Newton iterations, and it does not allocate.
+/// After an error the implementations are emitted without bodies, so that uses of the system give
+/// no errors of their own.
 #[proc_macro_attribute]
 pub fn variational(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let settings = Settings {

@@ -1,4 +1,5 @@
-//! The whole pipeline: read → classify → derive each rule → print. A stage reads what earlier stages returned and edits nothing of it.
+//! The whole pipeline: read → classify → derive each rule → print. A stage reads what earlier
+//! stages returned and edits nothing of it.
 
 use std::collections::BTreeSet;
 
@@ -21,7 +22,8 @@ use crate::system::applicable;
 use crate::system::classify::classify;
 use crate::system::size::{Budget, WORK};
 
-/// The expansion of the attribute: the user's block as it was, and the derived implementations or the errors.
+/// The expansion of the attribute: the user's block as it was, and the derived implementations or
+/// the errors.
 pub fn expand(attribute: &TokenStream, item: &TokenStream, settings: Settings) -> TokenStream {
     expand_within(attribute, item, settings, WORK)
 }
@@ -63,7 +65,8 @@ pub(crate) fn expand_within(
     }
 }
 
-/// The errors, beside a block that gives no errors of its own in the functions and constants of these names.
+/// The errors, beside a block that gives no errors of its own in the functions and constants of
+/// these names.
 fn after_mistakes(
     error: &syn::Error,
     attribute: &TokenStream,
@@ -82,7 +85,8 @@ fn after_mistakes(
     }
 }
 
-/// The derived implementations; or the errors, and in `mistaken` the names of functions and constants that have some.
+/// The derived implementations; or the errors, and in `mistaken` the names of functions and
+/// constants that have some.
 fn implementations(
     attribute: TokenStream,
     item: ItemImpl,

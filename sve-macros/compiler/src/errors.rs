@@ -1,6 +1,7 @@
 //! The error sink: mistakes are gathered within a stage and stop between stages.
 //!
-//! Invariant: a sink that received an error cannot be turned into a value ([`Errors::finish`] is the only way out).
+//! Invariant: a sink that received an error cannot be turned into a value ([`Errors::finish`] is
+//! the only way out).
 
 use std::collections::BTreeSet;
 
@@ -37,7 +38,8 @@ impl Errors {
         }
     }
 
-    /// Mistakes from here on are those of the function or constant `place`; what to hand to [`Errors::leave`] is returned.
+    /// Mistakes from here on are those of the function or constant `place`; what to hand to
+    /// [`Errors::leave`] is returned.
     pub(crate) fn enter(&mut self, place: &str) -> Option<String> {
         self.place.replace(place.to_owned())
     }

@@ -1,7 +1,9 @@
-//! The compiler of [sve](https://docs.rs/sve-runtime): from the tokens of an annotated `impl` block to those of its derived steps.
+//! The compiler of [sve](https://docs.rs/sve-runtime): from the tokens of an annotated `impl` block
+//! to those of its derived steps.
 //!
-//! Programs use it through the attribute `#[variational]` of `sve-runtime`. As a library it can be called by other programs, by tests and by
-//! benchmarks. The pipeline is in `driver.rs`, a line a stage; each stage is a folder.
+//! Programs use it through the attribute `#[variational]` of `sve-runtime`. As a library it can be
+//! called by other programs, by tests and by benchmarks. The pipeline is in `driver.rs`, a line a
+//! stage; each stage is a folder.
 //!
 //! ```
 //! let attribute = "midpoint".parse().expect("tokens");

@@ -1,7 +1,8 @@
-//! Operations of L and of what is derived from it, each as straight-line code that begins with nothing known.
+//! Operations of L and of what is derived from it, each as straight-line code that begins with
+//! nothing known.
 //!
-//! Weights: an addition, subtraction, multiplication, division or change of sign is 1; a call of a function is [`CALL`], a sine
-//! with its cosine one call.
+//! Weights: an addition, subtraction, multiplication, division or change of sign is 1; a call of a
+//! function is [`CALL`], a sine with its cosine one call.
 
 use proc_macro2::{Span, TokenStream};
 use syn::ItemImpl;

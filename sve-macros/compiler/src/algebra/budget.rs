@@ -1,8 +1,9 @@
 //! A bound on the work of an arena, so that no input runs away in time or memory.
 //!
-//! Every walk and every construction spends from the budget of the current stage, in units of one operand looked at. When
-//! it is used up nothing is built any more: derivatives are zero, substitutions do nothing, walks find nothing. What comes of
-//! the stage is then worthless but comes soon, and its caller asks [`Arena::is_exhausted`] before anyone looks at it.
+//! Every walk and every construction spends from the budget of the current stage, in units of one
+//! operand looked at. When it is used up nothing is built any more: derivatives are zero,
+//! substitutions do nothing, walks find nothing. What comes of the stage is then worthless but
+//! comes soon, and its caller asks [`Arena::is_exhausted`] before anyone looks at it.
 
 use super::expr::Arena;
 

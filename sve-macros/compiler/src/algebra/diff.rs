@@ -1,6 +1,8 @@
-//! Derivatives, memoised over the arena: input an expression and a symbol, output the partial derivative.
+//! Derivatives, memoised over the arena: input an expression and a symbol, output the partial
+//! derivative.
 //!
-//! Each node is differentiated once for each symbol, operands first, so shared subexpressions stay shared.
+//! Each node is differentiated once for each symbol, operands first, so shared subexpressions stay
+//! shared.
 
 use super::expr::{Arena, Expr, Node, Symbol};
 
@@ -20,7 +22,8 @@ impl Arena {
         self.known(expr, symbol)
     }
 
-    /// Records a derivative in a form that is shorter than the one that the rules give. It must be equal to that one.
+    /// Records a derivative in a form that is shorter than the one that the rules give. It must be
+    /// equal to that one.
     pub(crate) fn record_derivative(&mut self, expr: Expr, symbol: Symbol, derivative: Expr) {
         self.derivatives.insert((expr, symbol), derivative);
     }

@@ -1,7 +1,9 @@
-//! Numbers of 106 bits as unevaluated sums of two `f64`, for tests of zero and for oracles whose own rounding must not count.
+//! Numbers of 106 bits as unevaluated sums of two `f64`, for tests of zero and for oracles whose
+//! own rounding must not count.
 //!
-//! Error-free transformations of Dekker (1971) and Knuth; a relative error of a few 2⁻¹⁰⁴ an operation. The crate of the
-//! integration tests compiles this file too, so it knows nothing of this crate.
+//! Error-free transformations of Dekker (1971) and Knuth; a relative error of a few 2⁻¹⁰⁴ an
+//! operation. The crate of the integration tests compiles this file too, so it knows nothing of
+//! this crate.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -1,8 +1,9 @@
 //! The functions of the table in numbers of 106 bits.
 //!
-//! Series after reduction of the argument, and steps of Newton's method from the library's value. The relative error is below
-//! 2⁻⁹⁷, plus what a relative change of 2⁻¹⁰⁰ in the argument makes of the value: cos near π/2 has fewer relative digits. Where a
-//! function is not defined, and beyond the range of `f64`, the value is NaN or infinite.
+//! Series after reduction of the argument, and steps of Newton's method from the library's value.
+//! The relative error is below 2⁻⁹⁷, plus what a relative change of 2⁻¹⁰⁰ in the argument makes of
+//! the value: cos near π/2 has fewer relative digits. Where a function is not defined, and beyond
+//! the range of `f64`, the value is NaN or infinite.
 
 pub(super) use super::double_double::Double;
 
@@ -252,7 +253,8 @@ pub(super) fn cos(x: Double) -> Double {
     }
 }
 
-/// The angle of the point `(x, y)`: the library's value, and the angle that is left when the point is turned back by it.
+/// The angle of the point `(x, y)`: the library's value, and the angle that is left when the point
+/// is turned back by it.
 pub(super) fn atan2(y: Double, x: Double) -> Double {
     let near = y.nearest().atan2(x.nearest());
     if is_zero(x) && is_zero(y) {

@@ -1,8 +1,8 @@
 //! The hash-consed arena of expressions.
 //!
-//! Invariants: a node's operands were created before it, so ascending order is an order of evaluation and no walk needs
-//! recursion; equal nodes have equal names; the interning maps are only looked up, never iterated, so that the same input
-//! gives the same output.
+//! Invariants: a node's operands were created before it, so ascending order is an order of
+//! evaluation and no walk needs recursion; equal nodes have equal names; the interning maps are
+//! only looked up, never iterated, so that the same input gives the same output.
 
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
@@ -49,18 +49,21 @@ impl Bits {
 pub(crate) enum Node {
     Constant(Bits),
     Symbol(Symbol),
-    /// `constant + Σ coefficient · term`; terms ascending, none a sum or a constant, no coefficient zero.
+    /// `constant + Σ coefficient · term`; terms ascending, none a sum or a constant, no coefficient
+    /// zero.
     Sum(Bits, Vec<(Expr, Bits)>),
     /// `Π base^exponent`; bases ascending, none a product or a constant, no exponent zero.
     Product(Vec<(Expr, i32)>),
     Call(Function, Expr),
     Call2(Binary, Expr, Expr),
-    /// The same value as its operand, but not opened by the rules of sums and products: an intermediate result. Its identity,
-    /// which is not part of the value, stays when symbols in the operand are replaced.
+    /// The same value as its operand, but not opened by the rules of sums and products: an
+    /// intermediate result. Its identity, which is not part of the value, stays when symbols in the
+    /// operand are replaced.
     Opaque(Expr, Option<Identity>),
 }
 
-/// What a new node costs of the budget, since it is likely to be differentiated, scheduled and printed.
+/// What a new node costs of the budget, since it is likely to be differentiated, scheduled and
+/// printed.
 const NODE: usize = 1_000;
 
 /// What each of its operands adds.
@@ -69,7 +72,8 @@ const OPERAND: usize = 300;
 /// The symbols that an expression contains, as an index of interned sets.
 type SetId = u32;
 
-/// Owner of the expressions of one derivation. An expression means the same in every copy that was made after it.
+/// Owner of the expressions of one derivation. An expression means the same in every copy that was
+/// made after it.
 #[derive(Clone)]
 pub(crate) struct Arena {
     nodes: Vec<Node>,
@@ -81,8 +85,8 @@ pub(crate) struct Arena {
     pub(super) derivatives: Map<(Expr, Symbol), Expr>,
     /// What the walks have seen.
     marks: RefCell<Marks>,
-    /// Whether folding has lost a constant: one too small beside another to change it, or a product that underflowed. Then an
-    /// expression that the algebra makes 0 may be another one.
+    /// Whether folding has lost a constant: one too small beside another to change it, or a product
+    /// that underflowed. Then an expression that the algebra makes 0 may be another one.
     pub(super) has_lost_constants: Cell<bool>,
     /// Work that may still be done: `budget`.
     pub(super) budget: Cell<usize>,

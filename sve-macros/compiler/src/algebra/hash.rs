@@ -1,7 +1,7 @@
 //! A hasher for the small keys of the arena: a rotation and a multiplication a word.
 //!
-//! The default one is made for keys that an enemy chooses, and took a fifth of an expansion's time. It is also seeded at
-//! random, and this one is not.
+//! The default one is made for keys that an enemy chooses, and took a fifth of an expansion's time.
+//! It is also seeded at random, and this one is not.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};

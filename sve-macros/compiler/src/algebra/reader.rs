@@ -1,7 +1,8 @@
-//! A reader of printed formulas, by the usual rules of precedence; for tests, here and of what users see.
+//! A reader of printed formulas, by the usual rules of precedence; for tests, here and of what
+//! users see.
 //!
-//! Input: a formula and the values of its names. Output: its value, or nothing where a name or a function is not known. It knows nothing of the
-//! expressions that formulas are printed from.
+//! Input: a formula and the values of its names. Output: its value, or nothing where a name or a
+//! function is not known. It knows nothing of the expressions that formulas are printed from.
 
 use std::collections::HashMap;
 use std::iter::Peekable;

@@ -1,8 +1,10 @@
-//! Evaluation in 106 bits, with a bound of what its rounding did and one of what the rounding of constants did.
+//! Evaluation in 106 bits, with a bound of what its rounding did and one of what the rounding of
+//! constants did.
 //!
-//! A constant such as 0.1 or √2 stands for a number that differs from it by half a unit in the last place, and folding constants
-//! rounds again. No precision of the evaluation removes that uncertainty, so it is carried beside the rounding errors: between
-//! the two bounds a value can be called neither zero nor different from zero.
+//! A constant such as 0.1 or √2 stands for a number that differs from it by half a unit in the last
+//! place, and folding constants rounds again. No precision of the evaluation removes that
+//! uncertainty, so it is carried beside the rounding errors: between the two bounds a value can be
+//! called neither zero nor different from zero.
 
 use super::Map;
 use super::elementary::{ARGUMENT, Double, ROUNDING, of};
@@ -11,14 +13,16 @@ use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
 /// Relative error of an operation in 106 bits.
 const OPERATION: f64 = 1.0 / (1u128 << 102) as f64;
 
-/// Relative uncertainty of a constant that may be rounded: its literal, and a few roundings of folded constants.
+/// Relative uncertainty of a constant that may be rounded: its literal, and a few roundings of
+/// folded constants.
 const CONSTANT: f64 = 2.0 * f64::EPSILON;
 
-/// Last bits of a mantissa that are zero in a constant which is taken as exact, such as 0.5 or 3. One of 2²⁶ rounded constants is
-/// taken as exact by chance.
+/// Last bits of a mantissa that are zero in a constant which is taken as exact, such as 0.5 or 3.
+/// One of 2²⁶ rounded constants is taken as exact by chance.
 const SPARE_BITS: u64 = (1 << 26) - 1;
 
-/// Relative change of a function, for such a change of its argument, below which the value tells nothing of the argument.
+/// Relative change of a function, for such a change of its argument, below which the value tells
+/// nothing of the argument.
 const FLAT: f64 = 1e-20;
 
 /// Magnitudes below which the second part of a number may underflow.
@@ -240,7 +244,8 @@ fn call(function: Function, x: Sharp) -> Sharp {
     .without_digits_if(is_flat)
 }
 
-/// Of a power with a constant exponent, the exponent as one of e, and the uncertainty of the constant.
+/// Of a power with a constant exponent, the exponent as one of e, and the uncertainty of the
+/// constant.
 fn exponent(function: Function, x: Sharp) -> (f64, f64) {
     match function {
         Function::Powf(k) => ((k.get() * x.size().ln()).abs(), uncertainty(k)),

@@ -1,7 +1,7 @@
 //! Constructors of expressions, with the local rules.
 //!
-//! Each rule holds wherever the left side is defined; some right sides are defined in more places (x·x⁻¹ → 1).
-//! There is no rule √(x²) → x, which is wrong at x < 0.
+//! Each rule holds wherever the left side is defined; some right sides are defined in more places
+//! (x·x⁻¹ → 1). There is no rule √(x²) → x, which is wrong at x < 0.
 
 use super::expr::{Arena, Binary, Bits, Expr, Function, Identity, Node, Symbol};
 use super::functions::{Parity, Sign};
@@ -133,7 +133,8 @@ impl Arena {
                 let sizes: Vec<_> = factors
                     .iter()
                     .map(|&(base, k)| {
-                        // no factor of a product is a product, so this is as deep as the nesting of sums of one term
+                        // no factor of a product is a product, so this is as deep as the nesting of
+                        // sums of one term
                         let base = if k % 2 == 0 { base } else { self.abs(base) };
                         (base, k)
                     })
@@ -199,8 +200,8 @@ impl Arena {
         self.scale(coefficient, bare)
     }
 
-    /// A sum as `unit · base`: x + y, −x − y and (x + y)/2 share a base, whose leading coefficient is in [1, 2), reached by
-    /// sign and powers of two, which round nothing.
+    /// A sum as `unit · base`: x + y, −x − y and (x + y)/2 share a base, whose leading coefficient
+    /// is in [1, 2), reached by sign and powers of two, which round nothing.
     fn leading_one(&mut self, sum: Expr) -> (f64, Expr) {
         match self.node(sum) {
             Node::Sum(_, terms) if !(1.0..2.0).contains(&terms[0].1.get()) => {
@@ -229,7 +230,8 @@ impl Arena {
         }
     }
 
-    /// Whether a radicand is a base in the form in which its root has it: it is computed anyway, and its multiples are not.
+    /// Whether a radicand is a base in the form in which its root has it: it is computed anyway,
+    /// and its multiples are not.
     fn stands_as_it_is(&mut self, radicand: Expr, flat: &[(Expr, i32)]) -> bool {
         let (_, factors) = self.as_factors(radicand);
         match factors.as_slice() {
@@ -240,8 +242,9 @@ impl Arena {
         }
     }
 
-    /// Takes powers of a radicand out of those of its root, where something is left to do: `√x^k = x^(k/2) √x^(k%2)`, and,
-    /// beside a power of x of the other sign, `√x⁻¹ = x⁻¹ √x` and `√x = x √x⁻¹`, so that nothing of the form 0/0 is left at x = 0.
+    /// Takes powers of a radicand out of those of its root, where something is left to do:
+    /// `√x^k = x^(k/2) √x^(k%2)`, and, beside a power of x of the other sign, `√x⁻¹ = x⁻¹ √x` and
+    /// `√x = x √x⁻¹`, so that nothing of the form 0/0 is left at x = 0.
     fn take_radicand(&mut self, flat: &mut [(Expr, i32)]) -> Option<(Expr, i32)> {
         for at in 0..flat.len() {
             let (root, k) = flat[at];
@@ -348,7 +351,8 @@ fn moderate(j: i32, k: i32) -> bool {
     j.checked_mul(k).is_some_and(|jk| jk.abs() < EXPONENT)
 }
 
-/// The power of two, with the sign of `c`, whose quotient with `c` is in [1, 2); 1 where that over- or underflows.
+/// The power of two, with the sign of `c`, whose quotient with `c` is in [1, 2); 1 where that over-
+/// or underflows.
 fn power_of_two(c: f64) -> f64 {
     let exponent = c.abs().log2().floor();
     let exponent = if c.abs() < exponent.exp2() {

@@ -1,10 +1,11 @@
 //! Whether an expression vanishes identically.
 //!
-//! Input: an expression. Output: how it is known to vanish, or that it does not. The algebra answers where it leaves the
-//! constant 0. Otherwise the expression is evaluated at random points near 1 and of other scales, with a running bound of the
-//! rounding errors. Plain `f64` finds most expressions that do not vanish; only what it takes for zero is evaluated again in
-//! 106 bits (`sharp`). Where a function underflows or has saturated, a point tells nothing and another point is taken. The
-//! points are fixed, so the answer is the same in every build.
+//! Input: an expression. Output: how it is known to vanish, or that it does not. The algebra
+//! answers where it leaves the constant 0. Otherwise the expression is evaluated at random points
+//! near 1 and of other scales, with a running bound of the rounding errors. Plain `f64` finds most
+//! expressions that do not vanish; only what it takes for zero is evaluated again in 106 bits
+//! (`sharp`). Where a function underflows or has saturated, a point tells nothing and another point
+//! is taken. The points are fixed, so the answer is the same in every build.
 
 use super::Map;
 use super::expr::{Arena, Expr, Function, Node, Symbol};
@@ -15,36 +16,40 @@ use super::sharp::{Sharp, Verdict};
 pub(crate) enum Vanishing {
     /// The algebra leaves the constant 0: a proof.
     Proved,
-    /// Zero to some 28 digits of the sum of the magnitudes of its terms at all points. A term that is smaller than that at all
-    /// points is not seen.
+    /// Zero to some 28 digits of the sum of the magnitudes of its terms at all points. A term that
+    /// is smaller than that at all points is not seen.
     Evaluated,
-    /// No larger than the rounding of the constants in it allows at all points: whether it vanishes cannot be decided.
+    /// No larger than the rounding of the constants in it allows at all points: whether it vanishes
+    /// cannot be decided.
     Undecided,
 }
 
 /// Points near 1 at which an identity has to hold.
 const POINTS: usize = 6;
 
-/// Points tried before an expression is called nowhere defined, and so not zero: first those near 1 …
+/// Points tried before an expression is called nowhere defined, and so not zero: first those near
+/// 1 …
 const ATTEMPTS: u64 = NEAR_ONE + SCALES.len() as u64 * TIMES;
 
 /// Points tried near 1.
 const NEAR_ONE: u64 = 40;
 
-/// … then, where those tell nothing, points of other scales: `exp(−(q/1e−6)²)` and `1 − cos(1e−9 q)` vanish to rounding near 1.
+/// … then, where those tell nothing, points of other scales: `exp(−(q/1e−6)²)` and
+/// `1 − cos(1e−9 q)` vanish to rounding near 1.
 const SCALES: [f64; 10] = [1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9, 1e-12, 1e12, 1e-15, 1e15];
 
 /// Points tried of each other scale.
 const TIMES: u64 = 16;
 
-/// Points at which each symbol has a scale of its own, for terms that are small beside the others unless one of them grows.
+/// Points at which each symbol has a scale of its own, for terms that are small beside the others
+/// unless one of them grows.
 const MIXED: u64 = 6;
 
 /// The scales among which a symbol of such a point has its own.
 const MIXED_SCALES: [f64; 5] = [1.0, 1e-3, 1e3, 1e-6, 1e6];
 
-/// Relative change of a function, for such a change of its argument, below which the value tells nothing of the argument:
-/// tanh of 20 is 1, and exp of −1000 is 0.
+/// Relative change of a function, for such a change of its argument, below which the value tells
+/// nothing of the argument: tanh of 20 is 1, and exp of −1000 is 0.
 const FLAT: f64 = 1e-9;
 
 /// Products of a few numbers of this size are far from underflow.
@@ -76,7 +81,8 @@ impl Arena {
         })
     }
 
-    /// Whether folding has lost a constant, so that what is left may be another expression than what was written.
+    /// Whether folding has lost a constant, so that what is left may be another expression than
+    /// what was written.
     pub(crate) fn has_lost_constants(&self) -> bool {
         self.has_lost_constants.get()
     }
@@ -133,8 +139,8 @@ impl Arena {
         found.ok_or(Verdict::Nothing)
     }
 
-    /// Which of `exprs` are zero: as [`is_zero`](Self::is_zero), with what they share evaluated once at the point that tells most
-    /// of them from zero.
+    /// Which of `exprs` are zero: as [`is_zero`](Self::is_zero), with what they share evaluated
+    /// once at the point that tells most of them from zero.
     pub(crate) fn zeros(&self, exprs: &[Expr]) -> Vec<bool> {
         if self.is_exhausted() {
             return vec![true; exprs.len()];
@@ -148,7 +154,8 @@ impl Arena {
         exprs.iter().map(is_zero).collect()
     }
 
-    /// The values of `exprs` at random points where all of them are defined; what is within its rounding error is zero.
+    /// The values of `exprs` at random points where all of them are defined; what is within its
+    /// rounding error is zero.
     pub(crate) fn samples<'a>(&'a self, exprs: &'a [Expr]) -> impl Iterator<Item = Vec<f64>> + 'a {
         let nodes = self.reachable(exprs, |_| true);
         let attempts = if self.is_exhausted() { 0 } else { ATTEMPTS };
@@ -183,8 +190,8 @@ impl Arena {
         (0..attempts).filter_map(defined).take(POINTS)
     }
 
-    /// A power of two that brings the largest of `exprs` to the order of 1 at a random point; 1 where they are not so large or
-    /// small that a product of two of them is out of range.
+    /// A power of two that brings the largest of `exprs` to the order of 1 at a random point; 1
+    /// where they are not so large or small that a product of two of them is out of range.
     pub(crate) fn scale_of(&self, exprs: &[Expr]) -> f64 {
         let largest = |point: Vec<f64>| point.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let size = self.samples(exprs).map(largest).next().unwrap_or(1.0);
@@ -273,7 +280,8 @@ impl Arena {
     }
 }
 
-/// The attempts of an evaluation in 106 bits: points near 1, two of each other scale, and those of mixed scales.
+/// The attempts of an evaluation in 106 bits: points near 1, two of each other scale, and those of
+/// mixed scales.
 fn sharp_attempts() -> impl Iterator<Item = u64> {
     let scales = (NEAR_ONE..ATTEMPTS).filter(|attempt| (attempt - NEAR_ONE) % TIMES < 2);
     (0..NEAR_ONE)
@@ -281,8 +289,8 @@ fn sharp_attempts() -> impl Iterator<Item = u64> {
         .chain(ATTEMPTS..ATTEMPTS + MIXED)
 }
 
-/// A coordinate of a random point: near and inside the unit interval first, where most functions are defined, then of either
-/// sign; after [`NEAR_ONE`] attempts of other scales.
+/// A coordinate of a random point: near and inside the unit interval first, where most functions
+/// are defined, then of either sign; after [`NEAR_ONE`] attempts of other scales.
 pub(crate) fn coordinate(attempt: u64, symbol: Symbol) -> f64 {
     let unit = uniform(attempt, u64::from(symbol.0));
     let scale = match attempt.checked_sub(NEAR_ONE) {
@@ -319,7 +327,8 @@ impl Function {
     }
 }
 
-/// A number in [0, 1) for an attempt and a symbol: the finaliser of splitmix64 (Steele, Lea, Flood 2014).
+/// A number in [0, 1) for an attempt and a symbol: the finaliser of splitmix64 (Steele, Lea, Flood
+/// 2014).
 fn uniform(attempt: u64, symbol: u64) -> f64 {
     let mut z = attempt
         .wrapping_mul(0x9e37_79b9_7f4a_7c15)

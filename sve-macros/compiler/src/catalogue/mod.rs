@@ -1,7 +1,9 @@
-//! The catalogue of rules: how the attribute names them, their orders, what they take, their options.
+//! The catalogue of rules: how the attribute names them, their orders, what they take, their
+//! options.
 //!
-//! Parser, refusals and plan read the table [`RULES`]; the tables of the documentation are compared with it. What a rule *is*, its discrete
-//! action, stands in `rules/`. Rules that differ in the number of stages or in options are different rules.
+//! Parser, refusals and plan read the table [`RULES`]; the tables of the documentation are compared
+//! with it. What a rule *is*, its discrete action, stands in `rules/`. Rules that differ in the
+//! number of stages or in options are different rules.
 
 mod options;
 
@@ -10,7 +12,8 @@ use std::ops::Deref;
 
 pub(crate) use options::{Options, RuleOption};
 
-/// A row of the catalogue: a rule without options. A family of rules has a row for each number of stages.
+/// A row of the catalogue: a rule without options. A family of rules has a row for each number of
+/// stages.
 #[derive(Debug)]
 pub(crate) struct Entry {
     /// The name in the attribute, without arguments.
@@ -18,7 +21,8 @@ pub(crate) struct Entry {
     /// The type in the runtime, which is generic in the number of stages of a family.
     pub(crate) type_name: &'static str,
     pub(crate) nodes: Nodes,
-    /// The order of convergence without noise. The strong order with noise is 1 if the noises commute, else ½.
+    /// The order of convergence without noise. The strong order with noise is 1 if the noises
+    /// commute, else ½.
     pub(crate) order: u32,
     pub(crate) takes: Takes,
 }
@@ -57,7 +61,8 @@ pub(crate) struct Weak2 {
     pub(crate) takes_h1: bool,
 }
 
-/// All rules without options, in the order in which messages list them; the members of a family in ascending numbers of stages.
+/// All rules without options, in the order in which messages list them; the members of a family in
+/// ascending numbers of stages.
 pub(crate) static RULES: [Entry; 12] = [
     one_node("initial_point", "InitialPoint", 0.0),
     one_node("endpoint", "Endpoint", 1.0),
@@ -213,7 +218,8 @@ impl Rule {
         written(self.attribute_name, &arguments)
     }
 
-    /// What the rule says of the option `weak2` beside its other options; nothing if the rule does not take the option.
+    /// What the rule says of the option `weak2` beside its other options; nothing if the rule does
+    /// not take the option.
     pub(crate) fn weak2(&self) -> Option<Weak2> {
         let is_taken = self.takes.options.contains(&RuleOption::Weak2);
         let has_stage_noise = self.options.contain(RuleOption::StageNoise);

@@ -1,4 +1,5 @@
-//! The options of rules, as the attribute writes them after the number of stages: `gauss(3, stage_noise, weak2)`.
+//! The options of rules, as the attribute writes them after the number of stages:
+//! `gauss(3, stage_noise, weak2)`.
 
 use std::fmt;
 

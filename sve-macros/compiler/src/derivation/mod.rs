@@ -1,7 +1,9 @@
-//! `Classified` → [`Derivation`]: the steps of all rules of a block, each in an arena of its own, with the functions that no step needs.
+//! `Classified` → [`Derivation`]: the steps of all rules of a block, each in an arena of its own,
+//! with the functions that no step needs.
 //!
-//! Invariant: a rule is derived from the classified system alone. The terms of a sum stand in the order in which their expressions were
-//! made, so that in a common arena a rule would change the rounding of other rules.
+//! Invariant: a rule is derived from the classified system alone. The terms of a sum stand in the
+//! order in which their expressions were made, so that in a common arena a rule would change the
+//! rounding of other rules.
 
 mod nodes;
 mod step;

@@ -1,4 +1,5 @@
-//! The rules of many stages: the equations at a node, which these rules share, and once more with the potential of the option `weak2`.
+//! The rules of many stages: the equations at a node, which these rules share, and once more with
+//! the potential of the option `weak2`.
 
 use super::{Source, Start};
 use crate::algebra::Arena;
@@ -26,8 +27,8 @@ pub(crate) struct Nodes {
 }
 
 impl Source<'_> {
-    /// Derives the equations at a node of the rules of many stages: of those without a potential, and of those with the potential,
-    /// which is the same for all of these.
+    /// Derives the equations at a node of the rules of many stages: of those without a potential,
+    /// and of those with the potential, which is the same for all of these.
     pub(super) fn nodes(&self, starts: &[Start<'_>]) -> syn::Result<Vec<Nodes>> {
         let of_stages = starts
             .iter()
@@ -76,10 +77,12 @@ impl Source<'_> {
     }
 }
 
-/// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack, where it is needed.
+/// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack,
+/// where it is needed.
 const UNKNOWNS_OF_STAGES: usize = 160;
 
-/// Returns whether the rule of so many stages is within the limits, in an arena that has the derivatives.
+/// Returns whether the rule of so many stages is within the limits, in an arena that has the
+/// derivatives.
 pub(super) fn fits(count: usize, system: &Classified, arena: &mut Arena) -> bool {
     let (model, mechanics) = (&system.model, &system.mechanics);
     let at_node = within_budget(arena, |arena| stages(model, mechanics, arena));

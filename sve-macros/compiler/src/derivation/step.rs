@@ -41,7 +41,8 @@ impl From<Exhausted> for Obstacle {
 }
 
 impl Source<'_> {
-    /// Derives the steps of the rules with few nodes; and, if the attribute asks for steps without structure, those of all rules.
+    /// Derives the steps of the rules with few nodes; and, if the attribute asks for steps without
+    /// structure, those of all rules.
     pub(super) fn steps(&self, starts: &[Start<'_>]) -> syn::Result<Vec<Derived>> {
         let forms = if self.block.arguments.derives_unstructured {
             &[false, true][..]
@@ -51,7 +52,8 @@ impl Source<'_> {
         let mut steps = Vec::new();
         for &is_unstructured in forms {
             for start in starts {
-                // the Gauss rules are derived from one node, and from the whole action for comparison only
+                // the Gauss rules are derived from one node, and from the whole action for
+                // comparison only
                 let rule = start.listed.rule;
                 let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
                 if rule.stages().is_none() || (is_unstructured && !has_stage_noise) {
@@ -74,7 +76,8 @@ impl Source<'_> {
         })
     }
 
-    /// Derives the step of a rule in an arena that has the derivatives, with the work that is granted to the arena.
+    /// Derives the step of a rule in an arena that has the derivatives, with the work that is
+    /// granted to the arena.
     fn derive(
         &self,
         rule: Rule,
@@ -114,8 +117,8 @@ impl Source<'_> {
         })
     }
 
-    /// The error of a rule that takes too much work. It names the other rules that do not; each of them is derived to know this, from
-    /// the derivatives in `arena`.
+    /// The error of a rule that takes too much work. It names the other rules that do not; each of
+    /// them is derived to know this, from the derivatives in `arena`.
     pub(super) fn rule_too_large(&self, rule: Rule, arena: &Arena) -> syn::Error {
         let others = Rule::all().into_iter().filter(|other| {
             let is_tried = other.stages().is_none_or(|stages| stages == 2);

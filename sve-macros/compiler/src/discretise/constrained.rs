@@ -1,13 +1,15 @@
 //! The equations that constraints add to those of an action.
 //!
-//! Input: the equations of the variations, and what the constraints added to the action ([`Enforced`]). Output: the equations with φ(t₁,q₁) = 0 and the
-//! projection of p₁, and each equation to leading order in the step size, from which the first guess is solved:
+//! Input: the equations of the variations, and what the constraints added to the action
+//! ([`Enforced`]). Output: the equations with φ(t₁,q₁) = 0 and the projection of p₁, and each
+//! equation to leading order in the step size, from which the first guess is solved:
 //!
 //! ```text
 //! p − (kicks of the noise at q₀, p₀) − p₀ − Dφ(q₀)ᵀ λ = 0      d − h v − Σ ∂G/∂p(q₀,p₀) ΔW = 0      ∂φ/∂t + Dφ(q₀) v = 0
 //! ```
 //!
-//! The guess contains the noise: without it a large increment leads Newton's method to another root.
+//! The guess contains the noise: without it a large increment leads Newton's method to another
+//! root.
 
 use std::collections::HashMap;
 

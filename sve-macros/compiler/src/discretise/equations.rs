@@ -1,14 +1,17 @@
 //! Discrete action → implicit discrete Euler–Lagrange equations; the same for every rule.
 //!
-//! Input: an [`Action`]. Output: the equations that determine the unknowns, and equivalent expressions of the momentum increment.
+//! Input: an [`Action`]. Output: the equations that determine the unknowns, and equivalent
+//! expressions of the momentum increment.
 //!
 //! ```text
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
-//! These are the equations of a vector; those of a rotation are in [`configuration`](crate::model::configuration).
-//! Where a momentum is a function of the configuration, p₀ and p₁ are that function, and equations at the end may be added ([`Ends`](crate::rules::action::Ends)).
-//! If there is a force, its work under a variation of x is added to each ∂S/∂x (Lagrange–d'Alembert principle).
+//! These are the equations of a vector; those of a rotation are in
+//! [`configuration`](crate::model::configuration). Where a momentum is a function of the
+//! configuration, p₀ and p₁ are that function, and equations at the end may be added
+//! ([`Ends`](crate::rules::action::Ends)). If there is a force, its work under a variation of x is
+//! added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
 use std::collections::HashMap;
 
@@ -28,7 +31,8 @@ pub(crate) struct Equations {
     pub(crate) unknowns: Vec<Symbol>,
     /// The residuals, which vanish at a solution.
     pub(crate) residuals: Vec<Expr>,
-    /// For each residual, the variable by which the action is varied, or the unknown that an equation at the end is there for.
+    /// For each residual, the variable by which the action is varied, or the unknown that an
+    /// equation at the end is there for.
     pub(crate) variations: Vec<Symbol>,
     /// `q₁ − q₀`.
     pub(crate) dq: Vec<Expr>,
@@ -54,7 +58,8 @@ pub(crate) struct Leading {
     pub(crate) mean_values: Vec<Option<MeanValue>>,
     /// For each residual its variation, as in the equations themselves.
     pub(crate) variations: Vec<Symbol>,
-    /// For each residual what it is small beside, where that is not the sum of the magnitudes of its terms.
+    /// For each residual what it is small beside, where that is not the sum of the magnitudes of
+    /// its terms.
     pub(crate) scales: Vec<Option<Expr>>,
     /// Whether the determinant of their Jacobian has the sign that it has at the solution.
     pub(crate) has_sign: bool,
@@ -160,8 +165,8 @@ impl Rows {
         let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
         self.add(action.displacement[i], balance);
         if function.is_none() {
-            // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the residual eliminates the force from
-            // the midpoint rule, p₁ = 2p − p₀.
+            // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the
+            // residual eliminates the force from the midpoint rule, p₁ = 2p − p₀.
             let mut form = |k| arena.sum(0.0, &[(1.0, kick), (k, balance)]);
             self.dp.push([0.0, 1.0, 2.0].map(&mut form).into());
         }
@@ -176,8 +181,8 @@ struct MomentaOfRotation {
     change: Vec<Expr>,
 }
 
-/// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative by the rotation at the node
-/// ([`configuration`](crate::model::configuration)): `Π₁ − Π₀ = τ − x × g`.
+/// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative by the rotation at the
+/// node ([`configuration`](crate::model::configuration)): `Π₁ − Π₀ = τ − x × g`.
 fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> MomentaOfRotation {
     let displacement = &action.displacement[block.directions.clone()];
     let x: Vec<Expr> = displacement.iter().map(|&s| arena.symbol(s)).collect();
@@ -246,7 +251,8 @@ fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
     arena.sum(0.0, &terms)
 }
 
-/// Returns the derivative by a rotation at a node in a direction plus the torque of the force about that axis.
+/// Returns the derivative by a rotation at a node in a direction plus the torque of the force about
+/// that axis.
 fn with_torque(slope: Expr, direction: usize, work: &[Work], arena: &mut Arena) -> Expr {
     let turns = work.iter().filter_map(|work| match work.place {
         Place::Turn(turned) if turned == direction => Some((1.0, work.impulse)),
@@ -256,7 +262,8 @@ fn with_torque(slope: Expr, direction: usize, work: &[Work], arena: &mut Arena) 
     arena.sum(0.0, &terms)
 }
 
-/// Divides a residual by the highest power of `h` that is a factor of each of its terms, so that the residual does not vanish with h.
+/// Divides a residual by the highest power of `h` that is a factor of each of its terms, so that
+/// the residual does not vanish with h.
 fn divide_out(arena: &mut Arena, expr: Expr, h: Symbol) -> Expr {
     let h = arena.symbol(h);
     let power = |arena: &Arena, term: Expr| match arena.node(term) {

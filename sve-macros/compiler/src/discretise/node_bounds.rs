@@ -1,7 +1,10 @@
-//! Bounds of the derivatives at a node over a box of times, positions, velocities and momenta: what the Gauss rules need to prove which solution of a step they found.
+//! Bounds of the derivatives at a node over a box of times, positions, velocities and momenta: what
+//! the Gauss rules need to prove which solution of a step they found.
 //!
-//! Input: the derivatives of the model. Output: expressions of the magnitudes of second derivatives, from the centre of the box and half its widths, or nothing
-//! where the system is too large or has a function without bounds. The runtime combines the magnitudes for all stages (`gauss/connected.rs`).
+//! Input: the derivatives of the model. Output: expressions of the magnitudes of second
+//! derivatives, from the centre of the box and half its widths, or nothing where the system is too
+//! large or has a function without bounds. The runtime combines the magnitudes for all stages
+//! (`gauss/connected.rs`).
 
 use std::collections::HashMap;
 
@@ -11,7 +14,8 @@ use crate::model::domain;
 use crate::model::{Axis, Meaning, Model, Symbols};
 use crate::system::mechanics::{Mechanics, NoiseJet};
 
-/// Largest number of coordinates of a system with bounds. They take about as long to compute as the second derivatives.
+/// Largest number of coordinates of a system with bounds. They take about as long to compute as the
+/// second derivatives.
 const BOUNDED: usize = 4;
 
 /// What is known of the number of solutions of a step of many stages.
@@ -143,7 +147,8 @@ impl Derivatives {
         }
     }
 
-    /// The second derivatives. If they are free of positions, velocities and momenta, the equations of a step are linear.
+    /// The second derivatives. If they are free of positions, velocities and momenta, the equations
+    /// of a step are linear.
     fn second(&self) -> Vec<Expr> {
         let of_noises = self.noises.iter().flat_map(|noise| &noise[4..]);
         let rows = self.momentum.iter().chain(&self.force).chain(of_noises);
@@ -164,7 +169,8 @@ impl Derivatives {
         defined.extend(model.force.iter().flatten());
         let domain = domain::conditions(&defined, arena);
         let domain: Vec<Expr> = domain.iter().map(|c| c.value).collect();
-        // Of the momentum it matters how much its derivatives vary. Of all else magnitudes are enough, and waves need not be called.
+        // Of the momentum it matters how much its derivatives vary. Of all else magnitudes are
+        // enough, and waves need not be called.
         let momentum = self.momentum.concat();
         let momentum = intervals(&momentum, &domain, ranges, Flavour::Box, arena)?;
         let others = [&self.force[..], &self.noises.concat()].concat().concat();

@@ -1,7 +1,9 @@
-//! What the Gauss rules need of a system: its force at a node, as functions of the node's position and momentum, and its derivatives by the parameters.
+//! What the Gauss rules need of a system: its force at a node, as functions of the node's position
+//! and momentum, and its derivatives by the parameters.
 //!
-//! Input: the derivatives of the model. Output: expressions in the model's own time, positions, velocities and momenta. Nothing here knows the number of
-//! stages; the runtime solves their equations.
+//! Input: the derivatives of the model. Output: expressions in the model's own time, positions,
+//! velocities and momenta. Nothing here knows the number of stages; the runtime solves their
+//! equations.
 
 use std::collections::HashMap;
 
@@ -27,21 +29,25 @@ pub(crate) struct Stages {
     pub(crate) uniqueness: Uniqueness,
 }
 
-/// Fewest stages with which a step is first solved by fixed-point iteration: with fewer stages Newton's systems are small.
+/// Fewest stages with which a step is first solved by fixed-point iteration: with fewer stages
+/// Newton's systems are small.
 const STAGES_OF_FIXED_POINT: usize = 4;
 
 impl Stages {
-    /// Derives bounds, by which a step judges its solution. They come last, so that the order of terms elsewhere does not depend on them.
+    /// Derives bounds, by which a step judges its solution. They come last, so that the order of
+    /// terms elsewhere does not depend on them.
     pub(crate) fn bound(&mut self, model: &Model, mechanics: &Mechanics, arena: &mut Arena) {
         self.uniqueness = node_bounds::uniqueness(model, mechanics, &mut self.symbols, arena);
     }
 
-    /// The number of unknowns of so many stages: velocities, and displacements if they are unknowns of their own.
+    /// The number of unknowns of so many stages: velocities, and displacements if they are unknowns
+    /// of their own.
     pub(crate) fn unknowns(&self, stages: usize, coordinates: usize) -> usize {
         stages * coordinates * if self.moves_position { 2 } else { 1 }
     }
 
-    /// Whether a step of so many stages is first solved by fixed-point iteration. The runtime iterates where the generated code asks for it.
+    /// Whether a step of so many stages is first solved by fixed-point iteration. The runtime
+    /// iterates where the generated code asks for it.
     pub(crate) fn has_fixed_point(&self, stages: usize) -> bool {
         stages >= STAGES_OF_FIXED_POINT && !matches!(self.form, Form::General)
     }

@@ -10,7 +10,8 @@ use crate::rules::textbook::{Features, Textbook};
 use crate::rules::{degenerate, discretisation};
 use crate::system::classify::Classified;
 
-/// The text of an action: its textbook form, the action written out where it is short, and what stands in them.
+/// The text of an action: its textbook form, the action written out where it is short, and what
+/// stands in them.
 pub(super) fn with_notation(
     textbook: Textbook,
     written_out: Vec<String>,

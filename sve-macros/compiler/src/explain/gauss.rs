@@ -10,7 +10,8 @@ use crate::rules::gauss::Quadrature;
 use crate::rules::textbook::Features;
 use crate::system::classify::Classified;
 
-/// Writes down a step of so many stages; `half_factor` is ½κ of the option `weak2`, if the action has its term.
+/// Writes down a step of so many stages; `half_factor` is ½κ of the option `weak2`, if the action
+/// has its term.
 pub(crate) fn gauss(
     rule: Rule,
     count: usize,

@@ -1,6 +1,8 @@
-//! The equations of motion, coordinate by coordinate, and the momenta, in the first-order Stratonovich form.
+//! The equations of motion, coordinate by coordinate, and the momenta, in the first-order
+//! Stratonovich form.
 //!
-//! Those of a degenerate Lagrangian are `ω dq = ∇H dt − ∇γ ∘ dW` for massless coordinates, `0 = ∂L/∂q` for algebraic ones.
+//! Those of a degenerate Lagrangian are `ω dq = ∇H dt − ∇γ ∘ dW` for massless coordinates,
+//! `0 = ∂L/∂q` for algebraic ones.
 
 use super::names::Names;
 use super::page::Page;

@@ -65,7 +65,8 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Calls an intermediate result of the step, `q₀ + c d` and the like, by its name; others have none and are written out.
+    /// Calls an intermediate result of the step, `q₀ + c d` and the like, by its name; others have
+    /// none and are written out.
     pub(super) fn call_node(&mut self, expr: Expr, arena: &Arena) {
         let Some(rule) = &self.rule else { return };
         let Some(AtNode { node, quantity }) = AtNode::of(expr, arena) else {

@@ -1,7 +1,8 @@
-//! Formulas with the names that make them short: what has a name, what is cut off, what the names stand for.
+//! Formulas with the names that make them short: what has a name, what is cut off, what the names
+//! stand for.
 //!
-//! Invariant: every name that occurs in a formula of the page is explained by [`Page::explanations`], or is part of the
-//! notation; what is left out is counted.
+//! Invariant: every name that occurs in a formula of the page is explained by
+//! [`Page::explanations`], or is part of the notation; what is left out is counted.
 
 use std::collections::HashMap;
 
@@ -51,7 +52,8 @@ impl<'a> Page<'a> {
         if !roots.iter().any(long) || inside.len() > SEARCHED {
             return;
         }
-        // how often each is written, the users of an expression before it: what has a name is written once
+        // how often each is written, the users of an expression before it: what has a name is
+        // written once
         let mut times: HashMap<Expr, usize> = HashMap::new();
         let mut chosen = Vec::new();
         for &e in inside.iter().rev() {
@@ -67,7 +69,8 @@ impl<'a> Page<'a> {
             }
         }
         for &e in chosen.iter().rev().take(NAMES) {
-            // the same part of two equations may be two expressions: in one an unknown, in the other its solution
+            // the same part of two equations may be two expressions: in one an unknown, in the
+            // other its solution
             if let Some(text) = self.arena.display(e, FORMULA, &self.names) {
                 self.names.number(e, text.text, self.arena);
             }
@@ -152,8 +155,8 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// What the names in everything written so far stand for: nodes, then parts, those first that others are made of; what
-    /// is `known` needs no line.
+    /// What the names in everything written so far stand for: nodes, then parts, those first that
+    /// others are made of; what is `known` needs no line.
     pub(super) fn explanations(&mut self, known: impl Fn(Expr) -> bool) -> Vec<String> {
         let mut explained: Vec<(String, String, bool)> = Vec::new();
         // an expression is made of earlier ones

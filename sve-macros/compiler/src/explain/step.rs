@@ -264,7 +264,8 @@ fn row(
     text
 }
 
-/// The coordinates of the start, in the order of the directions; `None` for the directions of a rotation.
+/// The coordinates of the start, in the order of the directions; `None` for the directions of a
+/// rotation.
 fn positions(action: &Action) -> Vec<Option<Symbol>> {
     let mut positions = Vec::new();
     for block in action.configuration.blocks() {

@@ -1,6 +1,7 @@
 //! Control flow that is decided at compile time: `if` on integers, `continue` and `break`.
 //!
-//! A condition on a coordinate or parameter is refused, since a Lagrangian is one formula everywhere.
+//! A condition on a coordinate or parameter is refused, since a Lagrangian is one formula
+//! everywhere.
 
 use syn::{BinOp, Expr as Syntax, Lit, UnOp};
 
@@ -74,7 +75,8 @@ impl Lowering<'_> {
         let (left, right) = (self.value(&binary.left), self.value(&binary.right));
         let (a, b) = match (left, right) {
             (Value::Int(a), Value::Int(b)) => (a.value, b.value),
-            // beside a number a mistake was one of numbers too, and the condition has a mistake of its own
+            // beside a number a mistake was one of numbers too, and the condition has a mistake of
+            // its own
             (Value::Poison, Value::Scalar(_) | Value::Field(_))
             | (Value::Scalar(_) | Value::Field(_), Value::Poison) => {
                 return Err(Undecided::Unknown);

@@ -1,4 +1,5 @@
-//! Calls of functions. Finds the function of the block, the closure or the constructor that a name refers to.
+//! Calls of functions. Finds the function of the block, the closure or the constructor that a name
+//! refers to.
 
 use std::rc::Rc;
 
@@ -43,7 +44,8 @@ impl Lowering<'_> {
         self.apply(&call.func, arguments)
     }
 
-    /// Calls a function of the block or of `f64`, a closure in a variable, or a closure that is written in place.
+    /// Calls a function of the block or of `f64`, a closure in a variable, or a closure that is
+    /// written in place.
     pub(super) fn apply(&mut self, function: &Syntax, arguments: Vec<Argument>) -> Option<Value> {
         let path = match function {
             Syntax::Path(path) => path,

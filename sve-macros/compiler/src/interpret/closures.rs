@@ -1,4 +1,5 @@
-//! Closures. A closure is executed where it is called, with the variables that it captured where it is written.
+//! Closures. A closure is executed where it is called, with the variables that it captured where it
+//! is written.
 
 use std::cell::Cell;
 use std::rc::Rc;

@@ -41,7 +41,8 @@ enum Certainty {
     ByName,
 }
 
-/// Returns the name of a scope's entry for an imported module of the standard library. No variable has such a name.
+/// Returns the name of a scope's entry for an imported module of the standard library. No variable
+/// has such a name.
 pub(super) fn imported_module(name: &str) -> String {
     format!("use {name}")
 }
@@ -95,8 +96,8 @@ impl<'a> Lowering<'a> {
         self.refuse(expr, message)
     }
 
-    /// Whether a module is `std::f64::consts`: by its full path or an import within the body, or by its name, which may be that of
-    /// another module.
+    /// Whether a module is `std::f64::consts`: by its full path or an import within the body, or by
+    /// its name, which may be that of another module.
     fn standard_constants(&self, module: &[&str]) -> Option<Certainty> {
         let first = match module {
             ["std" | "core", "f64", "consts"] => return Some(Certainty::Sure),
@@ -131,7 +132,8 @@ impl<'a> Lowering<'a> {
         Some(self.constant(value))
     }
 
-    /// Notes a path that has to be checked: generated code compares its value with the one that it is read as.
+    /// Notes a path that has to be checked: generated code compares its value with the one that it
+    /// is read as.
     fn read_as_standard(&mut self, path: &syn::Path, value: f64) {
         let path = quote!(#path);
         let text = path.to_string();

@@ -1,4 +1,5 @@
-//! Values whose type is inferred from a type annotation: results of `into`, and arrays made by `array::from_fn`.
+//! Values whose type is inferred from a type annotation: results of `into`, and arrays made by
+//! `array::from_fn`.
 
 use std::rc::Rc;
 
@@ -39,7 +40,8 @@ impl Value {
 }
 
 impl Lowering<'_> {
-    /// Evaluates `x.into()`. Integers and tuples may become numbers and arrays; other values stay as they are.
+    /// Evaluates `x.into()`. Integers and tuples may become numbers and arrays; other values stay
+    /// as they are.
     pub(super) fn converted(&self, receiver: Value) -> Value {
         match receiver {
             Value::Int(_) | Value::Tuple(_) => Value::Converted(Box::new(receiver)),
@@ -51,7 +53,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Evaluates `array::from_fn(…)`. Without a length among the generic arguments, the array waits for a type annotation.
+    /// Evaluates `array::from_fn(…)`. Without a length among the generic arguments, the array waits
+    /// for a type annotation.
     pub(super) fn array_from_fn(
         &mut self,
         path: &syn::ExprPath,
@@ -109,7 +112,8 @@ impl Lowering<'_> {
         Some(Value::Array(entries))
     }
 
-    /// Calls a closure with each of the arguments. Returns `None` after the first mistake, which the next call would repeat.
+    /// Calls a closure with each of the arguments. Returns `None` after the first mistake, which
+    /// the next call would repeat.
     pub(super) fn called(
         &mut self,
         closure: &Closure,

@@ -1,7 +1,8 @@
-//! One symbol for each entry of a vector or matrix parameter, even if the entry is written in several ways: `g.z`, `g[2]`, `g[(2, 0)]`.
+//! One symbol for each entry of a vector or matrix parameter, even if the entry is written in
+//! several ways: `g.z`, `g[2]`, `g[(2, 0)]`.
 //!
-//! Input: the parameters of an execution, and the types that follow from their uses. Output: a common spelling for each entry that has
-//! several, and errors for indices out of range.
+//! Input: the parameters of an execution, and the types that follow from their uses. Output: a
+//! common spelling for each entry that has several, and errors for indices out of range.
 
 use std::collections::HashMap;
 
@@ -24,12 +25,13 @@ struct Entries<'p> {
 enum Place {
     /// Index in storage, which is by columns.
     Stored(usize),
-    /// Row and column. An entry of the first column is `Stored`; for other columns the index depends on the unknown number of rows.
+    /// Row and column. An entry of the first column is `Stored`; for other columns the index
+    /// depends on the unknown number of rows.
     Pair(usize, usize),
 }
 
-/// Chooses one spelling for each entry and maps the other spellings to it. Reports an error for an index out of range. `vectors` has
-/// the types of fields that are known.
+/// Chooses one spelling for each entry and maps the other spellings to it. Reports an error for an
+/// index out of range. `vectors` has the types of fields that are known.
 pub(super) fn spellings(
     paths: &[FieldPath],
     vectors: &HashMap<String, MatrixType>,
@@ -102,8 +104,8 @@ impl Entries<'_> {
         Ok(found)
     }
 
-    /// Maps each spelling of an entry to the common one, for a field of unknown type. If the field is read with brackets, `.x` and
-    /// `.m11` are names of entries too.
+    /// Maps each spelling of an entry to the common one, for a field of unknown type. If the field
+    /// is read with brackets, `.x` and `.m11` are names of entries too.
     fn spellings(&self) -> Result<Spellings, Mistake> {
         let has_brackets = self
             .paths
@@ -136,7 +138,8 @@ impl Entries<'_> {
         Ok(self.paths.iter().filter_map(spelling).collect())
     }
 
-    /// Returns an error if two spellings, such as `m[2]` and `m[(0, 1)]`, may be the same entry, depending on the number of rows.
+    /// Returns an error if two spellings, such as `m[2]` and `m[(0, 1)]`, may be the same entry,
+    /// depending on the number of rows.
     fn check_ambiguity(&self) -> Result<(), Mistake> {
         let pairs: Vec<(usize, usize)> = self.paths.iter().filter_map(|(_, s)| pair(s)).collect();
         let last_row = pairs.iter().map(|&(row, _)| row).max().unwrap_or(0);
@@ -178,7 +181,8 @@ fn pair(step: &FieldStep) -> Option<(usize, usize)> {
     }
 }
 
-/// Returns the entry that a step selects. `has_components` says that the field is a vector, a row or a column.
+/// Returns the entry that a step selects. `has_components` says that the field is a vector, a row
+/// or a column.
 fn place(step: &FieldStep, has_components: bool) -> Option<Place> {
     if let FieldStep::Index(index, _) = step {
         return Some(Place::Stored(*index));

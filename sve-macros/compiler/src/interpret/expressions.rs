@@ -1,4 +1,5 @@
-//! Expressions of a body: numbers, names, arrays; and the messages for expressions that are not understood.
+//! Expressions of a body: numbers, names, arrays; and the messages for expressions that are not
+//! understood.
 
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, Lit};

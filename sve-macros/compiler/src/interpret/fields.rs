@@ -1,4 +1,5 @@
-//! Parameters: fields of the user's struct and constants from outside the block. Generated code reads their values.
+//! Parameters: fields of the user's struct and constants from outside the block. Generated code
+//! reads their values.
 
 use std::collections::{HashMap, HashSet};
 
@@ -12,7 +13,8 @@ use super::value::Value;
 use crate::algebra::{Expr, Symbol};
 use crate::model::Meaning;
 
-/// The path of a parameter: `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`, `constants::MASSES[2]`.
+/// The path of a parameter: `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`,
+/// `constants::MASSES[2]`.
 #[derive(Clone, Default)]
 pub(super) struct FieldPath {
     /// A constant from outside the block; `self` if there is none.
@@ -20,7 +22,8 @@ pub(super) struct FieldPath {
     steps: Vec<FieldStep>,
     /// Whether the type is annotated as `f64`.
     is_number: bool,
-    /// If `into` has been called, the function of the runtime that reads an entry of an array of columns or of a matrix.
+    /// If `into` has been called, the function of the runtime that reads an entry of an array of
+    /// columns or of a matrix.
     reader: Option<TokenStream>,
     /// The type of the vector or matrix whose entry the last step selects, if the type is known.
     vector: Option<MatrixType>,
@@ -59,7 +62,8 @@ impl FieldPath {
         }
     }
 
-    /// Returns the message for a constant from outside the block whose value the macro needs; `None` for other parameters.
+    /// Returns the message for a constant from outside the block whose value the macro needs;
+    /// `None` for other parameters.
     pub(super) fn unseen(&self) -> Option<String> {
         let path = self.outside.as_ref().filter(|_| self.steps.is_empty())?;
         let name = path.segments.last().map(|last| last.ident.to_string());
@@ -120,7 +124,8 @@ impl FieldPath {
         }
     }
 
-    /// Records a call of `into`. The parameter can then be an array or a vector, whatever the annotated type is.
+    /// Records a call of `into`. The parameter can then be an array or a vector, whatever the
+    /// annotated type is.
     pub(super) fn converted(self, reader: TokenStream) -> Self {
         Self {
             reader: Some(reader),
@@ -132,7 +137,8 @@ impl FieldPath {
         self.reader.is_some()
     }
 
-    /// Returns the type of the vector or matrix whose entry the last step selects, if the type is known.
+    /// Returns the type of the vector or matrix whose entry the last step selects, if the type is
+    /// known.
     pub(super) fn vector(&self) -> Option<MatrixType> {
         self.vector
     }
@@ -236,7 +242,8 @@ pub(super) fn unseen(name: &str, path: &str) -> String {
 pub(super) struct Known {
     /// Types of vectors and matrices, which may be annotated after a use as a number.
     types: HashMap<String, MatrixType>,
-    /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the one that generated code reads.
+    /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the
+    /// one that generated code reads.
     spellings: HashMap<String, FieldPath>,
 }
 
@@ -268,7 +275,8 @@ impl Fields {
         }
     }
 
-    /// Returns the vector or matrix of a parameter whose type an earlier execution found; other values as they are.
+    /// Returns the vector or matrix of a parameter whose type an earlier execution found; other
+    /// values as they are.
     pub(super) fn typed(&self, value: Value) -> Value {
         match &value {
             Value::Field(path) if !self.known.types.is_empty() && !path.is_converted() => {
@@ -283,8 +291,9 @@ impl Fields {
 }
 
 impl Lowering<'_> {
-    /// Returns what another execution should know. If a vector or matrix was taken for a number, or a mistake was reported that may
-    /// come from an unknown type, these are the types of fields. If an entry was read in several ways, this is its spelling.
+    /// Returns what another execution should know. If a vector or matrix was taken for a number, or
+    /// a mistake was reported that may come from an unknown type, these are the types of fields. If
+    /// an entry was read in several ways, this is its spelling.
     pub(super) fn learnt(&mut self) -> Option<Known> {
         let fields = &mut self.fields;
         let is_number = |field| fields.symbols.contains_key(field);

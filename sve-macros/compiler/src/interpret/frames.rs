@@ -1,7 +1,8 @@
 //! The variables of the function or closure that is being run.
 //!
-//! A reference into a local array, made by `iter_mut` and `for x in &mut a`, names a [`Place`]. Reading a reference reads the place. A
-//! reference is valid only in the frame of the function that made it. Functions and closures that are called get copies.
+//! A reference into a local array, made by `iter_mut` and `for x in &mut a`, names a [`Place`].
+//! Reading a reference reads the place. A reference is valid only in the frame of the function that
+//! made it. Functions and closures that are called get copies.
 
 use std::collections::HashMap;
 
@@ -19,9 +20,11 @@ pub(super) type Scope = HashMap<String, Value>;
 pub(super) struct Frame {
     /// Variables, innermost scope last.
     pub(super) scopes: Vec<Scope>,
-    /// Index of the first scope of the closure that is being run. The scopes before it enclose the closure.
+    /// Index of the first scope of the closure that is being run. The scopes before it enclose the
+    /// closure.
     pub(super) floor: usize,
-    /// Whether a closure of an iterator adapter is being run. Rust runs such a closure only when the iterator's items are used.
+    /// Whether a closure of an iterator adapter is being run. Rust runs such a closure only when
+    /// the iterator's items are used.
     pub(super) is_lazy: bool,
     number: usize,
     /// Number of the last frame.
@@ -58,7 +61,8 @@ impl Frame {
         self.scopes.iter().rev().find_map(|scope| scope.get(name))
     }
 
-    /// Returns the value of a variable; if the variable is a reference, the value to which it refers.
+    /// Returns the value of a variable; if the variable is a reference, the value to which it
+    /// refers.
     pub(super) fn variable(&self, name: &str) -> Option<&Value> {
         self.held(name).map(|value| self.followed(value))
     }
@@ -90,7 +94,8 @@ impl Frame {
         path.try_fold(variable, |value, &entry| value.list_mut()?.get_mut(entry))
     }
 
-    /// Returns the value to which a reference refers; a value that is no reference is returned itself.
+    /// Returns the value to which a reference refers; a value that is no reference is returned
+    /// itself.
     pub(super) fn followed<'v>(&'v self, value: &'v Value) -> &'v Value {
         let mut value = value;
         for _ in 0..CHAIN {
@@ -105,7 +110,8 @@ impl Frame {
         value
     }
 
-    /// Follows references from a place. Returns the place at their end; `None` if the place holds no reference.
+    /// Follows references from a place. Returns the place at their end; `None` if the place holds
+    /// no reference.
     pub(super) fn referenced(&self, place: &Place) -> Option<Place> {
         let mut found: Option<Place> = None;
         for _ in 0..CHAIN {

@@ -130,8 +130,8 @@ impl Lowering<'_> {
         value
     }
 
-    /// Binds the const parameter `K` of a helper `fn f<const K: usize>(x: [f64; K])` or `(x: SVector<f64, K>)` to the length of its
-    /// argument.
+    /// Binds the const parameter `K` of a helper `fn f<const K: usize>(x: [f64; K])` or
+    /// `(x: SVector<f64, K>)` to the length of its argument.
     fn bind_length(&mut self, ty: &syn::Type, value: &Value) {
         let ty = match ty {
             syn::Type::Reference(reference) => &*reference.elem,

@@ -8,7 +8,8 @@ use super::integers::{Integer, USIZE};
 use super::value::Value;
 
 impl Lowering<'_> {
-    /// Gives the items of a loop the type `usize` if they have no type and the loop variable is an index in the body.
+    /// Gives the items of a loop the type `usize` if they have no type and the loop variable is an
+    /// index in the body.
     pub(super) fn as_indices(items: Vec<Value>, name: &Pat, body: &Block) -> Vec<Value> {
         if items.iter().any(is_untyped) && is_index(name, |indices| indices.visit_block(body)) {
             items.into_iter().map(with_usize).collect()
@@ -17,7 +18,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Gives the argument of a closure the type `usize` if it has no type and the parameter is an index in the body.
+    /// Gives the argument of a closure the type `usize` if it has no type and the parameter is an
+    /// index in the body.
     pub(super) fn as_index(value: Value, name: &Pat, body: &Syntax) -> Value {
         if is_untyped(&value) && is_index(name, |indices| indices.visit_expr(body)) {
             with_usize(value)
@@ -51,7 +53,8 @@ impl<'ast> Visit<'ast> for Indices<'_> {
     }
 }
 
-/// Returns whether a variable occurs in an index outside of casts, calls and closures, so that its type is `usize`.
+/// Returns whether a variable occurs in an index outside of casts, calls and closures, so that its
+/// type is `usize`.
 fn is_index<'p>(name: &'p Pat, search: impl FnOnce(&mut Indices<'p>)) -> bool {
     let Pat::Ident(name) = name else { return false };
     let mut indices = Indices {

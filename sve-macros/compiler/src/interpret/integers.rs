@@ -1,7 +1,9 @@
-//! Integers known at compile time, with the types and the overflow of Rust: casts wrap, arithmetic out of range is refused.
+//! Integers known at compile time, with the types and the overflow of Rust: casts wrap, arithmetic
+//! out of range is refused.
 //!
-//! The type of an integer without a suffix follows from its use; without a use that decides, it is `i32`. Arithmetic of such integers
-//! must stay within the range of `i32`, so that a function which overflows when it is called is not accepted.
+//! The type of an integer without a suffix follows from its use; without a use that decides, it is
+//! `i32`. Arithmetic of such integers must stay within the range of `i32`, so that a function which
+//! overflows when it is called is not accepted.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -148,8 +150,8 @@ const METHODS: [(&str, Compute); 6] = [
     ("rem_euclid", i64::checked_rem_euclid),
 ];
 
-/// Returns the method of this name with its operands, the same integer twice if the method takes no argument; `None` if there is no such
-/// method, or an argument is not an integer.
+/// Returns the method of this name with its operands, the same integer twice if the method takes no
+/// argument; `None` if there is no such method, or an argument is not an integer.
 pub(super) fn method(name: &str, arguments: &[Argument]) -> Option<(Compute, [Integer; 2])> {
     let &(_, compute) = METHODS.iter().find(|method| method.0 == name)?;
     let integer = |argument: &Argument| match argument.value {
@@ -186,7 +188,8 @@ impl Lowering<'_> {
         self.refuse(at, message)
     }
 
-    /// Returns the result of integer arithmetic, or reports an error if the result overflows its type.
+    /// Returns the result of integer arithmetic, or reports an error if the result overflows its
+    /// type.
     pub(super) fn computed(
         &mut self,
         value: Option<i64>,
@@ -230,7 +233,8 @@ impl Lowering<'_> {
         self.computed(result, kind, token)
     }
 
-    /// Returns the value of a literal, or reports an error if the value does not fit into the type of the suffix.
+    /// Returns the value of a literal, or reports an error if the value does not fit into the type
+    /// of the suffix.
     pub(super) fn typed_literal(
         &mut self,
         value: i64,
@@ -293,8 +297,8 @@ impl Lowering<'_> {
         self.refuse(&cast.as_token, message)
     }
 
-    /// Checks an integer against an annotated type: it must not be `f64`, and the integer must fit into it. Returns other values as
-    /// they are.
+    /// Checks an integer against an annotated type: it must not be `f64`, and the integer must fit
+    /// into it. Returns other values as they are.
     pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
         let (Value::Int(i), kind) = (&value, Kind::of(ty)) else {
             return value;

@@ -1,13 +1,16 @@
 //! Bodies → expressions, by symbolic execution. Reports semantic errors.
 //!
-//! Input: the annotated block. Output: the [`Model`]. A body is executed with expressions in place of numbers. Loops are unrolled and
-//! helpers inlined; arrays, tuples, vectors and matrices are values. After a mistake, the execution continues with a poisoned value:
-//! each mistake is reported once, and independent mistakes are reported together. A function that evaluates returns `None` after a
-//! mistake that it has reported; a variable or an entry then has the value [`Value::Poison`].
+//! Input: the annotated block. Output: the [`Model`]. A body is executed with expressions in place
+//! of numbers. Loops are unrolled and helpers inlined; arrays, tuples, vectors and matrices are
+//! values. After a mistake, the execution continues with a poisoned value: each mistake is reported
+//! once, and independent mistakes are reported together. A function that evaluates returns `None`
+//! after a mistake that it has reported; a variable or an entry then has the value
+//! [`Value::Poison`].
 //!
-//! A loop that is kept, over a range known at run time, will execute its body once. Its variable will be another kind of [`Value`], an
-//! index that stands for a number known at run time, as [`Value::Field`] stands for a parameter: `places.rs` selects entries by it,
-//! arithmetic of indices is in `integers.rs`, and the table of methods (`methods/`) has no receiver of this kind.
+//! A loop that is kept, over a range known at run time, will execute its body once. Its variable
+//! will be another kind of [`Value`], an index that stands for a number known at run time, as
+//! [`Value::Field`] stands for a parameter: `places.rs` selects entries by it, arithmetic of
+//! indices is in `integers.rs`, and the table of methods (`methods/`) has no receiver of this kind.
 
 mod adapters;
 mod branches;
@@ -87,7 +90,8 @@ struct Limits {
 
 /// Executes all functions with roles. Mistakes are added to `errors`.
 ///
-/// Some properties of fields are known only after the fields have been used ([`Known`]). The block is executed again with these.
+/// Some properties of fields are known only after the fields have been used ([`Known`]). The block
+/// is executed again with these.
 pub(crate) fn interpret(
     block: &Annotated,
     arena: &mut Arena,

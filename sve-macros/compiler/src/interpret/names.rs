@@ -1,7 +1,9 @@
 //! Names of coordinates and momenta, as the source of L has them.
 //!
-//! Input: the arguments of L for its configuration, their shapes, and the body. Output: a name for each number that a state stores. `q: [f64; 2]` has `q[0]` and `q[1]`, a
-//! vector `q.x` and so on, a rotation the components of its quaternion, `r.w` to `r.k`. If the argument or a `let` at the top of the body takes the coordinates apart, `let [x, y] = q`, they have the names there.
+//! Input: the arguments of L for its configuration, their shapes, and the body. Output: a name for
+//! each number that a state stores. `q: [f64; 2]` has `q[0]` and `q[1]`, a vector `q.x` and so on,
+//! a rotation the components of its quaternion, `r.w` to `r.k`. If the argument or a `let` at the
+//! top of the body takes the coordinates apart, `let [x, y] = q`, they have the names there.
 
 use std::collections::HashSet;
 
@@ -15,7 +17,8 @@ use crate::syntax::parse::RoleFunction;
 /// Names that columns beside coordinates have.
 const TAKEN: [&str; 2] = ["t", "path"];
 
-/// Returns the names of the numbers of a state. `has_configuration` says whether states store the configuration.
+/// Returns the names of the numbers of a state. `has_configuration` says whether states store the
+/// configuration.
 pub(super) fn names(
     lagrangian: &RoleFunction,
     shapes: &[Shape],
@@ -79,7 +82,8 @@ fn add(pattern: Option<&Pat>, shape: &Shape, names: &mut CoordinateNames) {
     }
 }
 
-/// Collects the variables of a pattern with their shapes. Returns whether the pattern names everything.
+/// Collects the variables of a pattern with their shapes. Returns whether the pattern names
+/// everything.
 fn collect(pattern: &Pat, shape: &Shape, leaves: &mut Vec<(String, Shape)>) -> bool {
     match (pattern, shape) {
         (Pat::Ident(variable), _) if variable.subpat.is_none() => {

@@ -93,7 +93,8 @@ impl Lowering<'_> {
         self.finite(value, token)
     }
 
-    /// Returns the number of an operand, or reports an error that says how to write the operand as a number.
+    /// Returns the number of an operand, or reports an error that says how to write the operand as
+    /// a number.
     pub(super) fn operand(&mut self, value: &Value, syntax: &Syntax) -> Option<Expr> {
         if let Value::Field(path) = value {
             self.fields.taken_for_number = Some(path.clone());
@@ -105,7 +106,8 @@ impl Lowering<'_> {
     }
 }
 
-/// Returns a message that says how to write an integer expression as a number; `None` if its value can be written.
+/// Returns a message that says how to write an integer expression as a number; `None` if its value
+/// can be written.
 fn as_number(syntax: &Syntax) -> Option<String> {
     let text = crate::syntax::readable(syntax);
     match syntax {

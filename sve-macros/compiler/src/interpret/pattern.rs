@@ -65,7 +65,8 @@ impl Lowering<'_> {
             (Value::Tuple(values), "tuple") | (Value::Array(values), "array") => Some(values),
             // `v.into()`
             (Value::Matrix(matrix), "array") => Some(matrix.entries),
-            // the length of a field's array is not known, so its entries can only be counted from the start
+            // the length of a field's array is not known, so its entries can only be counted from
+            // the start
             (Value::Field(path), "array") if rest.is_none_or(|at| at + 1 == patterns.len()) => {
                 let entries = 0..patterns.len();
                 Some(entries.map(|i| Value::Field(path.index(i))).collect())
@@ -106,8 +107,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Gives the names of a pattern a value: none yet after `let x;`, a poisoned one if the pattern is not understood, so that their
-    /// uses report no further errors.
+    /// Gives the names of a pattern a value: none yet after `let x;`, a poisoned one if the pattern
+    /// is not understood, so that their uses report no further errors.
     pub(super) fn declare(&mut self, pattern: &Pat, value: &Value) {
         for name in names(pattern) {
             self.frame.set(&name, value.clone());

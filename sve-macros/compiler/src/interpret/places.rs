@@ -1,6 +1,7 @@
 //! Reading and assigning variables and their entries: `x`, `x[1].0`, `self.body.mass`.
 //!
-//! An entry is read from the variable itself. A copy of the array for each of its entries would take quadratic time.
+//! An entry is read from the variable itself. A copy of the array for each of its entries would
+//! take quadratic time.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -108,7 +109,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Returns the bounds of a range of entries. The second bound is exclusive, and `None` if it is not written.
+    /// Returns the bounds of a range of entries. The second bound is exclusive, and `None` if it is
+    /// not written.
     fn range_bounds(&mut self, range: &syn::ExprRange) -> Option<(usize, Option<usize>)> {
         let mut bound = |expr: &Option<Box<Syntax>>| match expr {
             Some(expr) => self.index_value(expr).map(Some),

@@ -1,7 +1,7 @@
 //! Assignments, and mutable references into local arrays, made by `iter_mut` and `for x in &mut a`.
 //!
-//! An assignment through a reference changes the place of the reference. Functions and closures that are called get copies, and must
-//! not change them.
+//! An assignment through a reference changes the place of the reference. Functions and closures
+//! that are called get copies, and must not change them.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -21,7 +21,8 @@ struct Target {
 }
 
 impl Lowering<'_> {
-    /// Evaluates `array.iter_mut()` and `&mut array`. Returns references to the entries of a local array or slice.
+    /// Evaluates `array.iter_mut()` and `&mut array`. Returns references to the entries of a local
+    /// array or slice.
     pub(super) fn iterate_mutably(&mut self, array: &Syntax, at: Span) -> Option<Value> {
         let (array, range) = match array {
             Syntax::Index(index) => match &*index.index {
@@ -68,7 +69,8 @@ impl Lowering<'_> {
         self.errors.push(place.span(), message);
     }
 
-    /// Returns the place that an expression names; `None` if its variable is poisoned, or after an error.
+    /// Returns the place that an expression names; `None` if its variable is poisoned, or after an
+    /// error.
     fn target(&mut self, expr: &Syntax, is_assigned: bool) -> Option<Target> {
         let (base, picks) = self.picks(expr)?;
         let Some(name) = variable_name(base).filter(|name| name != "self") else {
@@ -106,8 +108,8 @@ impl Lowering<'_> {
         Some(target)
     }
 
-    /// Goes from a variable to one of its entries and follows references on the path. A reference at the end of the path is followed
-    /// if `follows_last`.
+    /// Goes from a variable to one of its entries and follows references on the path. A reference
+    /// at the end of the path is followed if `follows_last`.
     fn walk(
         &self,
         place: Place,

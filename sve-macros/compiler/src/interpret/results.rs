@@ -1,4 +1,5 @@
-//! What functions with roles return: numbers and rows of numbers, as expressions; errors where a result has another type than its role.
+//! What functions with roles return: numbers and rows of numbers, as expressions; errors where a
+//! result has another type than its role.
 
 use syn::Type;
 use syn::spanned::Spanned;
@@ -24,7 +25,8 @@ impl Lowering<'_> {
         self.refuse(&function.output, message)
     }
 
-    /// Returns the expression of the value that a function returns, or reports an error at its last expression.
+    /// Returns the expression of the value that a function returns, or reports an error at its last
+    /// expression.
     pub(super) fn result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {
         let outer = self.errors.enter(&function.name.to_string());
         let result = match function.item.block.stmts.last() {
@@ -79,7 +81,8 @@ impl Lowering<'_> {
         Some(entries)
     }
 
-    /// Returns the components of a tuple of two vectors, those of a vector and those of a rotation, or reports an error.
+    /// Returns the components of a tuple of two vectors, those of a vector and those of a rotation,
+    /// or reports an error.
     fn pair_result(
         &mut self,
         function: &RoleFunction,
@@ -169,7 +172,8 @@ impl Lowering<'_> {
         Some(())
     }
 
-    /// Returns the numbers that a function returns, each with its name: `f`, or `f[0]`, `f[1]`, …. `wanted` says what they are.
+    /// Returns the numbers that a function returns, each with its name: `f`, or `f[0]`, `f[1]`, ….
+    /// `wanted` says what they are.
     pub(super) fn named_results(
         &mut self,
         function: &RoleFunction,

@@ -1,4 +1,5 @@
-//! Functions with roles → the [`Model`]. Each function is executed with symbols for its arguments; its result becomes an expression.
+//! Functions with roles → the [`Model`]. Each function is executed with symbols for its arguments;
+//! its result becomes an expression.
 
 use syn::spanned::Spanned;
 
@@ -21,7 +22,8 @@ pub(super) struct Space {
 }
 
 impl Space {
-    /// Returns the parts of a quantity, the configuration (0) or one like the velocity, with the number of each part and its symbols.
+    /// Returns the parts of a quantity, the configuration (0) or one like the velocity, with the
+    /// number of each part and its symbols.
     pub(super) fn parts<'a>(
         &'a self,
         quantity: usize,
@@ -165,7 +167,8 @@ impl Lowering<'_> {
         value
     }
 
-    /// Gives the arguments of a function symbols. Reports arguments of other types than the coordinates have.
+    /// Gives the arguments of a function symbols. Reports arguments of other types than the
+    /// coordinates have.
     fn bind_arguments(
         &mut self,
         function: &RoleFunction,

@@ -1,7 +1,7 @@
 //! Iterators over what is known at compile time.
 //!
-//! An iterator is the list of its items. The items are computed at once and not on demand. The results are the same, since closures
-//! that assign to captured variables are refused.
+//! An iterator is the list of its items. The items are computed at once and not on demand. The
+//! results are the same, since closures that assign to captured variables are refused.
 
 use syn::spanned::Spanned;
 use syn::{Expr as Syntax, ExprMethodCall};
@@ -118,7 +118,8 @@ pub(super) fn total(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
 }
 
 impl Lowering<'_> {
-    /// Calls a method of a field, whose length the macro does not know. The length follows from an iterator with which it is zipped.
+    /// Calls a method of a field, whose length the macro does not know. The length follows from an
+    /// iterator with which it is zipped.
     pub(super) fn method_of_unsized(
         &mut self,
         call: &ExprMethodCall,
@@ -185,7 +186,8 @@ impl Lowering<'_> {
         self.mapped_lists(items.into_iter().map(|item| vec![item]), function)
     }
 
-    /// Calls a closure with each list of values. Returns `None` after the first mistake, which the next call would repeat.
+    /// Calls a closure with each list of values. Returns `None` after the first mistake, which the
+    /// next call would repeat.
     pub(super) fn mapped_lists(
         &mut self,
         lists: impl Iterator<Item = Vec<Value>>,

@@ -90,8 +90,9 @@ impl Lowering<'_> {
         }
     }
 
-    /// Imports the constants of `use std::f64::consts::{PI, TAU}`, and the modules of `use std::f64::consts` and `use std::f64`. Ignores other imports, whose names are
-    /// reported where they are used.
+    /// Imports the constants of `use std::f64::consts::{PI, TAU}`, and the modules of
+    /// `use std::f64::consts` and `use std::f64`. Ignores other imports, whose names are reported
+    /// where they are used.
     fn import(&mut self, tree: &UseTree) {
         let mut tree = tree;
         let mut path = Vec::new();

@@ -48,7 +48,8 @@ impl Shape {
         }
     }
 
-    /// Returns the shape of the velocities of a configuration of this shape: a vector for each rotation.
+    /// Returns the shape of the velocities of a configuration of this shape: a vector for each
+    /// rotation.
     pub(super) fn velocity(&self) -> Self {
         match self {
             Self::Vector(ty) if ty.kind == Kind::Rotation => Self::Vector(MatrixType::vector(3)),
@@ -94,7 +95,8 @@ impl Shape {
 const COORDINATES: usize = 512;
 
 impl Lowering<'_> {
-    /// Returns the shape of a type of configurations, which may be rotations, or reports an error at the type.
+    /// Returns the shape of a type of configurations, which may be rotations, or reports an error
+    /// at the type.
     pub(super) fn configuration_shape(&mut self, ty: &Type) -> Option<Shape> {
         let ty = bare(ty);
         match ty {
@@ -188,7 +190,8 @@ impl Lowering<'_> {
         Some(Shape::Vector(MatrixType::vector(rows)))
     }
 
-    /// Evaluates a size; `None` if it is left to be inferred. Reports an error and returns `Err` if the size is not known.
+    /// Evaluates a size; `None` if it is left to be inferred. Reports an error and returns `Err` if
+    /// the size is not known.
     pub(super) fn size(&mut self, size: &Size) -> Result<Option<usize>, ()> {
         match size {
             Size::Known(n) => Ok(Some(*n)),
@@ -228,8 +231,8 @@ fn bare_name(expr: &Syntax) -> Option<&Ident> {
 }
 
 impl Lowering<'_> {
-    /// Converts a value to its annotated type. A field of the user's struct gets its length or size from the type. If Rust converts
-    /// between arrays and vectors (`into`), the value is converted.
+    /// Converts a value to its annotated type. A field of the user's struct gets its length or size
+    /// from the type. If Rust converts between arrays and vectors (`into`), the value is converted.
     pub(super) fn ascribed(&mut self, value: Value, ty: &Type) -> Value {
         let value = self.awaited(value, ty, ty);
         let ty = bare(ty);
@@ -278,7 +281,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Returns the type of nalgebra that is written, if its size is known. Reports no errors, since the compiler of Rust checks types.
+    /// Returns the type of nalgebra that is written, if its size is known. Reports no errors, since
+    /// the compiler of Rust checks types.
     pub(super) fn matrix_type(&mut self, ty: &Type) -> Option<MatrixType> {
         let written = Written::of_type(ty).filter(|written| written.has_floats == Some(true))?;
         let mut size = |size: &Size| match size {
@@ -295,8 +299,8 @@ impl Lowering<'_> {
         ty.unusable().is_none().then_some(ty)
     }
 
-    /// Evaluates a length made of literals and constants of the block; `None` for other lengths. Reports no errors, since the compiler
-    /// of Rust checks types.
+    /// Evaluates a length made of literals and constants of the block; `None` for other lengths.
+    /// Reports no errors, since the compiler of Rust checks types.
     fn length_of_type(&mut self, length: &Syntax) -> Option<usize> {
         let errors = std::mem::take(&mut self.errors);
         let broken = self.calls.broken.clone();

@@ -22,7 +22,8 @@ pub(super) enum Value {
     Tuple(Vec<Value>),
     /// An iterator: the list of its items.
     Sequence(Vec<Value>),
-    /// A field of the user's struct, or a constant from outside the block. Its use decides whether it is a number, an array or a matrix.
+    /// A field of the user's struct, or a constant from outside the block. Its use decides whether
+    /// it is a number, an array or a matrix.
     Field(FieldPath),
     /// A closure that is not called yet.
     Closure(Rc<Closure>),
@@ -62,7 +63,8 @@ impl Value {
         }
     }
 
-    /// Returns the entries of an array, a tuple or a matrix, and the items of an iterator; nothing of other values.
+    /// Returns the entries of an array, a tuple or a matrix, and the items of an iterator; nothing
+    /// of other values.
     pub(super) fn items(&self) -> &[Self] {
         match self {
             Self::Sequence(values) => values,
@@ -85,7 +87,8 @@ impl Value {
         }
     }
 
-    /// Returns the message for a constant from outside the block whose value the macro needs; `None` for other values.
+    /// Returns the message for a constant from outside the block whose value the macro needs;
+    /// `None` for other values.
     pub(super) fn unseen(&self) -> Option<String> {
         match self {
             Self::Field(path) => path.unseen(),

@@ -1,10 +1,12 @@
 //! The charts in which tangent maps and sensitivities of rotations are written.
 //!
-//! Input: the derivatives of a step by the entries of R₀, by Π₀ and the parameters. Output: the derivatives in canonical coordinates.
+//! Input: the derivatives of a step by the entries of R₀, by Π₀ and the parameters. Output: the
+//! derivatives in canonical coordinates.
 //!
-//! Near a rotation R with momentum Π the coordinates are the Cayley vector ε of a small rotation R cay(ε) and the momentum y that is
-//! conjugate to it. To first order `Π = y − ½ ε × Π`, so that `δy = δΠ + ½ ε × Π`: the form `dε ∧ dy` is the canonical one, and the
-//! tangent map of a step is a symplectic matrix. At the end of a step R₁ = R₀ cay(x),
+//! Near a rotation R with momentum Π the coordinates are the Cayley vector ε of a small rotation R
+//! cay(ε) and the momentum y that is conjugate to it. To first order `Π = y − ½ ε × Π`, so that
+//! `δy = δΠ + ½ ε × Π`: the form `dε ∧ dy` is the canonical one, and the tangent map of a step is a
+//! symplectic matrix. At the end of a step R₁ = R₀ cay(x),
 //!
 //! ```text
 //! ε₁ = A(x) δx + cay(x)ᵀ ε₀        A(x) = (1 − ½ x̂)/(1 + ¼|x|²)
@@ -58,7 +60,8 @@ pub(super) fn start(action: &Action, arena: &mut Arena) -> Vec<Input> {
     inputs
 }
 
-/// The turn of a rotation in the direction k: column l of R₀ moves by `R₀ (e_k × e_l)`, and Π₀ by `− ½ e_k × Π₀`.
+/// The turn of a rotation in the direction k: column l of R₀ moves by `R₀ (e_k × e_l)`, and Π₀ by
+/// `− ½ e_k × Π₀`.
 fn turn(k: usize, entries: &[Symbol], momenta: &[Symbol], arena: &mut Arena) -> Input {
     let (l, m) = ((k + 1) % 3, (k + 2) % 3);
     let mut rates = Vec::new();
@@ -75,8 +78,9 @@ fn turn(k: usize, entries: &[Symbol], momenta: &[Symbol], arena: &mut Arena) -> 
     Input::Turn(rates)
 }
 
-/// Replaces the derivatives of q₁ − q₀ and p₁ − p₀, in rows, by those of the coordinates at the end less the coordinates at the start. `first` says
-/// that the columns are the coordinates at the start and the parameters; otherwise they are unknowns.
+/// Replaces the derivatives of q₁ − q₀ and p₁ − p₀, in rows, by those of the coordinates at the end
+/// less the coordinates at the start. `first` says that the columns are the coordinates at the
+/// start and the parameters; otherwise they are unknowns.
 pub(super) fn at_end(
     rows: &mut [Vec<Expr>],
     first: bool,
@@ -132,8 +136,8 @@ impl Frame {
         }
     }
 
-    /// Returns the derivatives of the coordinates at the end less those at the start, from the derivatives of x and of Π₁ − Π₀. `turned` is the
-    /// direction in which R₀ turns, if it does.
+    /// Returns the derivatives of the coordinates at the end less those at the start, from the
+    /// derivatives of x and of Π₁ − Π₀. `turned` is the direction in which R₀ turns, if it does.
     fn column(
         &self,
         dx: &[Expr],

@@ -1,16 +1,19 @@
-//! Scheme → the linearised step, from which the runtime computes the derivatives of the result by the initial state and the parameters.
+//! Scheme → the linearised step, from which the runtime computes the derivatives of the result by
+//! the initial state and the parameters.
 //!
-//! Let x be the unknowns of the blocks, z the initial state and the parameters, R(x, z) the residuals and y(x, z) the results. By the
-//! implicit function theorem,
+//! Let x be the unknowns of the blocks, z the initial state and the parameters, R(x, z) the
+//! residuals and y(x, z) the results. By the implicit function theorem,
 //!
 //! ```text
 //! dy/dz = ∂y/∂z − ∂y/∂x (∂R/∂x)⁻¹ ∂R/∂z
 //! ```
 //!
-//! Output: the non-zero entries of the four matrices. A quantity that has a formula is not among the unknowns.
+//! Output: the non-zero entries of the four matrices. A quantity that has a formula is not among
+//! the unknowns.
 //!
-//! Where forces act at both ends of an explicit step, ∂y/∂z is a sum over intermediate values w(z), and an entry of it has as many
-//! terms as there are coordinates. In a step of many coordinates such values are kept apart:
+//! Where forces act at both ends of an explicit step, ∂y/∂z is a sum over intermediate values w(z),
+//! and an entry of it has as many terms as there are coordinates. In a step of many coordinates
+//! such values are kept apart:
 //!
 //! ```text
 //! dy/dz = ∂y/∂z + ∂y/∂w dw/dz
@@ -106,8 +109,8 @@ pub(crate) fn linearise(
     }
 }
 
-/// Differentiates the results of an explicit step by way of the formulas of its blocks. Returns nothing for steps of few coordinates,
-/// and for steps that are not explicit.
+/// Differentiates the results of an explicit step by way of the formulas of its blocks. Returns
+/// nothing for steps of few coordinates, and for steps that are not explicit.
 fn through_intermediates(
     results: &[Expr],
     inputs: &[Input],

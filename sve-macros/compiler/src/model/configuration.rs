@@ -1,25 +1,30 @@
-//! Configuration spaces: what a coordinate is, how an increment moves it, and how momenta follow from derivatives of an action.
+//! Configuration spaces: what a coordinate is, how an increment moves it, and how momenta follow
+//! from derivatives of an action.
 //!
-//! A configuration consists of blocks: vectors and rotations. Its *entries* are the numbers that a Lagrangian reads: the coordinates of
-//! a vector, and the nine entries of the matrix R of a rotation, by columns. Its *directions* are its degrees of freedom: one for each
-//! coordinate, and three for a rotation, in which R moves by R ξ̂ (left trivialisation; ξ̂ a = ξ × a).
+//! A configuration consists of blocks: vectors and rotations. Its *entries* are the numbers that a
+//! Lagrangian reads: the coordinates of a vector, and the nine entries of the matrix R of a
+//! rotation, by columns. Its *directions* are its degrees of freedom: one for each coordinate, and
+//! three for a rotation, in which R moves by R ξ̂ (left trivialisation; ξ̂ a = ξ × a).
 //!
-//! The increment of a rotation is the Cayley vector x of `R₀ᵀR₁`, with `cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²)`. The chart moves with R₀. An action
-//! S(x, R̄) depends on the ends through x and the middle R̄ of the geodesic between them, R̄ = R₀ cay(y), R₁ = R̄ cay(y). If the start turns by ε₀
-//! and the end by ε₁,
+//! The increment of a rotation is the Cayley vector x of `R₀ᵀR₁`, with
+//! `cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²)`. The chart moves with R₀. An action S(x, R̄) depends on
+//! the ends through x and the middle R̄ of the geodesic between them, R̄ = R₀ cay(y), R₁ = R̄
+//! cay(y). If the start turns by ε₀ and the end by ε₁,
 //!
 //! ```text
 //! δx = (1 + ½ x̂ + ¼ x xᵀ) ε₁ − (1 − ½ x̂ + ¼ x xᵀ) ε₀        (R̄ᵀδR̄)^∨ = ½ (1 + ½ ŷ) ε₁ + ½ (1 − ½ ŷ) ε₀
 //! ```
 //!
-//! so that with g = ∂S/∂x and the left-trivialised derivative τ of S by R̄ the momenta −∂S/∂ε₀ and ∂S/∂ε₁ are
+//! so that with g = ∂S/∂x and the left-trivialised derivative τ of S by R̄ the momenta −∂S/∂ε₀ and
+//! ∂S/∂ε₁ are
 //!
 //! ```text
 //! Π₀ = g + ½ x × g + ¼ x (x·g) − ½ τ − ¼ y × τ        Π₁ = g − ½ x × g + ¼ x (x·g) + ½ τ − ¼ y × τ
 //! ```
 //!
-//! Source: Bou-Rabee, Marsden, *Hamilton–Pontryagin integrators on Lie groups* (2009). The second variation is that of a Jacobi field on a
-//! group with a bi-invariant metric, at the middle of its geodesic.
+//! Source: Bou-Rabee, Marsden, *Hamilton–Pontryagin integrators on Lie groups* (2009). The second
+//! variation is that of a Jacobi field on a group with a bi-invariant metric, at the middle of its
+//! geodesic.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -93,7 +98,8 @@ impl Configuration {
         self.factors.contains(&Factor::Rotation)
     }
 
-    /// Returns the rotation to which an entry belongs: its number, with row and column. `None` for a coordinate.
+    /// Returns the rotation to which an entry belongs: its number, with row and column. `None` for
+    /// a coordinate.
     pub(crate) fn rotation_of(&self, entry: usize) -> Option<RotationEntry> {
         let blocks = self.blocks();
         let rotations: Vec<&Block> = blocks
@@ -111,7 +117,8 @@ impl Configuration {
         })
     }
 
-    /// Returns the derivative of an expression in each direction, with these symbols of the entries.
+    /// Returns the derivative of an expression in each direction, with these symbols of the
+    /// entries.
     pub(crate) fn gradient(&self, expr: Expr, entries: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
         let mut gradient = Vec::new();
         for block in self.blocks() {
@@ -127,7 +134,8 @@ impl Configuration {
         gradient
     }
 
-    /// Returns the bracket `Σ Π·(a × b)` of the rotations, by which the Poisson bracket differs from that of a vector space.
+    /// Returns the bracket `Σ Π·(a × b)` of the rotations, by which the Poisson bracket differs
+    /// from that of a vector space.
     pub(crate) fn transport(
         &self,
         momenta: &[Expr],
@@ -146,7 +154,8 @@ impl Configuration {
         arena.sum(0.0, &terms)
     }
 
-    /// Returns the commutator of two fields of directions, `a × b` for rotations, and zero for vectors.
+    /// Returns the commutator of two fields of directions, `a × b` for rotations, and zero for
+    /// vectors.
     pub(crate) fn commutator(&self, a: &[Expr], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
         let mut commutator = vec![arena.constant(0.0); a.len()];
         for block in self.blocks() {
@@ -159,8 +168,9 @@ impl Configuration {
         commutator
     }
 
-    /// Returns the entries with values that are those of rotations for any values of `parameters`, of which each rotation has four: the components of
-    /// a quaternion, whose length does not matter. Identities that hold for rotations hold for these entries.
+    /// Returns the entries with values that are those of rotations for any values of `parameters`,
+    /// of which each rotation has four: the components of a quaternion, whose length does not
+    /// matter. Identities that hold for rotations hold for these entries.
     pub(crate) fn parametrised(
         &self,
         entries: &[Symbol],
@@ -201,8 +211,8 @@ pub(crate) struct Midpoint {
     pub(crate) half: Vec<Expr>,
 }
 
-/// Returns the midpoint R₀ cay(y) of a rotation, half of the way along a geodesic: `y = x/(1 + s)` with `s = √(1 + ¼|x|²)`, and
-/// `cay(y) = 1 + x̂/(2s) + x̂²/(4s(1 + s))`.
+/// Returns the midpoint R₀ cay(y) of a rotation, half of the way along a geodesic: `y = x/(1 + s)`
+/// with `s = √(1 + ¼|x|²)`, and `cay(y) = 1 + x̂/(2s) + x̂²/(4s(1 + s))`.
 pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena) -> Midpoint {
     let squares: Vec<(f64, Expr)> = x.iter().map(|&x| (0.25, arena.pow(x, 2))).collect();
     let square = arena.sum(1.0, &squares);
@@ -233,7 +243,8 @@ pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena
     Midpoint { entries, half }
 }
 
-/// Returns `g + ½ x × g + ¼ x (x·g)`, the part of the momentum at the start that the derivative g by the increment gives.
+/// Returns `g + ½ x × g + ¼ x (x·g)`, the part of the momentum at the start that the derivative g
+/// by the increment gives.
 pub(crate) fn momentum_at_start(x: &[Expr], g: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     let products: Vec<(f64, Expr)> = x
         .iter()
@@ -250,7 +261,8 @@ pub(crate) fn momentum_at_start(x: &[Expr], g: &[Expr], arena: &mut Arena) -> Ve
     momentum.collect()
 }
 
-/// Returns the matrix A(x) of the differential of the Cayley transform, `(cay(x)ᵀ d cay(x))^∨ = A dx`: `(1 − ½ x̂)/(1 + ¼|x|²)`, by rows.
+/// Returns the matrix A(x) of the differential of the Cayley transform,
+/// `(cay(x)ᵀ d cay(x))^∨ = A dx`: `(1 − ½ x̂)/(1 + ¼|x|²)`, by rows.
 pub(crate) fn differential(x: &[Expr], arena: &mut Arena) -> [[Expr; 3]; 3] {
     let scale = shortening(x, arena);
     by_columns(arena, |unit, arena| {
@@ -303,7 +315,8 @@ fn shortening(x: &[Expr], arena: &mut Arena) -> Expr {
     arena.opaque(scale)
 }
 
-/// Returns the derivative of an expression in the directions of a rotation, from the derivatives by its entries.
+/// Returns the derivative of an expression in the directions of a rotation, from the derivatives by
+/// its entries.
 pub(crate) fn directions_of_rotation(
     slopes: &[Expr],
     entries: &[Symbol],
@@ -324,7 +337,8 @@ pub(crate) fn cross(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     (0..DIRECTIONS).map(component).collect()
 }
 
-/// Returns the derivative of an expression with these derivatives by the entries where R moves by R ê, with e the unit vector of a direction: column j moves by `R (e × e_j)`.
+/// Returns the derivative of an expression with these derivatives by the entries where R moves by R
+/// ê, with e the unit vector of a direction: column j moves by `R (e × e_j)`.
 fn turned(slopes: &[Expr], entries: &[Symbol], direction: usize, arena: &mut Arena) -> Expr {
     let (next, last) = ((direction + 1) % 3, (direction + 2) % 3);
     let mut terms = Vec::new();
@@ -351,7 +365,8 @@ fn rotation_of(quaternion: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
                 let sign = |k: usize| if k == 0 || k == row + 1 { 1.0 } else { -1.0 };
                 (0..4).map(|k| (sign(k), squares[k].1)).collect::<Vec<_>>()
             } else {
-                // 2 (u_i u_j ∓ w u_k), with the minus sign where (row, column) is in the order of the axes
+                // 2 (u_i u_j ∓ w u_k), with the minus sign where (row, column) is in the order of
+                // the axes
                 let across = arena.mul(q[row + 1], q[column + 1]);
                 let along = arena.mul(q[0], q[4 - row - column]);
                 let sign = if (row + 1) % 3 == column { -2.0 } else { 2.0 };

@@ -1,8 +1,9 @@
 //! Where the functions in L and in the noises are defined.
 //!
-//! Input: expressions. Output: for each function in them that is not defined everywhere, an expression that has to be
-//! positive, or not negative, with its text. Invariant: what cannot be negative by its form (a sum of squares under a root) is not
-//! listed, so that a step does not compute it.
+//! Input: expressions. Output: for each function in them that is not defined everywhere, an
+//! expression that has to be positive, or not negative, with its text. Invariant: what cannot be
+//! negative by its form (a sum of squares under a root) is not listed, so that a step does not
+//! compute it.
 
 use crate::algebra::{Arena, Domain, Expr, Node, Sign};
 

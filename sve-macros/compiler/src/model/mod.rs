@@ -1,7 +1,8 @@
 //! The mechanical system as expressions, which all later stages read.
 //!
-//! Invariant: the Lagrangian and the force contain only the symbols of time, `q`, `v` and parameters, a noise Hamiltonian only those
-//! of time, `q`, `p` and parameters, a generator only those of time, `q` and parameters.
+//! Invariant: the Lagrangian and the force contain only the symbols of time, `q`, `v` and
+//! parameters, a noise Hamiltonian only those of time, `q`, `p` and parameters, a generator only
+//! those of time, `q` and parameters.
 
 use proc_macro2::TokenStream;
 
@@ -73,7 +74,8 @@ pub(crate) struct Model {
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
     pub(crate) constraints: Vec<Constraint>,
-    /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with the value it is read as.
+    /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with
+    /// the value it is read as.
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }
 
@@ -91,7 +93,8 @@ impl Model {
         self.configuration().gradient(expr, &self.q, arena)
     }
 
-    /// Returns an expression as a function of free parameters of the rotations. It vanishes identically if the expression vanishes for all rotations.
+    /// Returns an expression as a function of free parameters of the rotations. It vanishes
+    /// identically if the expression vanishes for all rotations.
     pub(crate) fn on_rotations(&self, expr: Expr, arena: &mut Arena) -> Expr {
         if !self.configuration().has_rotations() {
             return expr;
@@ -113,7 +116,8 @@ impl Model {
         arena.sum(0.0, &terms)
     }
 
-    /// What rounding errors of φ are relative to: the sum of the magnitudes of its terms, and `Σ |∂φ/∂q| |q|` for the rounding of the coordinates.
+    /// What rounding errors of φ are relative to: the sum of the magnitudes of its terms, and
+    /// `Σ |∂φ/∂q| |q|` for the rounding of the coordinates.
     pub(crate) fn magnitude(&self, value: Expr, arena: &mut Arena) -> Expr {
         let (constant, terms) = match arena.node(value) {
             Node::Sum(constant, terms) => (constant.get(), terms.clone()),

@@ -10,7 +10,8 @@ const LETTERS: [&str; 6] = ["q", "v", "p", "t", "h", "L"];
 /// The names of symbols in formulas.
 pub(crate) struct SymbolNames<'a> {
     symbols: &'a Symbols,
-    /// In the equations of a step, the letters of the rule's own variables, which parameters of the same name do not get.
+    /// In the equations of a step, the letters of the rule's own variables, which parameters of the
+    /// same name do not get.
     of_step: Option<&'static [&'static str]>,
 }
 
@@ -59,7 +60,8 @@ impl<'a> SymbolNames<'a> {
         component(letter, i, self.symbols)
     }
 
-    /// `(Π × RᵀdR)[i]`, the change of a body momentum by the rotation of the body; `None` for the momentum of a vector.
+    /// `(Π × RᵀdR)[i]`, the change of a body momentum by the rotation of the body; `None` for the
+    /// momentum of a vector.
     pub(crate) fn transport(&self, i: usize) -> Option<String> {
         let blocks = self.symbols.configuration.blocks();
         let mut rotations = blocks.iter().filter(|b| b.factor == Factor::Rotation);
@@ -115,7 +117,8 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
     component(letter, index, symbols)
 }
 
-/// A component in a direction: `v[i]`, or of a rotation `ω[i]`, with the letter for rotations in place of the letter for vectors.
+/// A component in a direction: `v[i]`, or of a rotation `ω[i]`, with the letter for rotations in
+/// place of the letter for vectors.
 fn component(letter: &str, i: usize, symbols: &Symbols) -> String {
     let blocks = symbols.configuration.blocks();
     let rotations = blocks

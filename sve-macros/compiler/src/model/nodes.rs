@@ -1,4 +1,5 @@
-//! The quantities at the quadrature nodes of a rule. Each has an identity in the arena, by which later stages find it.
+//! The quantities at the quadrature nodes of a rule. Each has an identity in the arena, by which
+//! later stages find it.
 
 use crate::algebra::{Arena, Expr, Identity, Node};
 
@@ -24,7 +25,8 @@ impl AtNode {
         Identity((self.node as u64) << 34 | kind << 32 | index as u64)
     }
 
-    /// Returns the quantity for which an expression stands; `None` if the expression is not a quantity at a node.
+    /// Returns the quantity for which an expression stands; `None` if the expression is not a
+    /// quantity at a node.
     pub(crate) fn of(expr: Expr, arena: &Arena) -> Option<Self> {
         let Node::Opaque(_, Some(Identity(bits))) = *arena.node(expr) else {
             return None;

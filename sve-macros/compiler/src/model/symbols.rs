@@ -16,7 +16,8 @@ pub(crate) enum Meaning {
     },
     Time,
     StepSize,
-    /// Entry of the configuration, component of the velocity or of the momentum of the continuous system.
+    /// Entry of the configuration, component of the velocity or of the momentum of the continuous
+    /// system.
     Position(usize),
     Velocity(usize),
     Momentum(usize),
@@ -28,9 +29,11 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
-    /// Entry of a rotation at a node of a rule, for which its value is substituted once the action is differentiated.
+    /// Entry of a rotation at a node of a rule, for which its value is substituted once the action
+    /// is differentiated.
     NodeEntry(usize),
-    /// A parameter of rotations, on which only tests of identities depend (`Configuration::parametrised`).
+    /// A parameter of rotations, on which only tests of identities depend
+    /// (`Configuration::parametrised`).
     Attitude(usize),
     /// Component of the momentum at the end of the step, which the action gives.
     End(usize),

@@ -1,8 +1,9 @@
 //! Rule → discrete action: what all rules share.
 //!
-//! Input: the model. Output: `S_d` as an expression in the start `q₀`, the displacement `d = q₁ − q₀`, the internal variables
-//! of the rule, the step size and the Wiener increments (`docs/mathematics.md`, section 2). The displacement is the variable, not q₁,
-//! so that a small step does not cancel: `∂S_d/∂q₁ = ∂S/∂d` and `∂S_d/∂q₀ = ∂S/∂q₀ − ∂S/∂d`.
+//! Input: the model. Output: `S_d` as an expression in the start `q₀`, the displacement
+//! `d = q₁ − q₀`, the internal variables of the rule, the step size and the Wiener increments
+//! (`docs/mathematics.md`, section 2). The displacement is the variable, not q₁, so that a small
+//! step does not cancel: `∂S_d/∂q₁ = ∂S/∂d` and `∂S_d/∂q₀ = ∂S/∂q₀ − ∂S/∂d`.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -20,7 +21,8 @@ use crate::system::degeneracy::Degeneracy;
 /// A discrete action with its variables.
 pub(crate) struct Action {
     pub(crate) value: Expr,
-    /// The action as it is differentiated: a function of the entries of rotations at the nodes too, for which `value` has their values.
+    /// The action as it is differentiated: a function of the entries of rotations at the nodes too,
+    /// for which `value` has their values.
     pub(crate) varied: Expr,
     /// The rotations at the nodes.
     pub(crate) rotations: Vec<RotationAtNode>,
@@ -62,14 +64,17 @@ pub(crate) struct Work {
 pub(crate) enum Place {
     /// A coordinate of the node.
     Coordinate(Expr),
-    /// The rotation at the node turns in this direction of the configuration, about an axis of the body.
+    /// The rotation at the node turns in this direction of the configuration, about an axis of the
+    /// body.
     Turn(usize),
 }
 
-/// What holds at the two ends of a step beside the momentum balance of each coordinate, `p₀ = −∂S_d/∂q₀`. Empty for regular Lagrangians.
+/// What holds at the two ends of a step beside the momentum balance of each coordinate,
+/// `p₀ = −∂S_d/∂q₀`. Empty for regular Lagrangians.
 #[derive(Default)]
 pub(crate) struct Ends {
-    /// For each coordinate whether its momentum balance is left out: the action does not contain its displacement.
+    /// For each coordinate whether its momentum balance is left out: the action does not contain
+    /// its displacement.
     pub(crate) unbalanced: Vec<bool>,
     /// For each coordinate p₀ as its balance has it, if that is not the state's: a function of q₀.
     pub(crate) start: Vec<Option<Expr>>,
@@ -123,7 +128,8 @@ pub(crate) struct Variables<'a> {
     potential: Option<(f64, &'a Potential)>,
 }
 
-/// The discrete action of `rule`: that of `degeneracy` if L does not determine every velocity, with the potential that the option `weak2` adds (`weak2::potential`).
+/// The discrete action of `rule`: that of `degeneracy` if L does not determine every velocity, with
+/// the potential that the option `weak2` adds (`weak2::potential`).
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
@@ -203,7 +209,8 @@ impl Variables<'_> {
         self.arena.intermediate(value, Some(identity))
     }
 
-    /// `h L` at a node, less `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums it over its nodes.
+    /// `h L` at a node, less `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums it over
+    /// its nodes.
     pub(super) fn lagrangian(&mut self, node: &HashMap<Symbol, Expr>) -> Expr {
         let h = self.arena.symbol(self.h);
         let lagrangian = self.arena.substitute(self.model.lagrangian, node);
@@ -214,7 +221,8 @@ impl Variables<'_> {
         }
     }
 
-    /// The term `− ½ κ h |h| Σ_a K_a` at a node with the option `weak2`, as a factor and an expression.
+    /// The term `− ½ κ h |h| Σ_a K_a` at a node with the option `weak2`, as a factor and an
+    /// expression.
     pub(super) fn weak2(&mut self, node: &HashMap<Symbol, Expr>) -> Option<(f64, Expr)> {
         let (half_factor, potential) = self.potential?;
         let potential = self.potential_at(potential, node);
@@ -271,8 +279,8 @@ impl Variables<'_> {
         terms
     }
 
-    /// The Stratonovich correction `Σ_a Σ_b ⟨shift by G_a, slope of G_b⟩ ΔW_a ΔW_b` at a node. `fields` has for each noise its shift and its slope
-    /// along each coordinate.
+    /// The Stratonovich correction `Σ_a Σ_b ⟨shift by G_a, slope of G_b⟩ ΔW_a ΔW_b` at a node.
+    /// `fields` has for each noise its shift and its slope along each coordinate.
     pub(super) fn stratonovich(
         &mut self,
         fields: &[Vec<[Expr; 2]>],

@@ -1,18 +1,22 @@
-//! The Gauss–Galerkin rules with S stages: the action at the nodes c of Gauss quadrature with weights b, positions by polynomials of degree S,
+//! The Gauss–Galerkin rules with S stages: the action at the nodes c of Gauss quadrature with
+//! weights b, positions by polynomials of degree S,
 //!
 //! ```text
 //! S_d = Σ_i { h b_i [L(t_i, Q_i, V_i) + ⟨P_i, U_i − V_i⟩] − Σ_a G_a(t_i, Q_i, P_i) b_i ΔW_a } + ⟨λ, d − h Σ_j b_j U_j⟩
 //! Q_i = q₀ + h Σ_j a_ij U_j        t_i = t₀ + c_i h
 //! ```
 //!
-//! U are the velocities of the path at the nodes, V the arguments of L; both are internal, with P and λ. Order 2S, symmetric, no Stratonovich correction, since the weighted mean of the nodes is ½.
-//! A force does the work `h b_i ⟨F(t_i, Q_i, V_i), δQ_i⟩` at each node.
+//! U are the velocities of the path at the nodes, V the arguments of L; both are internal, with P
+//! and λ. Order 2S, symmetric, no Stratonovich correction, since the weighted mean of the nodes is
+//! ½. A force does the work `h b_i ⟨F(t_i, Q_i, V_i), δQ_i⟩` at each node.
 //!
-//! The step is not derived by unrolling this action but from its equations for any L (`sve-runtime/src/gauss/`), with the derivatives at one node. The unrolled
-//! action stays the definition: `structure = both` derives it too, for comparison.
+//! The step is not derived by unrolling this action but from its equations for any L
+//! (`sve-runtime/src/gauss/`), with the derivatives at one node. The unrolled action stays the
+//! definition: `structure = both` derives it too, for comparison.
 //!
-//! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10 (2001), section 2.6; Hairer, Lubich, Wanner, *Geometric Numerical Integration*
-//! (2006), sections II.1.3 and VI.6.
+//! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10
+//! (2001), section 2.6; Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), sections
+//! II.1.3 and VI.6.
 
 use std::collections::HashMap;
 
@@ -175,7 +179,8 @@ pub(crate) struct Quadrature {
 }
 
 impl Quadrature {
-    /// The coefficients for so many nodes. The roots of the Legendre polynomial are found by Newton's method from Chebyshev's.
+    /// The coefficients for so many nodes. The roots of the Legendre polynomial are found by
+    /// Newton's method from Chebyshev's.
     pub(crate) fn new(stages: usize) -> Self {
         let last = stages as f64 + 0.5;
         let roots = (0..stages).map(|i| {

@@ -1,5 +1,5 @@
-//! The discretisation rules as discrete actions, a file each, with their textbook forms. Their names, orders and what they take are in the
-//! catalogue.
+//! The discretisation rules as discrete actions, a file each, with their textbook forms. Their
+//! names, orders and what they take are in the catalogue.
 //!
 //! A new rule is a row of the catalogue, its action here, and its type in the runtime.
 

@@ -115,8 +115,8 @@ impl OneNode {
     }
 }
 
-/// Adds the entries of a rotation at the node of the midpoint rule, half of the way along the geodesic. The other rules are not for rotations
-/// ([`applicable`](super::applicable)).
+/// Adds the entries of a rotation at the node of the midpoint rule, half of the way along the
+/// geodesic. The other rules are not for rotations ([`applicable`](super::applicable)).
 fn rotation_at_midpoint(
     x: &mut Variables<'_>,
     block: &Block,

@@ -4,9 +4,11 @@
 //! S_d = ½h [L(t₀,q₀,v) + L(t₁,q₁,v)] + ⟨p, d − h v⟩ − ½ Σ [G_a(t₀,q₀,p) + G_a(t₁,q₁,p)] ΔW_a
 //! ```
 //!
-//! It is symmetric, so it needs no Stratonovich correction. For L = T(v) − V(q) with constant masses and noise in q alone the step is explicit: kick,
-//! drift, kick. With constraints the step is RATTLE (Andersen 1983). A force does half of its work at each end.
-//! Source: Hairer, Lubich, Wanner, *Geometric numerical integration illustrated by the Störmer–Verlet method*, Acta Numerica 12 (2003).
+//! It is symmetric, so it needs no Stratonovich correction. For L = T(v) − V(q) with constant
+//! masses and noise in q alone the step is explicit: kick, drift, kick. With constraints the step
+//! is RATTLE (Andersen 1983). A force does half of its work at each end. Source: Hairer, Lubich,
+//! Wanner, *Geometric numerical integration illustrated by the Störmer–Verlet method*, Acta
+//! Numerica 12 (2003).
 
 use std::collections::HashMap;
 
@@ -18,7 +20,8 @@ use crate::model::{Family, NodeQuantity, Unknown};
 
 pub(super) struct StormerVerlet;
 
-/// The node at the end of the step. The other one is the start, whose quantities are those of the state.
+/// The node at the end of the step. The other one is the start, whose quantities are those of the
+/// state.
 const END: usize = 0;
 
 impl Discretisation for StormerVerlet {

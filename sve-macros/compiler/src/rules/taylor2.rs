@@ -1,13 +1,13 @@
-//! The second-order Taylor variational integrator (Schmitt, Shingel, Leok): with the initial velocity `v` and the
-//! acceleration `a` of the Euler–Lagrange flow at `(q₀, v)`,
+//! The second-order Taylor variational integrator (Schmitt, Shingel, Leok): with the initial
+//! velocity `v` and the acceleration `a` of the Euler–Lagrange flow at `(q₀, v)`,
 //!
 //! ```text
 //! S_d = ½h [ L(q₀,v) + L(q₀+hv, v+ha) ] + ⟨μ, d − hv − ½h²a⟩ + ½h² ⟨ν, L_vv a + L_vq v + L_vt − L_q⟩
 //! ```
 //!
-//! `v` and `a` are defined by equations, so they join the action with the multipliers μ and ν; the second is scaled
-//! by ½h² to be of the size of a momentum. A force F joins the flow, `… − F` in the last bracket, and does half of its work
-//! at each end.
+//! `v` and `a` are defined by equations, so they join the action with the multipliers μ and ν; the
+//! second is scaled by ½h² to be of the size of a momentum. A force F joins the flow, `… − F` in
+//! the last bracket, and does half of its work at each end.
 
 use std::collections::HashMap;
 
@@ -19,7 +19,8 @@ use crate::model::{Family, NodeQuantity, Unknown};
 
 pub(super) struct Taylor2;
 
-/// The node at the predicted end of the step. The other one is the start, whose quantities are those of the state.
+/// The node at the predicted end of the step. The other one is the start, whose quantities are
+/// those of the state.
 const END: usize = 0;
 
 /// How the predicted end is written.

@@ -1,4 +1,5 @@
-//! Actions in their textbook form, with L, γ, H₁ and F as functions of what is written at the nodes.
+//! Actions in their textbook form, with L, γ, H₁ and F as functions of what is written at the
+//! nodes.
 
 use crate::model::NodeQuantity;
 
@@ -88,7 +89,8 @@ pub(super) fn sum(count: usize) -> &'static str {
 }
 
 impl Features {
-    /// Returns the action of a rule whose nodes have equal weights. `displacement` is the term that ties the displacement to the velocities.
+    /// Returns the action of a rule whose nodes have equal weights. `displacement` is the term that
+    /// ties the displacement to the velocities.
     pub(super) fn textbook(&self, points: &[Point], displacement: &str) -> Textbook {
         let lagrangian = self.at(points, |t, x| {
             format!("L({t}{}, {})", x.position, x.velocity)
@@ -122,7 +124,8 @@ impl Features {
         }
     }
 
-    /// Returns a function at the nodes, `f(q̄)` or `(f(q₀) + f(q₁))`, from the time in front of its other arguments and a node.
+    /// Returns a function at the nodes, `f(q̄)` or `(f(q₀) + f(q₁))`, from the time in front of its
+    /// other arguments and a node.
     fn at(&self, points: &[Point], function: impl Fn(&str, &Point) -> String) -> String {
         let values = points.iter().map(|x| function(&self.time(x.time), x));
         joined(&values.collect::<Vec<_>>())
@@ -146,7 +149,8 @@ impl Features {
         }
     }
 
-    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the factor `h·|h|` and the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
+    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the factor
+    /// `h·|h|` and the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
     pub(crate) fn potential(&self, factor: &str, sum: &str, nodes: usize) -> String {
         match self.potential {
             // κ is one over an integer

@@ -1,19 +1,26 @@
-//! The option `weak2`: a potential that removes the leading error of expectations, so that the weak order is 2 with one Gaussian increment a process.
+//! The option `weak2`: a potential that removes the leading error of expectations, so that the weak
+//! order is 2 with one Gaussian increment a process.
 //!
-//! The noise Hamiltonians are `G_a = −γ` or `H₁`. The action of a rule with weights `bᵢ` of its nodes gets
+//! The noise Hamiltonians are `G_a = −γ` or `H₁`. The action of a rule with weights `bᵢ` of its
+//! nodes gets
 //!
 //! ```text
 //! S_d −= ½ κ h |h| Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
 //! ```
 //!
-//! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node. The variance of an increment is `|h|`, so a symmetric rule stays symmetric. A step of order 3 or above with frozen
-//! increments has κ = ⅙. The midpoint rule, and that of Störmer and Verlet, are flows of Hamiltonians that lack another `h ΔW² K_a/24` if `G_a` is a γ, which makes κ = ¼.
-//! For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with `M = ∂²L/∂v²`. For an H₁, K depends on the momentum too, and takes the place of a noise Hamiltonian with the increment `½ κ h |h| bᵢ`
-//! at node i; a force is then refused, since the leading error has the double bracket with the force too. A Gauss rule with stage noise has `κ = 1/(4(2S − 1))`.
+//! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node. The variance of an increment is `|h|`, so
+//! a symmetric rule stays symmetric. A step of order 3 or above with frozen increments has κ = ⅙.
+//! The midpoint rule, and that of Störmer and Verlet, are flows of Hamiltonians that lack another
+//! `h ΔW² K_a/24` if `G_a` is a γ, which makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with
+//! `M = ∂²L/∂v²`. For an H₁, K depends on the momentum too, and takes the place of a noise
+//! Hamiltonian with the increment `½ κ h |h| bᵢ` at node i; a force is then refused, since the
+//! leading error has the double bracket with the force too. A Gauss rule with stage noise has
+//! `κ = 1/(4(2S − 1))`.
 //!
 //! The derivation is in `docs/mathematics.md`, section 9.
 //!
-//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the option is refused.
+//! Input: the model with its derivatives. Output: `Σ_a K_a`, or the reason why the option is
+//! refused.
 
 use std::collections::HashMap;
 
@@ -44,7 +51,8 @@ pub(crate) enum Obstacle {
     NoInverseMass(NoFormula),
 }
 
-/// The reason why the option is refused, as far as it does not concern the inverse of the mass matrix.
+/// The reason why the option is refused, as far as it does not concern the inverse of the mass
+/// matrix.
 fn obstacle(system: &Classified, takes_h1: bool, arena: &mut Arena) -> Option<Obstacle> {
     let (model, mechanics) = (&system.model, &system.mechanics);
     if let Commutation::NonCommuting(a, b) = &system.commutation {
@@ -91,7 +99,8 @@ pub(crate) struct Potential {
     pub(crate) gradient: Option<Vec<Expr>>,
 }
 
-/// Returns `Σ_a K_a`; nothing if it does not depend on the state, so that it would not change a step.
+/// Returns `Σ_a K_a`; nothing if it does not depend on the state, so that it would not change a
+/// step.
 pub(crate) fn potential(
     system: &Classified,
     takes_h1: bool,
@@ -177,7 +186,8 @@ impl Potential {
     }
 }
 
-/// The terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩` and `w = M⁻¹ G_q`. No derivative of w is in them.
+/// The terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩` and
+/// `w = M⁻¹ G_q`. No derivative of w is in them.
 fn slope(
     at: usize,
     k: usize,
@@ -197,8 +207,9 @@ fn slope(
     terms
 }
 
-/// `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v that belongs to p. For `H(q, p) = ⟨p, v⟩ − L` the derivatives are
-/// `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and `∂v/∂q = −M⁻¹ L_vq`, so that
+/// `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v that belongs to p. For
+/// `H(q, p) = ⟨p, v⟩ − L` the derivatives are `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and
+/// `∂v/∂q = −M⁻¹ L_vq`, so that
 ///
 /// ```text
 /// X = ⟨G_q, v⟩ + ⟨G_p, L_q⟩ + G_t        K = ⟨G_q, X_p⟩ − ⟨G_p, X_q⟩ + ⟨X_v, M⁻¹ (G_q + L_vq G_p)⟩
@@ -241,7 +252,8 @@ fn double_bracket(
     Ok((arena.sum(0.0, &terms), w))
 }
 
-/// The weak order of a rule: that without noise, at most 1 with noise, and 2 with the option or where K is a constant, which needs no term.
+/// The weak order of a rule: that without noise, at most 1 with noise, and 2 with the option or
+/// where K is a constant, which needs no term.
 pub(crate) fn weak_order(rule: Rule, system: &Classified, arena: &mut Arena) -> u32 {
     let order = rule.order;
     if system.model.noises.is_empty() {

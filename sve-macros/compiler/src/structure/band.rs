@@ -1,9 +1,11 @@
-//! The order of a block's equations and unknowns in which what is not zero in its Jacobian lies near the diagonal.
+//! The order of a block's equations and unknowns in which what is not zero in its Jacobian lies
+//! near the diagonal.
 //!
-//! Input: which unknowns each equation contains. Output: an order of both, where a banded solve is less work than a dense one.
-//! Unknowns are numbered along a breadth-first search from one far end of the graph of equations and unknowns (Cuthill and
-//! `McKee`, Reducing the bandwidth of sparse symmetric matrices, 1969; the end as George and Liu find it), equations by the
-//! middle of the unknowns they contain.
+//! Input: which unknowns each equation contains. Output: an order of both, where a banded solve is
+//! less work than a dense one. Unknowns are numbered along a breadth-first search from one far end
+//! of the graph of equations and unknowns (Cuthill and `McKee`, Reducing the bandwidth of sparse
+//! symmetric matrices, 1969; the end as George and Liu find it), equations by the middle of the
+//! unknowns they contain.
 
 use std::collections::VecDeque;
 
@@ -12,7 +14,8 @@ use crate::algebra::Expr;
 /// Blocks smaller than this are solved as dense ones, whose loops the compiler writes out.
 const SMALLEST: usize = 5;
 
-/// The entries of a matrix that may differ from zero: those from `lower` before the diagonal to `upper` behind it.
+/// The entries of a matrix that may differ from zero: those from `lower` before the diagonal to
+/// `upper` behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) lower: usize,
@@ -69,7 +72,8 @@ impl Band {
         row.saturating_sub(self.lower)
     }
 
-    /// The rows of a matrix as the runtime's `Banded` has them: from the first column of the band on, `width` entries.
+    /// The rows of a matrix as the runtime's `Banded` has them: from the first column of the band
+    /// on, `width` entries.
     pub(super) fn rows(self, matrix: &[Vec<Expr>], zero: Expr) -> Vec<Vec<Expr>> {
         let row = |(i, row): (usize, &Vec<Expr>)| {
             let begin = self.begin(i);
@@ -81,7 +85,8 @@ impl Band {
     }
 }
 
-/// An order in which a banded solve pays; nothing where there is none, or where it is the order as it is.
+/// An order in which a banded solve pays; nothing where there is none, or where it is the order as
+/// it is.
 ///
 /// `depends` has the columns of each row's entries, ascending.
 pub(super) fn order(depends: &[Vec<usize>]) -> Option<Order> {
@@ -174,7 +179,8 @@ fn cuthill_mckee(depends: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// The unknowns in the order in which a breadth-first search comes to them, and the distance of the last.
+/// The unknowns in the order in which a breadth-first search comes to them, and the distance of the
+/// last.
 fn search(start: usize, depends: &[Vec<usize>], rows_of: &[Vec<usize>]) -> (Vec<usize>, usize) {
     let mut seen_row = vec![false; depends.len()];
     let mut distance: Vec<Option<usize>> = vec![None; rows_of.len()];

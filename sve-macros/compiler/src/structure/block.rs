@@ -34,7 +34,8 @@ struct LeadingRows {
 struct Start {
     judge: Option<Judge<Expr>>,
     path: Option<PathJudge>,
-    /// The guess with its refinements; without it the iteration starts from the linearly implicit step.
+    /// The guess with its refinements; without it the iteration starts from the linearly implicit
+    /// step.
     explicit: Option<(Linear<Expr>, Vec<Refinement<Expr>>)>,
     /// Whether the matrix of the guess has the sign of the determinant in the limit.
     has_sign: bool,
@@ -170,7 +171,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Finds the guess of an iteration and what judges its solution. The guess of a block with multipliers is solved from its equations to leading order.
+    /// Finds the guess of an iteration and what judges its solution. The guess of a block with
+    /// multipliers is solved from its equations to leading order.
     fn start(
         &mut self,
         leading: Option<&LeadingRows>,
@@ -204,8 +206,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// All equations as one block that is iterated from the Newton step from zero, with dense matrices; `known` gets what its
-    /// unknowns are called afterwards.
+    /// All equations as one block that is iterated from the Newton step from zero, with dense
+    /// matrices; `known` gets what its unknowns are called afterwards.
     pub(super) fn unstructured(&mut self, known: &mut Replacement) -> Block<Expr> {
         let (residual, unknowns) = (self.residuals.clone(), self.unknowns.clone());
         let jacobian = self.jacobian(&residual, &unknowns);
@@ -269,7 +271,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// The equations of a block to leading order, where its guess is solved from these, and whether they have the sign of its determinant.
+    /// The equations of a block to leading order, where its guess is solved from these, and whether
+    /// they have the sign of its determinant.
     fn leading_of(
         &mut self,
         rows: &[usize],
@@ -379,7 +382,8 @@ impl Reduced<'_> {
         true
     }
 
-    /// Whether only parameters occur: with the step size in it, a coefficient comes from an implicit equation.
+    /// Whether only parameters occur: with the step size in it, a coefficient comes from an
+    /// implicit equation.
     pub(super) fn is_parameter(&self, expr: Expr) -> bool {
         self.arena
             .symbols_of(expr)

@@ -1,7 +1,10 @@
-//! Quotients by the step size that have a limit: `φ(q₀ + d)/h`, in the form `Σ ∂φ/∂q_i · d_i/h` with `d_i = h v_i + …`.
+//! Quotients by the step size that have a limit: `φ(q₀ + d)/h`, in the form `Σ ∂φ/∂q_i · d_i/h`
+//! with `d_i = h v_i + …`.
 //!
-//! Input: expressions with negative powers of h. Output: the same expressions without such powers, as far as h is a factor of what they divide, also a factor of each term
-//! of a sum. Displacements by noise are divided by the whole step size: on the path from the limit to a step there is noise only at the whole step size.
+//! Input: expressions with negative powers of h. Output: the same expressions without such powers,
+//! as far as h is a factor of what they divide, also a factor of each term of a sum. Displacements
+//! by noise are divided by the whole step size: on the path from the limit to a step there is noise
+//! only at the whole step size.
 
 use std::collections::HashMap;
 

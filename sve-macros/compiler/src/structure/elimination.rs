@@ -1,4 +1,5 @@
-//! Elimination of unknowns that some equation gives with a numeric coefficient, and the blocks of the equations that are left.
+//! Elimination of unknowns that some equation gives with a numeric coefficient, and the blocks of
+//! the equations that are left.
 
 use std::collections::{HashMap, HashSet};
 
@@ -60,8 +61,8 @@ impl Reduced<'_> {
         at.collect()
     }
 
-    /// Removes every unknown that an equation gives as `x = f(others)` with a numeric coefficient, the shortest
-    /// equation first.
+    /// Removes every unknown that an equation gives as `x = f(others)` with a numeric coefficient,
+    /// the shortest equation first.
     pub(super) fn eliminate(&mut self) {
         let mut candidates: Vec<Candidate> = Vec::new();
         for row in 0..self.residuals.len() {
@@ -119,8 +120,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Keeps displacements in the equations that couple several of them in the limit of no noise and h → 0: there the two-form couples them, and which of its
-    /// entries is large is not known.
+    /// Keeps displacements in the equations that couple several of them in the limit of no noise
+    /// and h → 0: there the two-form couples them, and which of its entries is large is not known.
     pub(super) fn keep_coupled(&mut self) {
         for row in 0..self.residuals.len() {
             let residual = self.residuals[row];
@@ -144,8 +145,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// The equation with the fewest unknowns that has one with a numeric coefficient; of equations with equally many the
-    /// first.
+    /// The equation with the fewest unknowns that has one with a numeric coefficient; of equations
+    /// with equally many the first.
     fn best(&mut self, candidates: &mut [Candidate]) -> Option<(usize, Pivot)> {
         let mut best: Option<(usize, usize, Pivot)> = None;
         for (row, candidate) in candidates.iter_mut().enumerate() {
@@ -176,8 +177,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Of an equation's unknowns the first, in the order of `unknowns`, with a numeric coefficient; so the momentum balance
-    /// stays, and the velocity in it.
+    /// Of an equation's unknowns the first, in the order of `unknowns`, with a numeric coefficient;
+    /// so the momentum balance stays, and the velocity in it.
     fn pivot(&mut self, row: usize, present: &[Symbol]) -> Option<Pivot> {
         let residual = self.residuals[row];
         for &unknown in present {
@@ -197,9 +198,9 @@ impl Reduced<'_> {
         None
     }
 
-    /// Whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it stands beside something much larger
-    /// when the step is small, so that the equation gives it with the rounding of that: `m v − B (q₀ + d) = p₀` is no
-    /// equation for d.
+    /// Whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it stands
+    /// beside something much larger when the step is small, so that the equation gives it with the
+    /// rounding of that: `m v − B (q₀ + d) = p₀` is no equation for d.
     pub(super) fn moves_node(&self, residual: Expr, unknown: Symbol) -> bool {
         let mut nodes = self
             .arena
@@ -237,11 +238,13 @@ impl Reduced<'_> {
     }
 }
 
-/// For each equation the unknowns that it may not give, although it has them with a numeric coefficient: such a coefficient
-/// may be small beside the masses, as that of a weak coupling or of friction is. A velocity, an acceleration or its
-/// multiplier may come from the equation of its own coordinate, and a velocity not from the equation of motion: elimination
-/// along the diagonal of a mass matrix, which is positive definite, needs no pivoting (Higham, Accuracy and Stability of
-/// Numerical Algorithms, section 10.1). The equations of constraints eliminate nothing, and their multipliers stay.
+/// For each equation the unknowns that it may not give, although it has them with a numeric
+/// coefficient: such a coefficient may be small beside the masses, as that of a weak coupling or of
+/// friction is. A velocity, an acceleration or its multiplier may come from the equation of its own
+/// coordinate, and a velocity not from the equation of motion: elimination along the diagonal of a
+/// mass matrix, which is positive definite, needs no pivoting (Higham, Accuracy and Stability of
+/// Numerical Algorithms, section 10.1). The equations of constraints eliminate nothing, and their
+/// multipliers stay.
 pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<HashSet<Symbol>> {
     let as_unknown = |symbol: Symbol| match symbols.meaning(symbol) {
         Meaning::Unknown(unknown) => Some(*unknown),

@@ -1,10 +1,12 @@
-//! Bounds of the Jacobian of a block between the limit of a small step without noise and the step: the judge of a root.
+//! Bounds of the Jacobian of a block between the limit of a small step without noise and the step:
+//! the judge of a root.
 //!
-//! Input: the residuals and the Jacobian of a block at its solution. Output: expressions of the midpoints and radii of
-//! intervals that contain every entry of the Jacobian while the step size goes from 0 to h, the increments from 0 to ΔW, and
-//! the unknowns stay within a box around the solution that contains the limit. Where every matrix within these intervals is
-//! regular, the equations have one solution in the box for each of those steps, so the solution is the one that is connected
-//! with the limit.
+//! Input: the residuals and the Jacobian of a block at its solution. Output: expressions of the
+//! midpoints and radii of intervals that contain every entry of the Jacobian while the step size
+//! goes from 0 to h, the increments from 0 to ΔW, and the unknowns stay within a box around the
+//! solution that contains the limit. Where every matrix within these intervals is regular, the
+//! equations have one solution in the box for each of those steps, so the solution is the one that
+//! is connected with the limit.
 //!
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 1.6 and 4.1.
 
@@ -22,7 +24,8 @@ pub(crate) struct Enclosure<T> {
     pub(crate) middle: Matrix<T>,
     /// Radii of all entries, or of those in the band of a banded matrix.
     pub(crate) radii: Vec<Vec<T>>,
-    /// What has to be positive for the radii to hold: distances to poles and to the borders of domains.
+    /// What has to be positive for the radii to hold: distances to poles and to the borders of
+    /// domains.
     pub(crate) conditions: Vec<T>,
 }
 
@@ -61,7 +64,8 @@ impl Enclosure<Expr> {
     }
 }
 
-/// Bounds of the entries of a matrix, while the values in `domain` stay positive. Nothing where a function has no bound here.
+/// Bounds of the entries of a matrix, while the values in `domain` stay positive. Nothing where a
+/// function has no bound here.
 pub(super) fn enclose(
     matrix: &[Vec<Expr>],
     domain: &[Expr],

@@ -1,4 +1,5 @@
-//! Graphs of equations against unknowns: which equation gives which unknown, and what has to be solved together.
+//! Graphs of equations against unknowns: which equation gives which unknown, and what has to be
+//! solved together.
 
 /// An equation for each unknown, by augmenting paths; or the unknowns left without one.
 pub(super) fn match_columns(depends: &[Vec<usize>], n: usize) -> Result<Vec<usize>, Vec<usize>> {

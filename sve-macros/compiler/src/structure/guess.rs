@@ -1,6 +1,7 @@
 //! The first guess of an iteration.
 //!
-//! Input: the residuals of a block with their Jacobian. Output: a linear system of which the guess is the solution, and the stages that refine it with the same matrix.
+//! Input: the residuals of a block with their Jacobian. Output: a linear system of which the guess
+//! is the solution, and the stages that refine it with the same matrix.
 
 use super::block::Replacement;
 use super::elimination::Reduced;
@@ -18,10 +19,11 @@ impl Reduced<'_> {
         self.linear(step)
     }
 
-    /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are linear in most systems:
-    /// the explicit velocity. One unknown that noise kicks takes the kick too; several unknowns are refined to first order in
-    /// h and the increments, with the same matrix. Those of a rotation, whose residuals are short polynomials, are refined by two of Newton's steps with that
-    /// matrix, to second order. Nothing where the matrix does not exist.
+    /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are
+    /// linear in most systems: the explicit velocity. One unknown that noise kicks takes the kick
+    /// too; several unknowns are refined to first order in h and the increments, with the same
+    /// matrix. Those of a rotation, whose residuals are short polynomials, are refined by two of
+    /// Newton's steps with that matrix, to second order. Nothing where the matrix does not exist.
     pub(super) fn guess(
         &mut self,
         residual: &[Expr],

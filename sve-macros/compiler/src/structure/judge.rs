@@ -1,8 +1,10 @@
 //! What decides whether a solution of a block is the one that is connected with no noise and h → 0.
 //!
-//! Input: a block. Output: its limit, and bounds of its Jacobian between the limit and the solution ([`enclosure`](super::enclosure)).
-//! Where every matrix within them is regular the solution is accepted. `structure/path.rs` has the bounds of blocks with multipliers of constraints. There are two sets of bounds: quick ones for the
-//! fast path of a single step, and full ones for what these do not accept, and for lanes.
+//! Input: a block. Output: its limit, and bounds of its Jacobian between the limit and the solution
+//! ([`enclosure`](super::enclosure)). Where every matrix within them is regular the solution is
+//! accepted. `structure/path.rs` has the bounds of blocks with multipliers of constraints. There
+//! are two sets of bounds: quick ones for the fast path of a single step, and full ones for what
+//! these do not accept, and for lanes.
 
 use std::collections::HashMap;
 
@@ -13,8 +15,8 @@ use crate::algebra::intervals::{Flavour, Range};
 use crate::algebra::{Expr, Node, Symbol};
 use crate::model::Meaning;
 
-/// Unknowns of a block up to which its solutions are judged by bounds of its Jacobian, which take about as long to compute as the
-/// Jacobian itself, and a product of matrices.
+/// Unknowns of a block up to which its solutions are judged by bounds of its Jacobian, which take
+/// about as long to compute as the Jacobian itself, and a product of matrices.
 const JUDGED: usize = 4;
 
 /// What decides whether a solution of a block is connected with its limit.
@@ -26,8 +28,8 @@ pub(crate) struct Judge<T> {
     pub(crate) limit_rhs: Vec<T>,
     /// The bounds that are looked at first.
     pub(crate) bounds: Enclosure<T>,
-    /// The best bounds, for what the first ones do not accept. Nothing where the first ones are the best: they hold wherever the
-    /// unknowns are.
+    /// The best bounds, for what the first ones do not accept. Nothing where the first ones are the
+    /// best: they hold wherever the unknowns are.
     pub(crate) full: Option<Enclosure<Expr>>,
 }
 
@@ -46,8 +48,9 @@ impl Judge<Expr> {
 }
 
 impl Reduced<'_> {
-    /// What judges a solution of a block, where its equations without noise and step are affine, so that their solution is at
-    /// hand, and where all that they contain has bounds. `known` has the names of its solution.
+    /// What judges a solution of a block, where its equations without noise and step are affine, so
+    /// that their solution is at hand, and where all that they contain has bounds. `known` has the
+    /// names of its solution.
     pub(super) fn judge(
         &mut self,
         residual: &[Expr],
@@ -150,8 +153,9 @@ impl Reduced<'_> {
         matches!(meaning, Meaning::Unknown(u) if u.family.is_displacement())
     }
 
-    /// What several small quantities do to a single unknown beyond their common effect, to first order: the sum of the sizes of
-    /// what each does. Zero where there is one small quantity, or where there are more unknowns.
+    /// What several small quantities do to a single unknown beyond their common effect, to first
+    /// order: the sum of the sizes of what each does. Zero where there is one small quantity, or
+    /// where there are more unknowns.
     fn moved(
         &mut self,
         residual: &[Expr],

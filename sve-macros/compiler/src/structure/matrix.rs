@@ -1,10 +1,12 @@
-//! Matrices with their storage, which is chosen once: emission, counts of operations and the plan read it from the matrix.
+//! Matrices with their storage, which is chosen once: emission, counts of operations and the plan
+//! read it from the matrix.
 
 use super::band::Band;
 use crate::algebra::{Arena, Expr};
 
-/// Smallest diagonal matrix that is stored and solved as one. Smaller ones keep the formulas of one and two unknowns: Cramer's rule
-/// multiplies by the inverse of the determinant, which rounds otherwise than a division per unknown.
+/// Smallest diagonal matrix that is stored and solved as one. Smaller ones keep the formulas of one
+/// and two unknowns: Cramer's rule multiplies by the inverse of the determinant, which rounds
+/// otherwise than a division per unknown.
 const SMALLEST_DIAGONAL: usize = 3;
 
 /// Which entries of a matrix are stored, and so how the runtime solves with it.
@@ -24,8 +26,8 @@ pub(crate) enum Storage {
 #[derive(Clone, Debug)]
 pub(crate) struct Matrix<T> {
     pub(crate) storage: Storage,
-    /// The stored entries of each row, in consecutive columns from [`Matrix::first_column`] on. Rows of a band are padded with zeros
-    /// to equal widths.
+    /// The stored entries of each row, in consecutive columns from [`Matrix::first_column`] on.
+    /// Rows of a band are padded with zeros to equal widths.
     pub(crate) rows: Vec<Vec<T>>,
 }
 
@@ -55,7 +57,8 @@ impl Matrix<Expr> {
         }
     }
 
-    /// The Jacobian of the equations of a rotation, whose unknowns have one unit, and its equations another.
+    /// The Jacobian of the equations of a rotation, whose unknowns have one unit, and its equations
+    /// another.
     pub(crate) fn of_rotation(entries: Vec<Vec<Expr>>, arena: &mut Arena) -> Self {
         let matrix = Self::new(entries, arena);
         match matrix.storage {

@@ -1,8 +1,9 @@
 //! Equations → blocks: what is explicit, what is linear, what needs Newton's method.
 //!
-//! Input: [`Equations`]. Output: a [`Scheme`], the same equations cut into blocks to be solved in order. First every unknown is
-//! eliminated that some equation gives with a numeric coefficient, then the rest is split into strongly connected blocks of
-//! equations against unknowns (Duff, Erisman, Reid: Direct Methods for Sparse Matrices, chapter 6).
+//! Input: [`Equations`]. Output: a [`Scheme`], the same equations cut into blocks to be solved in
+//! order. First every unknown is eliminated that some equation gives with a numeric coefficient,
+//! then the rest is split into strongly connected blocks of equations against unknowns (Duff,
+//! Erisman, Reid: Direct Methods for Sparse Matrices, chapter 6).
 //!
 //! To show what this is worth, [`unstructured`] does nothing of it.
 

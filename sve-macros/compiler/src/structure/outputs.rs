@@ -1,4 +1,5 @@
-//! The increments of q and p: in the form that is computed with the least work and the shortest chain of operations.
+//! The increments of q and p: in the form that is computed with the least work and the shortest
+//! chain of operations.
 
 use std::collections::HashMap;
 
@@ -10,11 +11,13 @@ use crate::rules::action::Action;
 /// Degrees of freedom up to which a linear step is written as a matrix.
 const MATRIX: usize = 2;
 
-/// A step that is solved by linear formulas and affine in the state becomes a matrix, `z₁ − z₀ = A z₀ + b`, whose entries are
-/// known before the state: the shortest chain of operations from one state to the next.
+/// A step that is solved by linear formulas and affine in the state becomes a matrix,
+/// `z₁ − z₀ = A z₀ + b`, whose entries are known before the state: the shortest chain of operations
+/// from one state to the next.
 ///
-/// Where A depends on the increments of the noise, `z₁ = (1 + A) z₀ + b` is shorter still; the rounding of `1 + A` is another
-/// one in each step, so it does not add up, as it would where A is the same in all steps.
+/// Where A depends on the increments of the noise, `z₁ = (1 + A) z₀ + b` is shorter still; the
+/// rounding of `1 + A` is another one in each step, so it does not add up, as it would where A is
+/// the same in all steps.
 pub(super) fn linear_map(
     scheme: Scheme<Expr>,
     action: &Action,
@@ -87,7 +90,8 @@ pub(super) fn linear_map(
 /// Operations that a call of a function is worth.
 const CALL: usize = 20;
 
-/// Operations that have to be saved before a momentum increment is written other than as the kick itself, which rounds least.
+/// Operations that have to be saved before a momentum increment is written other than as the kick
+/// itself, which rounds least.
 const WORTH: usize = 10;
 
 /// For each momentum increment the form that adds least to what is computed anyway.

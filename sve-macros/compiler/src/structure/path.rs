@@ -1,11 +1,15 @@
-//! What decides whether a solution of a block with multipliers of constraints is the one that is connected with no noise and h → 0.
+//! What decides whether a solution of a block with multipliers of constraints is the one that is
+//! connected with no noise and h → 0.
 //!
-//! Input: a block. Output: a [`PathJudge`] whose bounds contain the path of solutions from the limit to the step. The equation φ(t₁, q₀ + d)/h has no value at h = 0, but its Jacobian
-//! has one, and so has `φ/h = ∂φ/∂t + Σ ∂φ/∂q_i d_i/h` with the gradient at some point between the ends.
+//! Input: a block. Output: a [`PathJudge`] whose bounds contain the path of solutions from the
+//! limit to the step. The equation φ(t₁, q₀ + d)/h has no value at h = 0, but its Jacobian has one,
+//! and so has `φ/h = ∂φ/∂t + Σ ∂φ/∂q_i d_i/h` with the gradient at some point between the ends.
 //!
-//! Let x₀ be the limit, `|x − x₀| ≤ r` a box, F the largest residuals at x₀ and A the Jacobians in the box, all over every smaller step and increment. If every A is regular
-//! and `|A⁻¹ F| ≤ r` for all of them, then the path of solutions that starts at x₀ exists for the whole step, does not leave the box, and ends at the only
-//! solution in the box. So it is not assumed that the path stays in the bounds.
+//! Let x₀ be the limit, `|x − x₀| ≤ r` a box, F the largest residuals at x₀ and A the Jacobians in
+//! the box, all over every smaller step and increment. If every A is regular and `|A⁻¹ F| ≤ r` for
+//! all of them, then the path of solutions that starts at x₀ exists for the whole step, does not
+//! leave the box, and ends at the only solution in the box. So it is not assumed that the path
+//! stays in the bounds.
 //!
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 5.1 and 5.4.
 
@@ -26,14 +30,18 @@ use crate::rules::constraints::MeanValue;
 /// Unknowns of a block up to which its solutions are judged by bounds: the test inverts a matrix.
 const JUDGED: usize = 4;
 
-/// Multipliers of a block without other unknowns up to which its solutions are judged, if its Jacobian is not banded.
+/// Multipliers of a block without other unknowns up to which its solutions are judged, if its
+/// Jacobian is not banded.
 const JUDGED_MULTIPLIERS: usize = 8;
 
-/// Half the width of the box, in units of the distance of the solution from the limit and of the solution of the equations at the limit with one unknown each. Steps
-/// that are short beside the curvature of the constraints pass with any number; the bounds of the residuals exceed the residuals, most where forces cancel.
+/// Half the width of the box, in units of the distance of the solution from the limit and of the
+/// solution of the equations at the limit with one unknown each. Steps that are short beside the
+/// curvature of the constraints pass with any number; the bounds of the residuals exceed the
+/// residuals, most where forces cancel.
 const REACH: f64 = 8.0;
 
-/// What decides whether a solution of a block is connected with its limit, and whether the limit is connected with any solution.
+/// What decides whether a solution of a block is connected with its limit, and whether the limit is
+/// connected with any solution.
 #[derive(Clone)]
 pub(crate) struct PathJudge {
     /// Names of the limit in the bounds, and the system that it solves.
@@ -81,7 +89,8 @@ struct NamedBlock<'a> {
     at_limit: Vec<Vec<Expr>>,
     /// The equations at the limit.
     defects: Vec<Expr>,
-    /// The constraints at the start of the step, divided by h: rounding errors, which join the equations.
+    /// The constraints at the start of the step, divided by h: rounding errors, which join the
+    /// equations.
     starts: Vec<Option<Expr>>,
     /// Names of the solution and of the limit.
     solution: Vec<Symbol>,
@@ -92,7 +101,8 @@ struct NamedBlock<'a> {
 }
 
 impl Reduced<'_> {
-    /// What judges a solution of a block, where all that it contains has bounds. `known` has the names of its solution.
+    /// What judges a solution of a block, where all that it contains has bounds. `known` has the
+    /// names of its solution.
     pub(super) fn judge_path(
         &mut self,
         block: &Constrained<'_>,
@@ -229,8 +239,8 @@ impl Reduced<'_> {
         Some((bounds, reach, defects))
     }
 
-    /// How far each unknown is moved by residuals of these sizes, roughly: each equation is solved for the unknown of its pivot, those of the constraints after
-    /// elimination of the others.
+    /// How far each unknown is moved by residuals of these sizes, roughly: each equation is solved
+    /// for the unknown of its pivot, those of the constraints after elimination of the others.
     fn single_steps(&mut self, block: &NamedBlock<'_>, defects: &[Expr]) -> Vec<Expr> {
         let zero = self.arena.constant(0.0);
         let a = &block.at_limit;

@@ -1,10 +1,13 @@
-//! The order of pivots of a block with multipliers of constraints, for solves in lanes, where an exchange of rows would cost as much as the elimination.
+//! The order of pivots of a block with multipliers of constraints, for solves in lanes, where an
+//! exchange of rows would cost as much as the elimination.
 //!
-//! Input: the block's equations to leading order, in which Newton's method starts. Output: pivots that do not vanish for a small step: first those of the equations
-//! of motion, whose matrix is as regular as the masses, then those of the constraints, whose Schur complement is as regular as `Dφ M⁻¹ Dφᵀ`. The
-//! zeros of the matrix stay zeros as far as this order fills none in.
+//! Input: the block's equations to leading order, in which Newton's method starts. Output: pivots
+//! that do not vanish for a small step: first those of the equations of motion, whose matrix is as
+//! regular as the masses, then those of the constraints, whose Schur complement is as regular as
+//! `Dφ M⁻¹ Dφᵀ`. The zeros of the matrix stay zeros as far as this order fills none in.
 //!
-//! Source: Benzi, Golub, Liesen, *Numerical solution of saddle point problems*, Acta Numerica 14 (2005), section 7.
+//! Source: Benzi, Golub, Liesen, *Numerical solution of saddle point problems*, Acta Numerica 14
+//! (2005), section 7.
 
 use super::elimination::Reduced;
 use super::matrix::Matrix;
@@ -25,7 +28,8 @@ struct Line {
 }
 
 impl Reduced<'_> {
-    /// The pivots of a matrix, whose equations belong to these variations. `None` if the equations of motion do not determine the unknowns of motion one by one.
+    /// The pivots of a matrix, whose equations belong to these variations. `None` if the equations
+    /// of motion do not determine the unknowns of motion one by one.
     pub(super) fn pivots(
         &self,
         variations: &[Symbol],
@@ -59,7 +63,8 @@ impl Reduced<'_> {
     }
 }
 
-/// The pivots of the equations of motion: again and again an equation with the fewest unknowns that have no pivot yet.
+/// The pivots of the equations of motion: again and again an equation with the fewest unknowns that
+/// have no pivot yet.
 fn motion(rows: &[Line], columns: &[Line], pattern: &[Vec<bool>]) -> Option<Vec<(usize, usize)>> {
     let of_motion = |lines: &[Line]| -> Vec<usize> {
         let all = 0..lines.len();

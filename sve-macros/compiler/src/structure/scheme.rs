@@ -1,8 +1,9 @@
 //! A step as blocks that are solved in order.
 //!
-//! One tree for all later stages, generic in what stands for its quantities: expressions after this stage, values of a program
-//! after scheduling ([`Lower`]). `R` is what stands for a residual, which has a magnitude beside its value once it is
-//! scheduled. What a step computes only where its fast path fails stays an expression; it is computed where it stands.
+//! One tree for all later stages, generic in what stands for its quantities: expressions after this
+//! stage, values of a program after scheduling ([`Lower`]). `R` is what stands for a residual,
+//! which has a magnitude beside its value once it is scheduled. What a step computes only where its
+//! fast path fails stays an expression; it is computed where it stands.
 
 use super::enclosure::Enclosure;
 use super::judge::Judge;
@@ -26,7 +27,8 @@ pub(crate) struct Scheme<T, R = T> {
     pub(crate) guards: Vec<T>,
     /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
     pub(crate) increments: [Vec<Expr>; 2],
-    /// What a step can tell beside its result, in the names of the solution: the multipliers of constraints, at the start and at the end.
+    /// What a step can tell beside its result, in the names of the solution: the multipliers of
+    /// constraints, at the start and at the end.
     pub(crate) reported: Vec<Expr>,
 }
 
@@ -56,7 +58,8 @@ pub(crate) struct Block<T, R = T> {
     pub(crate) unknowns: Vec<Symbol>,
     /// Entries of the Jacobian that are not zero.
     pub(crate) nonzeros: usize,
-    /// The order of pivots, if the block has multipliers of constraints and such an order was found.
+    /// The order of pivots, if the block has multipliers of constraints and such an order was
+    /// found.
     pub(crate) pivots: Option<Pivots>,
     pub(crate) solution: Solution<T, R>,
 }
@@ -72,7 +75,8 @@ pub(crate) enum Kind {
 /// What there is to compute.
 #[derive(Clone)]
 pub(crate) enum Solution<T, R = T> {
-    /// A single unknown by a formula, which has taken its place in everything that follows and is computed there.
+    /// A single unknown by a formula, which has taken its place in everything that follows and is
+    /// computed there.
     Formula(Expr),
     /// A linear system; `solved` are the names of the solution in everything that follows.
     System {
@@ -103,24 +107,28 @@ pub(crate) struct Refinement<T> {
 pub(crate) struct Iteration<T, R = T> {
     /// First guess.
     pub(crate) guess: Linear<T>,
-    /// The Jacobian in the limit of no noise and h → 0, whose determinant has the sign of that of the solution. Nothing where it does
-    /// not exist, wherever the system is: the mass vanishes at rest, as for L = v⁴/4.
+    /// The Jacobian in the limit of no noise and h → 0, whose determinant has the sign of that of
+    /// the solution. Nothing where it does not exist, wherever the system is: the mass vanishes at
+    /// rest, as for L = v⁴/4.
     pub(crate) limit: Option<Matrix<T>>,
     /// What is added to the guess, stage by stage.
     pub(crate) refinements: Vec<Refinement<T>>,
     pub(crate) jacobian: Matrix<T>,
     pub(crate) residual: Vec<R>,
-    /// What joins the magnitude of each residual, where its own terms may all be small. Empty if no equation has it.
+    /// What joins the magnitude of each residual, where its own terms may all be small. Empty if no
+    /// equation has it.
     pub(crate) scales: Vec<Option<Expr>>,
     /// Second derivative of a single equation in a single unknown.
     pub(crate) curvature: Option<T>,
     /// What decides whether a solution is connected with its limit, where that can be bounded.
     pub(crate) judge: Option<Judge<T>>,
-    /// The same for a block with multipliers of constraints. Its bounds are computed where the iteration does not contract enough.
+    /// The same for a block with multipliers of constraints. Its bounds are computed where the
+    /// iteration does not contract enough.
     pub(crate) path: Option<PathJudge>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear<Expr>,
-    /// Whether the step fails where the matrix of the guess is singular: no other guess replaces it.
+    /// Whether the step fails where the matrix of the guess is singular: no other guess replaces
+    /// it.
     pub(crate) needs_guess: bool,
     /// Names of the iterates in `residual`, `jacobian` and `curvature`.
     pub(crate) iterates: Vec<Symbol>,
@@ -254,7 +262,8 @@ impl<T, R> Block<T, R> {
 }
 
 impl<T, R> Solution<T, R> {
-    /// Names of the solution in everything that follows; none where formulas have taken their place.
+    /// Names of the solution in everything that follows; none where formulas have taken their
+    /// place.
     pub(crate) fn solved(&self) -> &[Symbol] {
         match self {
             Self::Formula(_) => &[],

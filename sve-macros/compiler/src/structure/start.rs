@@ -1,8 +1,11 @@
-//! What a step has to test of its start: whether one velocity has the momentum there, and no other one near it.
+//! What a step has to test of its start: whether one velocity has the momentum there, and no other
+//! one near it.
 //!
-//! Input: the derivatives of L. Output: the parts of the mass matrix ∂²L/∂v² that may be singular. If ∂L/∂v is affine in v, a velocity exists and is isolated
-//! exactly where the mass matrix is regular. The matrix falls apart into diagonal blocks, each of which has to be regular: a block of numbers was tested when
-//! the system was classified, a block of parameters is tested once for all steps of a size, a block with the configuration or the time in each step.
+//! Input: the derivatives of L. Output: the parts of the mass matrix ∂²L/∂v² that may be singular.
+//! If ∂L/∂v is affine in v, a velocity exists and is isolated exactly where the mass matrix is
+//! regular. The matrix falls apart into diagonal blocks, each of which has to be regular: a block
+//! of numbers was tested when the system was classified, a block of parameters is tested once for
+//! all steps of a size, a block with the configuration or the time in each step.
 //!
 //! Constraints and degenerate Lagrangians define starts of their own.
 
@@ -25,7 +28,8 @@ pub(crate) struct StartTest {
 }
 
 impl StartTest {
-    /// Finds out what has to be tested. The mass matrix has its stable form already, so that no step changes.
+    /// Finds out what has to be tested. The mass matrix has its stable form already, so that no
+    /// step changes.
     pub(crate) fn new(system: &Classified, mechanics: &Mechanics, arena: &mut Arena) -> Self {
         let model = &system.model;
         let mut test = Self::default();
@@ -61,7 +65,8 @@ impl StartTest {
     }
 }
 
-/// Returns the smallest diagonal blocks into which a symmetric matrix falls apart, whatever the order of its rows.
+/// Returns the smallest diagonal blocks into which a symmetric matrix falls apart, whatever the
+/// order of its rows.
 fn diagonal_blocks(matrix: &[Vec<Expr>], arena: &Arena) -> Vec<Vec<Vec<Expr>>> {
     let n = matrix.len();
     let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);

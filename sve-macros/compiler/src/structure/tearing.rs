@@ -1,8 +1,9 @@
 //! Tearing: a block in few unknowns, of which the others are explicit functions.
 //!
-//! Input: a block, and unknowns that are torn from it: taken as known. Output: formulas of those unknowns that some equation then gives with a coefficient
-//! of parameters alone, and the equations and unknowns that are left. The multipliers of constraints are torn: where the masses are constant and the forces
-//! explicit, Newton's method has one unknown for each constraint (SHAKE).
+//! Input: a block, and unknowns that are torn from it: taken as known. Output: formulas of those
+//! unknowns that some equation then gives with a coefficient of parameters alone, and the equations
+//! and unknowns that are left. The multipliers of constraints are torn: where the masses are
+//! constant and the forces explicit, Newton's method has one unknown for each constraint (SHAKE).
 //!
 //! Source: Duff, Erisman, Reid, *Direct Methods for Sparse Matrices* (2017), section 7.6.
 
@@ -17,7 +18,8 @@ use crate::algebra::{Expr, Symbol};
 pub(super) struct Torn {
     pub(super) rows: Vec<usize>,
     pub(super) columns: Vec<usize>,
-    /// Unknowns with their formulas in the unknowns that are left, in the order in which they were found.
+    /// Unknowns with their formulas in the unknowns that are left, in the order in which they were
+    /// found.
     pub(super) formulas: Vec<(Symbol, Expr)>,
 }
 

@@ -1,6 +1,7 @@
 //! The arguments of the attribute: rules with their own arguments, the path of the runtime.
 //!
-//! Input: the attribute's tokens. Output: [`Arguments`]. A mistake is reported at its token; a rule with a mistake is left out.
+//! Input: the attribute's tokens. Output: [`Arguments`]. A mistake is reported at its token; a rule
+//! with a mistake is left out.
 
 use proc_macro2::{Span, TokenStream};
 use syn::parse::{ParseStream, Parser};
@@ -15,10 +16,12 @@ pub(crate) struct Arguments {
     pub(crate) rules: Vec<ListedRule>,
     /// Path of the runtime crate, `::sve_runtime` unless `crate = path` says otherwise.
     pub(crate) runtime: syn::Path,
-    /// Whether each rule is derived a second time without its structure, which `structure = both` asks for: a comparison for
-    /// tests and benchmarks of this project, which no message offers to users.
+    /// Whether each rule is derived a second time without its structure, which `structure = both`
+    /// asks for: a comparison for tests and benchmarks of this project, which no message offers to
+    /// users.
     pub(crate) derives_unstructured: bool,
-    /// Whether the attitude of the bodies is left out of functions and states, which `reduced` asks for.
+    /// Whether the attitude of the bodies is left out of functions and states, which `reduced` asks
+    /// for.
     pub(crate) is_reduced: bool,
 }
 
@@ -109,7 +112,8 @@ impl Arguments {
         Ok(())
     }
 
-    /// Reads a rule whose name has just been read. Returns an error if what follows cannot be told from this rule.
+    /// Reads a rule whose name has just been read. Returns an error if what follows cannot be told
+    /// from this rule.
     fn rule(
         &mut self,
         all: &[Rule],

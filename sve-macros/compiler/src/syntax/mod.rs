@@ -1,4 +1,5 @@
-//! Tokens → annotated block: nesting, the attribute, the items with their roles and signatures; errors of shape.
+//! Tokens → annotated block: nesting, the attribute, the items with their roles and signatures;
+//! errors of shape.
 
 pub(crate) mod arguments;
 pub(crate) mod nalgebra;

@@ -1,7 +1,8 @@
-//! Types of nalgebra as they are written: `Vector3<f64>`, `SMatrix<f64, 2, 3>`, `na::Rotation3<f64>`.
+//! Types of nalgebra as they are written: `Vector3<f64>`, `SMatrix<f64, 2, 3>`,
+//! `na::Rotation3<f64>`.
 //!
-//! Input: a type or the path of a constructor. Output: the kind of the type and its sizes as they are written. A type is known by
-//! its last name, since the macro does not see what is imported.
+//! Input: a type or the path of a constructor. Output: the kind of the type and its sizes as they
+//! are written. A type is known by its last name, since the macro does not see what is imported.
 
 use syn::{Expr, GenericArgument, Path, PathArguments, Type};
 

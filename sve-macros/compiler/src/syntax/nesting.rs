@@ -1,16 +1,18 @@
 //! A bound on how deeply the input is nested, checked before anything recurses over it.
 //!
-//! Input: tokens as they come. The parser, and every walk of a syntax tree, recurses once for each bracket and for each
-//! token that may open an operand, so a stack overflow is a matter of the source text. No token tree is walked here by
-//! recursion.
+//! Input: tokens as they come. The parser, and every walk of a syntax tree, recurses once for each
+//! bracket and for each token that may open an operand, so a stack overflow is a matter of the
+//! source text. No token tree is walked here by recursion.
 
 use proc_macro2::token_stream::IntoIter;
 use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 
-/// The cost at which the input is refused: an estimate of the height of the syntax tree, in units of a sixth of a term.
+/// The cost at which the input is refused: an estimate of the height of the syntax tree, in units
+/// of a sixth of a term.
 const LIMIT: usize = 6_000;
 
-/// A term of a sum or a factor of a product is one level of the tree, but none of the parser's stack.
+/// A term of a sum or a factor of a product is one level of the tree, but none of the parser's
+/// stack.
 const TERM: usize = 6;
 
 /// A token of a chain such as `a.b(c)[d]`, which begins anew in each factor.

@@ -1,7 +1,8 @@
 //! Tokens → annotated block: which function plays which role, and the errors of shape.
 //!
-//! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], the functions of the block sorted by role.
-//! Bodies are shared, never copied: they may be long, and copying recurses.
+//! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], the functions of
+//! the block sorted by role. Bodies are shared, never copied: they may be long, and copying
+//! recurses.
 
 use std::rc::Rc;
 

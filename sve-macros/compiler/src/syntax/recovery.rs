@@ -1,7 +1,8 @@
-//! The user's block after an error, such that the compiler does not report the same mistakes in its own words.
+//! The user's block after an error, such that the compiler does not report the same mistakes in its
+//! own words.
 //!
-//! Input: the block, and the names of the functions and constants in which mistakes were found. Those functions keep their
-//! signatures and lose their bodies; all others stay as they are.
+//! Input: the block, and the names of the functions and constants in which mistakes were found.
+//! Those functions keep their signatures and lose their bodies; all others stay as they are.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +16,8 @@ use super::nalgebra::{Kind, Size, Written};
 use super::parse::{is_f64, is_this};
 use super::roles::is_role_name;
 
-/// Takes out the bodies in which mistakes were found, and what else the compiler would report beside them.
+/// Takes out the bodies in which mistakes were found, and what else the compiler would report
+/// beside them.
 pub(crate) fn remove_mistakes(block: &mut ItemImpl, mistaken: &BTreeSet<String>) {
     let constants: BTreeSet<String> = block
         .items
@@ -103,7 +105,8 @@ fn zero_of(ty: &Type) -> Option<Expr> {
     }
 }
 
-/// `[f64; N]` with a constant `N` of this block is meant as `[f64; Self::N]`, and `SVector<f64, N>` as `SVector<f64, { Self::N }>`.
+/// `[f64; N]` with a constant `N` of this block is meant as `[f64; Self::N]`, and `SVector<f64, N>`
+/// as `SVector<f64, { Self::N }>`.
 fn own_lengths(function: &mut ImplItemFn, constants: &BTreeSet<String>) {
     for argument in &mut function.sig.inputs {
         if let syn::FnArg::Typed(argument) = argument {

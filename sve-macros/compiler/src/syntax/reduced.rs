@@ -1,7 +1,8 @@
 //! Functions of a reduced system: a rigid body without its attitude.
 //!
-//! Input: a function of the body velocity or of the body momentum, `(&self, w: Vector3<f64>)`. Output: the function with the rotation as its first
-//! argument, which no body reads. All later stages derive the step of the rotation.
+//! Input: a function of the body velocity or of the body momentum, `(&self, w: Vector3<f64>)`.
+//! Output: the function with the rotation as its first argument, which no body reads. All later
+//! stages derive the step of the rotation.
 
 use std::rc::Rc;
 
@@ -57,7 +58,8 @@ fn typed(input: &FnArg) -> Option<&Type> {
     }
 }
 
-/// Returns the type of the rotations to which velocities or momenta belong: as many as there are vectors.
+/// Returns the type of the rotations to which velocities or momenta belong: as many as there are
+/// vectors.
 fn rotation(vector: &Type) -> Type {
     match vector {
         Type::Array(array) => {

@@ -1,6 +1,8 @@
-//! Roles of functions: the attributes that give them, those that were meant to, and the block without them.
+//! Roles of functions: the attributes that give them, those that were meant to, and the block
+//! without them.
 //!
-//! Input: the members of the `impl` block. Output: a [`Role`] each, and the user's tokens without these attributes.
+//! Input: the members of the `impl` block. Output: a [`Role`] each, and the user's tokens without
+//! these attributes.
 
 use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
 use syn::spanned::Spanned;
@@ -155,7 +157,8 @@ impl Role {
             "friction" | "damping" | "dissipation" => Some(Self::Force),
             _ => None,
         };
-        // attributes of other macros are left alone: one that is meant begins with the right letter, and of `h1` one letter is half
+        // attributes of other macros are left alone: one that is meant begins with the right
+        // letter, and of `h1` one letter is half
         let marks = Self::MARKED
             .map(Self::attribute)
             .into_iter()
@@ -192,7 +195,8 @@ impl Role {
         }
     }
 
-    /// The signature that a function of this role must have in a system with rotations; of a rotation beside a vector each quantity has two parts.
+    /// The signature that a function of this role must have in a system with rotations; of a
+    /// rotation beside a vector each quantity has two parts.
     pub(crate) fn signature_with_rotations(self, parts: usize) -> &'static str {
         match (self, parts) {
             (Self::Lagrangian | Self::Helper, 1) => {
@@ -239,7 +243,8 @@ impl Role {
     }
 }
 
-/// The block as it is emitted: the user's tokens without the attributes that only this macro understands.
+/// The block as it is emitted: the user's tokens without the attributes that only this macro
+/// understands.
 pub(crate) fn without_roles(item: &TokenStream) -> TokenStream {
     let mut tokens: Vec<TokenTree> = item.clone().into_iter().collect();
     if let Some(TokenTree::Group(body)) = tokens.last_mut()

@@ -1,6 +1,8 @@
-//! The arguments of one rule in the attribute: the number of stages of a family, then options, as in `gauss(3, stage_noise, weak2)`.
+//! The arguments of one rule in the attribute: the number of stages of a family, then options, as
+//! in `gauss(3, stage_noise, weak2)`.
 //!
-//! [`RuleArguments::read`] takes the tokens apart; [`resolve`] says which rule they name, or what to write instead.
+//! [`RuleArguments::read`] takes the tokens apart; [`resolve`] says which rule they name, or what
+//! to write instead.
 
 use proc_macro2::Span;
 use syn::parse::ParseBuffer;
@@ -199,7 +201,8 @@ fn member(
     Some(rule)
 }
 
-/// The number among the arguments of a family, and its place among them. Returns nothing after an error.
+/// The number among the arguments of a family, and its place among them. Returns nothing after an
+/// error.
 fn the_number<'a>(
     name: &Ident,
     arguments: Option<&'a RuleArguments>,
@@ -239,7 +242,8 @@ fn the_number<'a>(
     None
 }
 
-/// What to say of a number of stages that a family does not have: it may have been meant as the order.
+/// What to say of a number of stages that a family does not have: it may have been meant as the
+/// order.
 fn other_stages(
     name: &Ident,
     number: &LitInt,

@@ -1,8 +1,9 @@
 //! The arguments of a function with a role, which are told apart by their order.
 //!
-//! Input: the role of a function and its arguments after `&self`. Output: whether the first argument is the time, or an error.
-//! Types do not tell the arguments of a scalar system apart, so the four names of the documentation are checked: an argument
-//! called `t`, `q`, `v` or `p` must stand in the place of that quantity. Other names say nothing.
+//! Input: the role of a function and its arguments after `&self`. Output: whether the first
+//! argument is the time, or an error. Types do not tell the arguments of a scalar system apart, so
+//! the four names of the documentation are checked: an argument called `t`, `q`, `v` or `p` must
+//! stand in the place of that quantity. Other names say nothing.
 
 use proc_macro2::Ident;
 use syn::spanned::Spanned;
@@ -100,7 +101,8 @@ fn named(pattern: &Pat, name: &str) -> bool {
     matches!(pattern, Pat::Ident(ident) if ident.ident == name)
 }
 
-/// Returns whether the first of the arguments of a system with rotations is the time, or what is wrong with the arguments.
+/// Returns whether the first of the arguments of a system with rotations is the time, or what is
+/// wrong with the arguments.
 fn is_timed_with_rotations(
     name: &Ident,
     role: Role,
@@ -181,7 +183,8 @@ fn depends_on_more(role: Role, arguments: &[(Pat, Type)], expected: &str) -> syn
     syn::Error::new(arguments[1].0.span(), message)
 }
 
-/// Returns whether an argument is called like a velocity or a momentum, so that the argument before it is no time.
+/// Returns whether an argument is called like a velocity or a momentum, so that the argument before
+/// it is no time.
 fn is_momentum(pattern: &Pat) -> bool {
     let Pat::Ident(name) = pattern else {
         return false;
@@ -189,7 +192,8 @@ fn is_momentum(pattern: &Pat) -> bool {
     matches!(name.ident.to_string().trim_start_matches('_'), "v" | "p")
 }
 
-/// Checks that each argument called `t`, `q`, `v` or `p` stands in the place of that quantity; reports the first that does not.
+/// Checks that each argument called `t`, `q`, `v` or `p` stands in the place of that quantity;
+/// reports the first that does not.
 fn check_order(
     name: &Ident,
     role: Role,
@@ -227,7 +231,8 @@ fn meaning(name: &str) -> Option<&'static str> {
         .map(|quantity| quantity.1)
 }
 
-/// The head of the function with its arguments in the right order, in the types that the user wrote.
+/// The head of the function with its arguments in the right order, in the types that the user
+/// wrote.
 fn in_order(name: &Ident, role: Role, timed: bool, arguments: &[(Pat, Type)]) -> String {
     let is_time = |pattern: &Pat| matches!(pattern, Pat::Ident(ident) if ident.ident == "t");
     // of a vector system the time alone is a number
@@ -253,7 +258,8 @@ mod tests {
     use crate::errors::Errors;
     use crate::syntax::parse;
 
-    /// A role: its attribute, the name of a function, the arguments in order, and what such a function returns.
+    /// A role: its attribute, the name of a function, the arguments in order, and what such a
+    /// function returns.
     const ROLES: [(&str, &str, &[&str], &str); 6] = [
         ("", "lagrangian", &["q", "v"], "{ x * x + y * y }"),
         ("#[gamma]", "push", &["q"], "{ x }"),
@@ -304,7 +310,8 @@ mod tests {
         lists
     }
 
-    /// Every choice of the four names for every role, with and without time: only the order of the documentation is read.
+    /// Every choice of the four names for every role, with and without time: only the order of the
+    /// documentation is read.
     #[test]
     fn a_quantity_in_the_place_of_another_is_refused() {
         for (role, (attribute, function, order, _)) in ROLES.iter().enumerate() {

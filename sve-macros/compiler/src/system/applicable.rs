@@ -1,4 +1,5 @@
-//! Which rules are for a system: errors for those that take no noise, no force, no constraint or no rotations, and for options that need noise.
+//! Which rules are for a system: errors for those that take no noise, no force, no constraint or no
+//! rotations, and for options that need noise.
 
 use crate::catalogue::{Rule, RuleOption, names};
 use crate::errors::Errors;
@@ -58,7 +59,8 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     errors.finish(())
 }
 
-/// Returns whether a rule without options is for a system whose Lagrangian determines every velocity.
+/// Returns whether a rule without options is for a system whose Lagrangian determines every
+/// velocity.
 pub(crate) fn is_for(rule: Rule, system: &Classified) -> bool {
     let model = &system.model;
     let is_taken = [

@@ -1,4 +1,5 @@
-//! Model → the model with its derivatives and all that is found out about it before a rule is derived; or errors of the user's functions and rules.
+//! Model → the model with its derivatives and all that is found out about it before a rule is
+//! derived; or errors of the user's functions and rules.
 
 use super::applicable;
 use super::commutation::{Commutation, commutation};

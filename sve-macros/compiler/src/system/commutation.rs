@@ -24,7 +24,8 @@ impl Commutation {
     }
 }
 
-/// Returns whether the noises commute: by the bracket of the two-form where L leaves velocities undetermined, else by the Poisson bracket.
+/// Returns whether the noises commute: by the bracket of the two-form where L leaves velocities
+/// undetermined, else by the Poisson bracket.
 pub(crate) fn commutation(
     model: &Model,
     mechanics: &Mechanics,
@@ -40,8 +41,9 @@ pub(crate) fn commutation(
     }
 }
 
-/// Checks whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩` vanishes for all pairs. Each rotation adds
-/// `− Π·(∂G_a/∂Π × ∂G_b/∂Π)`, with left-trivialised derivatives by R.
+/// Checks whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩`
+/// vanishes for all pairs. Each rotation adds `− Π·(∂G_a/∂Π × ∂G_b/∂Π)`, with left-trivialised
+/// derivatives by R.
 fn brackets(model: &Model, noises: &[NoiseJet], arena: &mut Arena) -> Commutation {
     let jets: Vec<[Vec<Expr>; 2]> = noises.iter().map(|jet| scaled(jet, arena)).collect();
     let mut evidence = Vanishing::Proved;
@@ -78,8 +80,8 @@ fn brackets(model: &Model, noises: &[NoiseJet], arena: &mut Arena) -> Commutatio
     Commutation::All(evidence)
 }
 
-/// Returns the gradients of a noise by q and p. If a product of two components might underflow or overflow, the gradients are
-/// multiplied with a power of two that brings them to the order of 1.
+/// Returns the gradients of a noise by q and p. If a product of two components might underflow or
+/// overflow, the gradients are multiplied with a power of two that brings them to the order of 1.
 fn scaled(jet: &NoiseJet, arena: &mut Arena) -> [Vec<Expr>; 2] {
     let factor = arena.scale_of(&[jet.dq.as_slice(), &jet.dp].concat());
     [&jet.dq, &jet.dp].map(|gradient| {

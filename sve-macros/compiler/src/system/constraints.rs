@@ -1,12 +1,15 @@
-//! What has to hold of constraints and of the noises beside them, decided at points where the constraints hold.
+//! What has to hold of constraints and of the noises beside them, decided at points where the
+//! constraints hold.
 //!
-//! Input: the model with its derivatives. Output: nothing, or errors. Invariant: an identity that is needed on φ = 0 alone is tested there: at random points that
-//! are moved onto φ = 0 by Gauss–Newton steps, with velocities along it.
+//! Input: the model with its derivatives. Output: nothing, or errors. Invariant: an identity that
+//! is needed on φ = 0 alone is tested there: at random points that are moved onto φ = 0 by
+//! Gauss–Newton steps, with velocities along it.
 //!
 //! - The gradients of the constraints are independent.
-//! - A noise moves the position along the constraints, `⟨∂φ/∂q, ∂G/∂p⟩ = 0`: otherwise the equations of motion have no solution.
-//! - For rules with one node at an end, the Stratonovich correction moves along the constraints too, or the noise is tangent everywhere: otherwise the multiplier is
-//!   divided by `h + c ΔW`.
+//! - A noise moves the position along the constraints, `⟨∂φ/∂q, ∂G/∂p⟩ = 0`: otherwise the
+//!   equations of motion have no solution.
+//! - For rules with one node at an end, the Stratonovich correction moves along the constraints
+//!   too, or the noise is tangent everywhere: otherwise the multiplier is divided by `h + c ΔW`.
 
 mod points;
 mod tangent;
@@ -22,17 +25,20 @@ use crate::model::Model;
 use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::mechanics::Mechanics;
 
-/// Size of a sum beside the magnitudes of its terms from which on it does not vanish. The points lie on φ = 0 to rounding, which is amplified where gradients are
-/// nearly dependent.
+/// Size of a sum beside the magnitudes of its terms from which on it does not vanish. The points
+/// lie on φ = 0 to rounding, which is amplified where gradients are nearly dependent.
 const NOT_ZERO: f64 = 1e-7;
 
-/// Smallest pivot of independent gradients, relative to the diagonal entry. Rounding errors of a repeated constraint are some 1e-15.
+/// Smallest pivot of independent gradients, relative to the diagonal entry. Rounding errors of a
+/// repeated constraint are some 1e-15.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// Largest gradient of φ where it vanishes, relative to that where it does not, that counts as zero: the gradient of a squared constraint has the size of the root of rounding.
+/// Largest gradient of φ where it vanishes, relative to that where it does not, that counts as
+/// zero: the gradient of a squared constraint has the size of the root of rounding.
 const NO_GRADIENT: f64 = 1e-5;
 
-/// Checks the constraints of a block. Returns whether there are constraints, and its noises commute where they hold.
+/// Checks the constraints of a block. Returns whether there are constraints, and its noises commute
+/// where they hold.
 pub(crate) fn check(
     block: &Annotated,
     model: &Model,
@@ -62,7 +68,8 @@ pub(crate) fn check(
     Ok(brackets.all(Sum::vanishes))
 }
 
-/// Checks that the momentum of a system with constraints is affine in the velocity: then the projection of the momentum is a linear equation.
+/// Checks that the momentum of a system with constraints is affine in the velocity: then the
+/// projection of the momentum is a linear equation.
 pub(crate) fn check_momentum(
     block: &Annotated,
     model: &Model,
@@ -79,7 +86,8 @@ pub(crate) fn check_momentum(
 struct Quantities {
     /// `⟨∂φ/∂q, ∂G/∂p⟩` of each noise and constraint.
     drift: Vec<Vec<Vec<Expr>>>,
-    /// `⟨∂φ/∂q, ∂/∂p (⟨∂G_a/∂p, ∂G_b/∂q⟩ + ⟨∂G_b/∂p, ∂G_a/∂q⟩)⟩` of each pair of noises and each constraint.
+    /// `⟨∂φ/∂q, ∂/∂p (⟨∂G_a/∂p, ∂G_b/∂q⟩ + ⟨∂G_b/∂p, ∂G_a/∂q⟩)⟩` of each pair of noises and each
+    /// constraint.
     correction: Vec<(usize, usize, Vec<Vec<Expr>>)>,
     /// `{G_a, G_b}` of each pair of noises.
     brackets: Vec<Vec<Expr>>,

@@ -1,9 +1,11 @@
-//! The increment of Euler's method: `h f(z) + Σ g_a(z) ΔW_a` for `z = (q, p)`, with the drift f and the noise fields g of the first-order form, and the Itô
-//! correction `½ h Σ (Dg_a) g_a`. The explicit baselines consist of such increments.
+//! The increment of Euler's method: `h f(z) + Σ g_a(z) ΔW_a` for `z = (q, p)`, with the drift f and
+//! the noise fields g of the first-order form, and the Itô correction `½ h Σ (Dg_a) g_a`. The
+//! explicit baselines consist of such increments.
 //!
-//! Input: the derivatives of L, the noises and the force. Output: expressions in t, q, p, h and ΔW. If the mass matrix is diagonal the velocity is a formula in
-//! them, `v = (p − ∂L/∂v(q, 0))/M`; otherwise it is a symbol, for which the code solves. The expressions are made last, so that they change the order of terms
-//! in no step.
+//! Input: the derivatives of L, the noises and the force. Output: expressions in t, q, p, h and ΔW.
+//! If the mass matrix is diagonal the velocity is a formula in them, `v = (p − ∂L/∂v(q, 0))/M`;
+//! otherwise it is a symbol, for which the code solves. The expressions are made last, so that they
+//! change the order of terms in no step.
 
 use std::collections::HashMap;
 
@@ -41,8 +43,9 @@ pub(crate) struct Solved {
     pub(crate) rhs: Vec<Expr>,
 }
 
-/// Returns the increment of a system whose L determines every velocity, unless its velocity has to be searched for, its motion is not that of the first-order form in a vector space, or it is
-/// too large.
+/// Returns the increment of a system whose L determines every velocity, unless its velocity has to
+/// be searched for, its motion is not that of the first-order form in a vector space, or it is too
+/// large.
 pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Euler> {
     let is_plain = mechanics.affine_momentum
         && model.constraints.is_empty()
@@ -120,7 +123,8 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     })
 }
 
-/// The terms of an entry of the Itô correction: signed products of two derivatives of a noise, for two coordinates.
+/// The terms of an entry of the Itô correction: signed products of two derivatives of a noise, for
+/// two coordinates.
 type Terms<'a> = &'a dyn Fn(&NoiseJet, usize, usize) -> [(f64, Expr, Expr); 2];
 
 /// Returns `½ h Σ (Dg_a) g_a`, unless it vanishes.

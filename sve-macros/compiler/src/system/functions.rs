@@ -1,6 +1,7 @@
 //! The functions of a system that no step needs, in the forms in which they are computed.
 //!
-//! Input: the model with its derivatives. Output: what `impl System` prints, made in the arena of the derivatives.
+//! Input: the model with its derivatives. Output: what `impl System` prints, made in the arena of
+//! the derivatives.
 
 use super::classify::Classified;
 use super::energy::{self, Energy};
@@ -12,7 +13,8 @@ use crate::algebra::{Arena, Expr, Purpose};
 pub(crate) struct Functions {
     /// The derivatives, in stable forms.
     pub(crate) mechanics: Mechanics,
-    /// The second time derivative of each constraint in motion without acceleration, `∂²φ/∂t² + 2 ⟨∂²φ/∂t∂q, v⟩ + ⟨v, ∂²φ/∂q² v⟩`.
+    /// The second time derivative of each constraint in motion without acceleration,
+    /// `∂²φ/∂t² + 2 ⟨∂²φ/∂t∂q, v⟩ + ⟨v, ∂²φ/∂q² v⟩`.
     pub(crate) constraint_curvatures: Vec<Expr>,
     /// Energies of many states at once.
     pub(crate) energy: Option<Energy>,

@@ -1,9 +1,12 @@
 //! Solves with the mass matrix M = ∂²L/∂v² in the algebra, M w = b.
 //!
-//! The matrix `ϑ_yᵀ` of a degenerate Lagrangian, which need not be symmetric, is solved with in the same way. Coordinates that M couples form a block; each block is solved alone. A block of up to three coordinates is solved by Cramer's rule, whose only
-//! denominator is the block's determinant. A larger block is eliminated, if its entries do not depend on the configuration. Otherwise it is refused: the
-//! derivatives of the elimination enter each iteration, and for four coupled coordinates the straight-line code is so long that rustc overflows its stack
-//! when it writes debug information.
+//! The matrix `ϑ_yᵀ` of a degenerate Lagrangian, which need not be symmetric, is solved with in the
+//! same way. Coordinates that M couples form a block; each block is solved alone. A block of up to
+//! three coordinates is solved by Cramer's rule, whose only denominator is the block's determinant.
+//! A larger block is eliminated, if its entries do not depend on the configuration. Otherwise it is
+//! refused: the derivatives of the elimination enter each iteration, and for four coupled
+//! coordinates the straight-line code is so long that rustc overflows its stack when it writes
+//! debug information.
 
 use crate::algebra::{Arena, Expr, Symbol};
 
@@ -19,7 +22,8 @@ pub(crate) enum NoFormula {
     NoPivot(usize),
 }
 
-/// Returns w = M⁻¹ b, each entry an intermediate result. `moving` are the symbols on which the entries of large blocks must not depend.
+/// Returns w = M⁻¹ b, each entry an intermediate result. `moving` are the symbols on which the
+/// entries of large blocks must not depend.
 pub(crate) fn solve(
     mass: &[Vec<Expr>],
     b: &[Expr],

@@ -111,7 +111,8 @@ pub(crate) struct Mechanics {
     pub(crate) affine_momentum: bool,
     /// Whether L = T(v) − V(t, q).
     pub(crate) is_separable: bool,
-    /// Whether the noises are additive: γ's that are linear in q, with constant masses. They may depend on time.
+    /// Whether the noises are additive: γ's that are linear in q, with constant masses. They may
+    /// depend on time.
     pub(crate) is_additive: bool,
 }
 

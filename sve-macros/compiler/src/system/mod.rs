@@ -1,4 +1,5 @@
-//! The mechanical system: its symbols and formulas, their derivatives, and the checks that do not depend on a rule.
+//! The mechanical system: its symbols and formulas, their derivatives, and the checks that do not
+//! depend on a rule.
 
 pub(crate) mod applicable;
 pub(crate) mod classify;

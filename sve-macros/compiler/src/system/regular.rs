@@ -1,8 +1,9 @@
 //! Whether the Lagrangian determines every velocity: `det ∂²L/∂v²` must not vanish identically.
 //!
-//! Input: the model with its derivatives. Output: nothing, or the velocities in question. The rank is
-//! found by elimination at random points; one point of full rank is enough. Plain `f64` finds most regular matrices; only a
-//! matrix that it takes for singular is eliminated again in 106 bits, with bounds of the errors.
+//! Input: the model with its derivatives. Output: nothing, or the velocities in question. The rank
+//! is found by elimination at random points; one point of full rank is enough. Plain `f64` finds
+//! most regular matrices; only a matrix that it takes for singular is eliminated again in 106 bits,
+//! with bounds of the errors.
 
 use syn::{Pat, Type};
 
@@ -11,7 +12,8 @@ use crate::model::Model;
 use crate::syntax::parse::Annotated;
 use crate::system::mechanics::Mechanics;
 
-/// Smallest pivot of an elimination in `f64`, relative to the largest entry of its row. Rounding errors are about 1e-15.
+/// Smallest pivot of an elimination in `f64`, relative to the largest entry of its row. Rounding
+/// errors are about 1e-15.
 const SMALLEST_PIVOT: f64 = 1e-11;
 
 /// Components of a null vector below this size count as rounding errors of the elimination.
@@ -132,7 +134,8 @@ fn scale_rows(matrix: &mut [Vec<f64>]) {
     }
 }
 
-/// Returns the column of a row's largest entry from column `first` on; `first` if the row ends there.
+/// Returns the column of a row's largest entry from column `first` on; `first` if the row ends
+/// there.
 fn largest_from(row: &[f64], first: usize) -> usize {
     (first..row.len())
         .max_by(|&a, &b| row[a].abs().total_cmp(&row[b].abs()))
@@ -143,7 +146,8 @@ fn largest_from(row: &[f64], first: usize) -> usize {
 pub(super) fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
     let n = matrix.len();
     scale_rows(&mut matrix);
-    // the column of each row's largest entry right of the eliminated columns; most rows of a large matrix do not change in a step
+    // the column of each row's largest entry right of the eliminated columns; most rows of a large
+    // matrix do not change in a step
     let mut largest: Vec<usize> = matrix.iter().map(|row| largest_from(row, 0)).collect();
     for rank in 0..n {
         let size = |i: usize| matrix[i][largest[i]].abs();
@@ -179,7 +183,8 @@ pub(super) fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
 pub(super) struct Nullity {
     /// Columns that occur in a null vector; empty if the matrix is regular.
     pub(super) columns: Vec<usize>,
-    /// Whether all entries that remain are zero. Otherwise they are as small as the uncertainty of constants.
+    /// Whether all entries that remain are zero. Otherwise they are as small as the uncertainty of
+    /// constants.
     is_singular: bool,
 }
 
@@ -234,7 +239,8 @@ pub(super) fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
     }
 }
 
-/// Returns row and column of the largest entry that is certainly not zero, among the rows and columns that are not eliminated.
+/// Returns row and column of the largest entry that is certainly not zero, among the rows and
+/// columns that are not eliminated.
 fn pivot(matrix: &[Vec<Sharp>], rank: usize) -> Option<(usize, usize)> {
     let row = |i: usize| (rank..matrix.len()).map(move |j| (i, j));
     (rank..matrix.len())
@@ -271,7 +277,8 @@ mod tests {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// Returns a random matrix in which the fraction `filled` of the entries is not zero, plus a cyclic permutation.
+    /// Returns a random matrix in which the fraction `filled` of the entries is not zero, plus a
+    /// cyclic permutation.
     fn random(n: usize, filled: f64, state: &mut u64) -> Vec<Vec<f64>> {
         let mut matrix = vec![vec![0.0; n]; n];
         for i in 0..n {
@@ -303,7 +310,8 @@ mod tests {
         for n in 3..12 {
             for filled in [0.0, 0.2, 1.0] {
                 let mut matrix = random(n, filled, &mut state);
-                // column 0 is a combination of two others, so these three columns are in a null vector
+                // column 0 is a combination of two others, so these three columns are in a null
+                // vector
                 let [a, b] = [n / 3, n - 1];
                 for row in &mut matrix {
                     for x in row.iter_mut() {

@@ -1,4 +1,5 @@
-//! How large a system may be: the work that its derivatives and each of its rules may take, and the errors of systems that are larger.
+//! How large a system may be: the work that its derivatives and each of its rules may take, and the
+//! errors of systems that are larger.
 
 use proc_macro2::Span;
 
@@ -6,8 +7,9 @@ use crate::algebra::Arena;
 use crate::model::Model;
 use crate::syntax::parse::Annotated;
 
-/// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a unit is some 20 nanoseconds of
-/// an optimised build. A dense system of 48 coordinates takes five sixths of it.
+/// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a
+/// unit is some 20 nanoseconds of an optimised build. A dense system of 48 coordinates takes five
+/// sixths of it.
 pub(crate) const WORK: usize = 200_000_000;
 
 /// Second derivatives of L and of the noises that are written down, zeros included.
@@ -69,7 +71,8 @@ impl Budget {
             .map_err(|Exhausted| self.too_large("the derivatives that every rule needs take", ""))
     }
 
-    /// Returns the error of a system of which `what` takes too much work, with what to do `instead`.
+    /// Returns the error of a system of which `what` takes too much work, with what to do
+    /// `instead`.
     pub(crate) fn too_large(&self, what: &str, instead: &str) -> syn::Error {
         let message = format!(
             "this system is too large to unroll: with {} coordinates and {} noise terms {what} more than {} operations of the macro, which is the limit{instead}; use fewer coordinates or noise terms, shorter loops, or helpers that are called less often",

@@ -1,16 +1,19 @@
 //! Checks that each `#[symmetry]` is a symmetry, and derives the momentum that it conserves.
 //!
-//! Input: the model with its generators ξ. Output: the momentum maps ⟨p, ξ⟩, or an error that names the function which is
-//! not invariant. If the algebra does not decide whether an expression vanishes, it is evaluated at random points (`algebra/zero.rs`).
+//! Input: the model with its generators ξ. Output: the momentum maps ⟨p, ξ⟩, or an error that names
+//! the function which is not invariant. If the algebra does not decide whether an expression
+//! vanishes, it is evaluated at random points (`algebra/zero.rs`).
 //!
-//! The following expressions must vanish identically (`docs/mathematics.md`, section 7), with `ξ_t` if the generator depends on time:
+//! The following expressions must vanish identically (`docs/mathematics.md`, section 7), with `ξ_t`
+//! if the generator depends on time:
 //!
 //! ```text
 //! L:   ⟨L_q, ξ⟩ + ⟨L_v, Dξ v + ξ_t⟩        γ:   ⟨γ_q, ξ⟩
 //! H₁:  ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩        F:   ⟨F, ξ⟩, the work of the force
 //! ```
 //!
-//! A rotation moves by δR = R ξ̂ and its body velocity by Dξ v + v × ξ, which takes the place of Dξ v; likewise for ∂H₁/∂p.
+//! A rotation moves by δR = R ξ̂ and its body velocity by Dξ v + v × ξ, which takes the place of Dξ
+//! v; likewise for ∂H₁/∂p.
 
 use proc_macro2::Ident;
 use quote::format_ident;
@@ -90,7 +93,8 @@ pub(crate) fn check(
     errors.finish(maps)
 }
 
-/// Whether the nodes of all rules keep the momentum of a generator, if it is affine. A regular Lagrangian lets every node keep it.
+/// Whether the nodes of all rules keep the momentum of a generator, if it is affine. A regular
+/// Lagrangian lets every node keep it.
 fn is_kept(
     generator: &Generator,
     block: &Annotated,
@@ -145,8 +149,9 @@ struct Change {
     scale: f64,
 }
 
-/// Returns an expression times a power of two, and this power. The power is 1 unless products with the expression might underflow or
-/// overflow; otherwise it brings the expression to the order of 1.
+/// Returns an expression times a power of two, and this power. The power is 1 unless products with
+/// the expression might underflow or overflow; otherwise it brings the expression to the order
+/// of 1.
 fn scaled(expr: Expr, arena: &mut Arena) -> (Expr, f64) {
     let scale = arena.scale_of(&[expr]);
     if scale == 1.0 {
@@ -255,7 +260,8 @@ fn dot(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Expr {
     arena.sum(0.0, &terms)
 }
 
-/// Returns the change of a velocity `direction` along a generator, `Dξ · direction`; that of a rotation has the commutator `direction × ξ` too.
+/// Returns the change of a velocity `direction` along a generator, `Dξ · direction`; that of a
+/// rotation has the commutator `direction × ξ` too.
 fn carried(xi: &[Expr], direction: &[Expr], model: &Model, arena: &mut Arena) -> Vec<Expr> {
     let mut change: Vec<Expr> = xi
         .iter()
@@ -285,10 +291,11 @@ fn is_affine_in_coordinates(field: &[Expr], model: &Model, arena: &mut Arena) ->
     is_affine
 }
 
-/// Returns whether a generator turns a rotation by `ξ = Rᵀa + c` with constant vectors: by a rotation of space and one of the body. Steps are
-/// symmetric under both.
+/// Returns whether a generator turns a rotation by `ξ = Rᵀa + c` with constant vectors: by a
+/// rotation of space and one of the body. Steps are symmetric under both.
 ///
-/// The derivative of Rᵀa in the direction e is − e × Rᵀa. With η in place of Rᵀa this gives η, and it must hold for ξ and for η.
+/// The derivative of Rᵀa in the direction e is − e × Rᵀa. With η in place of Rᵀa this gives η, and
+/// it must hold for ξ and for η.
 fn turns_uniformly(field: &[Expr], block: &Block, model: &Model, arena: &mut Arena) -> bool {
     let zero = arena.constant(0.0);
     let derivatives = |field: &[Expr], arena: &mut Arena| -> Vec<Vec<Expr>> {

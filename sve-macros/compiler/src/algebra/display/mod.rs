@@ -1,9 +1,10 @@
 //! Expressions as readable mathematics: `v²/(2·a) − a·q²/2`.
 //!
-//! Input: an expression, and a [`Notation`] that says how symbols are called and which subexpressions have names. Output:
-//! text that means the expression under the usual rules: `·` and `/` from left to right, powers before them, `√` takes what
-//! stands right behind it. Negative powers are written below the line, sums with a positive term first. Text has a limit;
-//! nothing is walked as a tree beyond it.
+//! Input: an expression, and a [`Notation`] that says how symbols are called and which
+//! subexpressions have names. Output: text that means the expression under the usual rules: `·`
+//! and `/` from left to right, powers before them, `√` takes what stands right behind it. Negative
+//! powers are written below the line, sums with a positive term first. Text has a limit; nothing is
+//! walked as a tree beyond it.
 
 mod printer;
 
@@ -174,7 +175,8 @@ impl Arena {
         (!too_long).then_some(Text { text, named })
     }
 
-    /// `c Π base^exponent` with its sign: a minus in front of a difference turns the difference round.
+    /// `c Π base^exponent` with its sign: a minus in front of a difference turns the difference
+    /// round.
     fn signed(&self, c: f64, factors: Vec<(Expr, i32)>, notation: &dyn Notation) -> Product {
         let is_difference = |&&(base, k): &&(Expr, i32)| match self.node(base) {
             Node::Sum(constant, terms) if k == 1 && notation.name(base).is_none() => {

@@ -5,7 +5,8 @@ use crate::algebra::expr::{Arena, Binary, Expr, Function, Node};
 use crate::algebra::functions::{BinaryNotation as BinaryWritten, Notation as Written};
 use crate::algebra::number::{decimal, fraction, superscript};
 
-/// What surrounds an expression: from the one that needs no brackets to the one that needs them most.
+/// What surrounds an expression: from the one that needs no brackets to the one that needs them
+/// most.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Inside {
     Sum,
@@ -87,7 +88,8 @@ impl Printer<'_> {
         self.depth -= 1;
     }
 
-    /// A positive constant stands before the terms, a negative one behind them; a positive term before negative ones.
+    /// A positive constant stands before the terms, a negative one behind them; a positive term
+    /// before negative ones.
     pub(super) fn sum(&mut self, sum: &Sum) {
         let Sum { constant, terms } = sum;
         let mut first = true;

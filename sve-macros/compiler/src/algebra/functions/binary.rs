@@ -71,7 +71,8 @@ impl Binary {
     }
 }
 
-/// What is known of a function of two arguments. The last argument of each function in it is the number of logarithms.
+/// What is known of a function of two arguments. The last argument of each function in it is the
+/// number of logarithms.
 pub(crate) struct BinaryEntry {
     pub(crate) name: &'static str,
     /// Whether it is a method of `f64`. Otherwise generated code calls the function of the runtime.

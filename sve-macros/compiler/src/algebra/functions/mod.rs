@@ -1,7 +1,9 @@
-//! The functions, an entry each: name, values, derivative, parity, sign, domain, bounds, forms that do not cancel, notation.
+//! The functions, an entry each: name, values, derivative, parity, sign, domain, bounds, forms that
+//! do not cancel, notation.
 //!
-//! A new function of one argument is an entry in a file here and a line in the table of [`Function`]; one of two arguments is both
-//! in `binary.rs`. The language, the back end and the lanes take its name from the entry.
+//! A new function of one argument is an entry in a file here and a line in the table of
+//! [`Function`]; one of two arguments is both in `binary.rs`. The language, the back end and the
+//! lanes take its name from the entry.
 
 mod binary;
 mod circular;
@@ -117,7 +119,8 @@ impl Function {
     }
 }
 
-/// What is known of a function. The last argument of each function in it is the exponent of a power.
+/// What is known of a function. The last argument of each function in it is the exponent of a
+/// power.
 pub(crate) struct Entry {
     /// The method of `f64`, and the function of the runtime in lanes.
     pub(crate) name: &'static str,
@@ -138,7 +141,8 @@ pub(crate) struct Entry {
     pub(super) notation: Notation,
     /// The letter of numbered names in formulas, `s1`.
     pub(crate) letter: char,
-    /// Whether the method of `f64` is an instruction of the processor, which loops over lanes may call.
+    /// Whether the method of `f64` is an instruction of the processor, which loops over lanes may
+    /// call.
     pub(crate) is_instruction: bool,
 }
 

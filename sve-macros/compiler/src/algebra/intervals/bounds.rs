@@ -125,7 +125,8 @@ impl<'a> Bounds<'a> {
         }
     }
 
-    /// `Π base^exponent`. Those factors that go from 0 to an end do so together, and the others stand beside their product.
+    /// `Π base^exponent`. Those factors that go from 0 to an end do so together, and the others
+    /// stand beside their product.
     fn product(&mut self, factors: &[(Expr, i32)]) -> Option<Interval> {
         let one = self.arena.constant(1.0);
         let zero = self.arena.constant(0.0);
@@ -176,7 +177,8 @@ impl<'a> Bounds<'a> {
         k > 0 && self.done[&base].end.is_some()
     }
 
-    /// A product with a factor that goes from 0 to its end: at most as large as the product of the largest sizes.
+    /// A product with a factor that goes from 0 to its end: at most as large as the product of the
+    /// largest sizes.
     fn size(&mut self, factors: &[(Expr, i32)]) -> Interval {
         let one = self.arena.constant(1.0);
         let (mut size, mut end) = (one, Some(one));
@@ -227,7 +229,8 @@ impl<'a> Bounds<'a> {
         around(self.arena.mul(a.mid, b.mid), self.arena.sum(0.0, &terms))
     }
 
-    /// `x^k` with a negative k: relative to its value, with `ε = r/|x|`, `(1 − ε)^k − 1 ≤ |k|ε / (1 − |k|ε)` (Bernoulli).
+    /// `x^k` with a negative k: relative to its value, with `ε = r/|x|`,
+    /// `(1 − ε)^k − 1 ≤ |k|ε / (1 − |k|ε)` (Bernoulli).
     fn inverse_power(&mut self, x: Interval, k: i32) -> Interval {
         let mid = self.arena.pow(x.mid, k);
         let times = self.arena.scale(f64::from(k.abs()), x.radius);

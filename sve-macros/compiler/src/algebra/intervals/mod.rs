@@ -1,7 +1,8 @@
 //! Bounds of expressions between the limit of a small step without noise and the step.
 //!
-//! Interval arithmetic in the form of midpoint and radius. The step size and the increments go from 0 to their values together, and
-//! so do their products. Each function has its bound in its entry of the table of functions.
+//! Interval arithmetic in the form of midpoint and radius. The step size and the increments go from
+//! 0 to their values together, and so do their products. Each function has its bound in its entry
+//! of the table of functions.
 //!
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), section 1.6.
 
@@ -12,9 +13,10 @@ use std::collections::HashMap;
 use super::{Arena, Expr, Symbol};
 use bounds::{Bounds, Interval};
 
-/// Half the width of the box in each unknown, in distances of the solution from the limit. The box is centred between the two and
-/// contains as much as a quarter of their distance beyond each. A single unknown may go there by way of what one small quantity
-/// does and another one undoes; its box is wider by that.
+/// Half the width of the box in each unknown, in distances of the solution from the limit. The box
+/// is centred between the two and contains as much as a quarter of their distance beyond each. A
+/// single unknown may go there by way of what one small quantity does and another one undoes; its
+/// box is wider by that.
 const BOX: f64 = 0.75;
 
 /// Exponents up to which powers are bounded.
@@ -25,8 +27,8 @@ const EXPONENT: u32 = 16;
 pub(crate) enum Flavour {
     /// Sines and cosines of what varies are anything between −1 and 1.
     Global,
-    /// Around the limit, where most of what is needed is at hand. What is proportional to a small quantity is bounded by its size, with
-    /// sines and cosines of at most 1.
+    /// Around the limit, where most of what is needed is at hand. What is proportional to a small
+    /// quantity is bounded by its size, with sines and cosines of at most 1.
     Limit,
     /// Around the middle between limit and solution: half as wide.
     Box,
@@ -39,7 +41,8 @@ pub(crate) enum Range {
     Small,
     /// A coordinate, within this radius of its value.
     Within(Symbol),
-    /// An unknown, with its limit, and how far each small quantity by itself moves it from there, to first order.
+    /// An unknown, with its limit, and how far each small quantity by itself moves it from there,
+    /// to first order.
     Unknown { limit: Symbol, moved: Expr },
     /// An unknown, with its limit and the half width of the box around it.
     Around { limit: Symbol, reach: Expr },
@@ -54,7 +57,8 @@ pub(crate) struct Intervals {
     pub(crate) conditions: Vec<Expr>,
 }
 
-/// Bounds of expressions, while the values in `domain` stay positive. Nothing where a function has no bound here.
+/// Bounds of expressions, while the values in `domain` stay positive. Nothing where a function has
+/// no bound here.
 pub(crate) fn intervals(
     roots: &[Expr],
     domain: &[Expr],
@@ -77,7 +81,8 @@ pub(crate) fn intervals(
     })
 }
 
-/// The largest magnitudes of some expressions, and what has to be positive for these to hold. Nothing where a function has no bound here.
+/// The largest magnitudes of some expressions, and what has to be positive for these to hold.
+/// Nothing where a function has no bound here.
 pub(crate) fn largest(
     exprs: &[Expr],
     ranges: &HashMap<Symbol, Range>,

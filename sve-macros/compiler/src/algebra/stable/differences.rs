@@ -1,7 +1,8 @@
 //! Differences in sums: which terms make one that cancels by its form, and what is left of it.
 //!
-//! Input: the terms of a sum. Output: the sum in stable form, or nothing where no difference of the table in [`super`] stands in
-//! it. A term is read as `c a f` beside another, `−c u a`, where f comes close to u.
+//! Input: the terms of a sum. Output: the sum in stable form, or nothing where no difference of the
+//! table in [`super`] stands in it. A term is read as `c a f` beside another, `−c u a`, where f
+//! comes close to u.
 
 use super::{Factors, Forms, divided};
 use crate::algebra::expr::{Expr, Function, Node};
@@ -19,7 +20,8 @@ enum Reading {
     Power(Form, Expr, i32),
     /// `sinh²/cosh²`, with the form of `tanh² − 1` and the call of cosh.
     QuotientSquare(Form, Expr),
-    /// The square of one leg over that of the hypotenuse: one over the constant factor of this leg, and the other leg.
+    /// The square of one leg over that of the hypotenuse: one over the constant factor of this leg,
+    /// and the other leg.
     Leg(f64, Expr),
 }
 
@@ -88,7 +90,8 @@ impl Forms<'_> {
         Some(self.arena.sum(constant, &new))
     }
 
-    /// Where in a sum `common` stands: a term, or the constant. Looks only, for most terms are no differences.
+    /// Where in a sum `common` stands: a term, or the constant. Looks only, for most terms are no
+    /// differences.
     fn beside(&self, common: &Factors, constant: f64, terms: &[(Expr, f64)]) -> Option<Beside> {
         let common = match common.as_slice() {
             [] => return (constant != 0.0).then_some(Beside::Constant),

@@ -1,7 +1,9 @@
-//! Expressions → the same expressions in forms that do not cancel, for what is about to be computed.
+//! Expressions → the same expressions in forms that do not cancel, for what is about to be
+//! computed.
 //!
-//! The constructors keep plain forms, which differentiation shares (sin and cos of one angle); here, in one walk over what is
-//! wanted, each difference that vanishes by its form is written as what is left of it. With any common factor a:
+//! The constructors keep plain forms, which differentiation shares (sin and cos of one angle);
+//! here, in one walk over what is wanted, each difference that vanishes by its form is written as
+//! what is left of it. With any common factor a:
 //!
 //! | difference | becomes | cancels at |
 //! | --- | --- | --- |
@@ -16,11 +18,13 @@
 //! | ln(1 + y), ln cosh x | ln1p(y), ln1p(2 sinh²(x/2)) | y = 0, x = 0 |
 //! | a − a x², x a symbol | a (1 − x)(1 + x) | x = ±1 |
 //!
-//! Several differences may stand in one sum, as in `2 − cos x − cos y`. Two quotients are put so that they do not overflow:
-//! `sinh x / cosh x` as tanh x, and powers of `x / hypot(x, y)` as powers of that ratio.
+//! Several differences may stand in one sum, as in `2 − cos x − cos y`. Two quotients are put so
+//! that they do not overflow: `sinh x / cosh x` as tanh x, and powers of `x / hypot(x, y)` as
+//! powers of that ratio.
 //!
-//! Each form is as exact as the plain one everywhere, to a rounding or two, and costs about as much. The exceptions call
-//! `exp_m1`, sinh or cosh beside a function that is computed anyway; a step leaves those out.
+//! Each form is as exact as the plain one everywhere, to a rounding or two, and costs about as
+//! much. The exceptions call `exp_m1`, sinh or cosh beside a function that is computed anyway; a
+//! step leaves those out.
 
 mod differences;
 

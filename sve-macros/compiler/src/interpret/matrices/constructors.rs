@@ -1,4 +1,5 @@
-//! Functions that make vectors, matrices and rotations: `Vector3::new(…)`, `SMatrix::<f64, 2, 3>::zeros()`, `Rotation2::new(…)`.
+//! Functions that make vectors, matrices and rotations: `Vector3::new(…)`,
+//! `SMatrix::<f64, 2, 3>::zeros()`, `Rotation2::new(…)`.
 
 use proc_macro2::Span;
 use syn::spanned::Spanned;
@@ -18,7 +19,8 @@ pub(in crate::interpret) struct Constructor {
 }
 
 impl Constructor {
-    /// Reads a path. Returns the type and the name of the function; `None` if the path is no function of a type of nalgebra.
+    /// Reads a path. Returns the type and the name of the function; `None` if the path is no
+    /// function of a type of nalgebra.
     pub(in crate::interpret) fn of(path: &syn::ExprPath) -> Option<(Self, syn::Ident)> {
         let mut of = path.path.clone();
         let function = of.segments.pop()?;
@@ -266,7 +268,8 @@ impl Lowering<'_> {
         Some(items.map(|value| Argument { value, at }).collect())
     }
 
-    /// Evaluates `from`: an array of numbers becomes a vector, an array of arrays the columns of a matrix.
+    /// Evaluates `from`: an array of numbers becomes a vector, an array of arrays the columns of a
+    /// matrix.
     pub(in crate::interpret) fn converted_matrix(
         &mut self,
         value: &Value,

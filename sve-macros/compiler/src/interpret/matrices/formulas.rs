@@ -158,7 +158,8 @@ pub(in crate::interpret) fn inverse_image(
     image(arena, &rotation.transposed(), v)
 }
 
-/// Expands a determinant along its first column, recursively. Each minor of the last columns is computed once.
+/// Expands a determinant along its first column, recursively. Each minor of the last columns is
+/// computed once.
 pub(in crate::interpret) fn determinant(arena: &mut Arena, m: &Matrix<Expr>) -> Expr {
     let n = m.ty.rows;
     // minors of the last columns, by the set of their rows
@@ -179,5 +180,6 @@ pub(in crate::interpret) fn determinant(arena: &mut Arena, m: &Matrix<Expr>) -> 
     minors[(1 << n) - 1]
 }
 
-/// Largest number of rows of a determinant that is expanded. The number of minors doubles with each row.
+/// Largest number of rows of a determinant that is expanded. The number of minors doubles with each
+/// row.
 pub(super) const MAX_DETERMINANT: usize = 6;

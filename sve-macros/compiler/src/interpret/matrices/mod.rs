@@ -1,7 +1,8 @@
 //! Vectors, matrices and rotations of nalgebra: a size and the entries.
 //!
-//! Invariant: a [`Matrix`] has rows × columns entries, stored by columns as in nalgebra. The size of a matrix is always known. A
-//! parameter of unknown type gets its size from its use or from a type annotation.
+//! Invariant: a [`Matrix`] has rows × columns entries, stored by columns as in nalgebra. The size
+//! of a matrix is always known. A parameter of unknown type gets its size from its use or from a
+//! type annotation.
 
 mod constructors;
 pub(super) mod formulas;

@@ -1,7 +1,8 @@
 //! `+ − * /` of vectors, matrices, rotations and numbers.
 //!
-//! In a sum, a parameter without a type annotation has the type of the other operand. In a product or quotient it is a number: generated
-//! code reads it as an `f64`, and a parameter of another type is a type error at the parameter.
+//! In a sum, a parameter without a type annotation has the type of the other operand. In a product
+//! or quotient it is a number: generated code reads it as an `f64`, and a parameter of another type
+//! is a type error at the parameter.
 
 use syn::spanned::Spanned;
 use syn::{BinOp, Expr as Syntax};
@@ -21,7 +22,8 @@ enum Operand {
     Matrix(Matrix<Expr>),
 }
 
-/// A result: `None` after a reported error, and `Err` with the message if there is no such operation.
+/// A result: `None` after a reported error, and `Err` with the message if there is no such
+/// operation.
 type Computed = Result<Option<Matrix<Expr>>, String>;
 
 impl Lowering<'_> {
@@ -190,7 +192,8 @@ impl Lowering<'_> {
         Ok(Some(each(self.arena, &matrix, x, Arena::div)))
     }
 
-    /// Returns an addition to a message about sizes if a parameter in an operand was taken for a number.
+    /// Returns an addition to a message about sizes if a parameter in an operand was taken for a
+    /// number.
     fn hint(&mut self, left: &Syntax, right: &Syntax) -> String {
         let example = self.example_of_vector();
         let Some(path) = &self.fields.taken_for_number else {

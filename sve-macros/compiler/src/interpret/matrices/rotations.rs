@@ -91,7 +91,8 @@ impl Lowering<'_> {
         Matrix::from_fn(MatrixType::matrix(3, 3), |i, j| rows[i][j])
     }
 
-    /// Returns the rotation by θ about a unit vector u, by Rodrigues' formula cos θ 1 + sin θ [u]ₓ + (1 − cos θ) u uᵀ.
+    /// Returns the rotation by θ about a unit vector u, by Rodrigues' formula cos θ 1 + sin θ
+    /// [u]ₓ + (1 − cos θ) u uᵀ.
     fn axis_rotation(&mut self, axis: &Matrix<Expr>, angle: Expr) -> Matrix<Expr> {
         let [sin, cos] = self.sin_cos(angle);
         let arena = &mut *self.arena;
@@ -104,7 +105,8 @@ impl Lowering<'_> {
                 let scaled = arena.mul(complement, cos);
                 return arena.add(square, scaled);
             }
-            // the entry of [u]ₓ: the component along the third axis, whose sign depends on the order of i and j
+            // the entry of [u]ₓ: the component along the third axis, whose sign depends on the
+            // order of i and j
             let along = arena.mul(axis.entries[3 - i - j], sin);
             let product = arena.product(&[(axis.entries[i], 1), (axis.entries[j], 1), (rest, 1)]);
             if (i + 1) % 3 == j {

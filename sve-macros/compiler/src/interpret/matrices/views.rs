@@ -8,8 +8,9 @@ use crate::interpret::methods::{Call, refusal};
 use crate::interpret::value::Value;
 use crate::syntax::nalgebra::length;
 
-/// Whether a method gives a part of a vector or matrix, or runs a closure for each entry, and arrays have no such method. Those whose
-/// size is a generic argument have it written, if `has_generics`.
+/// Whether a method gives a part of a vector or matrix, or runs a closure for each entry, and
+/// arrays have no such method. Those whose size is a generic argument have it written, if
+/// `has_generics`.
 pub(in crate::interpret) fn is_method(name: &str, has_generics: bool) -> bool {
     match name {
         "fixed_rows" | "fixed_columns" | "fixed_view" => has_generics,
@@ -38,7 +39,8 @@ pub(in crate::interpret) fn rows(call: &Call<'_>) -> Value {
     Value::Sequence(rows.collect())
 }
 
-/// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and the like: the submatrix of a range of rows and columns.
+/// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and the like: the submatrix of a
+/// range of rows and columns.
 pub(in crate::interpret) fn part(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
     let (syntax, matrix) = (call.syntax, call.matrix());
     let (given, ty) = (&call.given.counts, matrix.ty);

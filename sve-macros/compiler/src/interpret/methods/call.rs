@@ -1,4 +1,5 @@
-//! Calls of methods: what the receiver is, the arguments, and the types of parameters that follow from the arguments.
+//! Calls of methods: what the receiver is, the arguments, and the types of parameters that follow
+//! from the arguments.
 
 use syn::{Expr as Syntax, ExprMethodCall};
 
@@ -16,7 +17,8 @@ use crate::interpret::matrices::views::{self, components};
 use crate::interpret::matrices::{Kind, Matrix, MatrixType};
 use crate::interpret::value::Value;
 
-/// Returns the type that a parameter must have for a method and its first argument; `None` if several types are possible.
+/// Returns the type that a parameter must have for a method and its first argument; `None` if
+/// several types are possible.
 fn type_of_parameter(method: &Method, first: Option<&Value>) -> Option<MatrixType> {
     match (method.receiver, method.takes.first(), first) {
         (_, Some(Take::Same), Some(Value::Matrix(other))) => Some(other.ty.plain()),
@@ -242,7 +244,8 @@ impl Lowering<'_> {
         self.refuse(&argument.at, message)
     }
 
-    /// Calls a method of vectors of a parameter, whose type follows from the arguments; `Err` if vectors have no such method.
+    /// Calls a method of vectors of a parameter, whose type follows from the arguments; `Err` if
+    /// vectors have no such method.
     fn method_of_field(
         &mut self,
         call: &ExprMethodCall,
@@ -299,8 +302,8 @@ impl Lowering<'_> {
         )
     }
 
-    /// Returns a type that a parameter may have, for messages. The type has the method and, if the coordinates are a vector, their
-    /// size.
+    /// Returns a type that a parameter may have, for messages. The type has the method and, if the
+    /// coordinates are a vector, their size.
     fn example_of_type(&mut self, method: Option<&Method>) -> String {
         let block = self.block;
         let coordinates = self.matrix_type(block.coordinates());

@@ -1,7 +1,8 @@
 //! The table of methods: what has a method, its arguments, and what computes its result.
 //!
-//! `call.rs` looks a method up, evaluates its arguments and calls it; what is not understood has a message in `refused.rs`. The smooth
-//! functions of the algebra are methods of numbers too, and are not repeated here.
+//! `call.rs` looks a method up, evaluates its arguments and calls it; what is not understood has a
+//! message in `refused.rs`. The smooth functions of the algebra are methods of numbers too, and are
+//! not repeated here.
 
 mod call;
 mod refused;
@@ -95,7 +96,8 @@ impl Call<'_> {
     }
 }
 
-/// What computes the result of a method. The numbers and matrices are those of the receiver and then of the arguments.
+/// What computes the result of a method. The numbers and matrices are those of the receiver and
+/// then of the arguments.
 pub(super) enum Run {
     /// A function of numbers.
     Float(fn(&mut Arena, &[Expr]) -> Expr),
@@ -240,7 +242,8 @@ impl Receiver {
         !matches!(self, Number | Array | Iterator | List)
     }
 
-    /// Returns whether values of this kind are such receivers; of a matrix, whether matrices of another size may be.
+    /// Returns whether values of this kind are such receivers; of a matrix, whether matrices of
+    /// another size may be.
     fn includes(self, value: &Value) -> bool {
         match value {
             Value::Array(_) => matches!(self, Array | List),

@@ -4,17 +4,20 @@
 //! S_d + ⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩
 //! ```
 //!
-//! The forces of the constraints act at the two ends of the step, never at a node: with Dφᵀλ at a node the step is not symplectic on the manifold of the
-//! constraints. λ enters the momentum balance at the start, μ the momentum at the end. The further equations are
+//! The forces of the constraints act at the two ends of the step, never at a node: with Dφᵀλ at a
+//! node the step is not symplectic on the manifold of the constraints. λ enters the momentum
+//! balance at the start, μ the momentum at the end. The further equations are
 //!
 //! ```text
 //! 0 = φ(t₁,q₁)      p₁ = ∂L/∂v(t₁,q₁,v₁)      0 = ∂φ/∂t + Dφ(t₁,q₁) v₁
 //! ```
 //!
-//! The first one determines λ, the others project p₁. With the rule of Störmer and Verlet this is RATTLE.
+//! The first one determines λ, the others project p₁. With the rule of Störmer and Verlet this is
+//! RATTLE.
 //!
-//! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10 (2001), section 3; Leimkuhler, Reich, *Simulating Hamiltonian
-//! Dynamics* (2004), chapter 7; Bou-Rabee, Owhadi, *Stochastic variational integrators*, IMA J. Numer. Anal. 29 (2009).
+//! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10
+//! (2001), section 3; Leimkuhler, Reich, *Simulating Hamiltonian Dynamics* (2004), chapter 7;
+//! Bou-Rabee, Owhadi, *Stochastic variational integrators*, IMA J. Numer. Anal. 29 (2009).
 
 mod scales;
 
@@ -47,11 +50,13 @@ pub(crate) struct Enforced {
     pub(crate) scales: Vec<Expr>,
     /// `Dφ(t₀,q₀)ᵀ λ`.
     pub(crate) start_impulse: Vec<Expr>,
-    /// Whether the sign of the Jacobian's determinant is that of a small step, whatever the increments are: no noise is curved in p.
+    /// Whether the sign of the Jacobian's determinant is that of a small step, whatever the
+    /// increments are: no noise is curved in p.
     pub(crate) has_sign: bool,
     /// That φ(t₀,q₀) vanishes to rounding.
     pub(crate) at_start: Vec<Condition<Expr>>,
-    /// With noise: what is negative if the noise undoes most of the motion of the step, see [`guard`](scales::guard).
+    /// With noise: what is negative if the noise undoes most of the motion of the step, see
+    /// [`guard`](scales::guard).
     pub(crate) guard: Option<Expr>,
 }
 
@@ -64,7 +69,8 @@ pub(crate) struct MeanValue {
     pub(crate) start: Expr,
 }
 
-/// Largest φ at the start of a step, relative to the sum of the magnitudes of its terms. Steps leave some rounding errors.
+/// Largest φ at the start of a step, relative to the sum of the magnitudes of its terms. Steps
+/// leave some rounding errors.
 pub(crate) const INCONSISTENT: f64 = 1e-8;
 
 /// Adds the constraints of the model to an action.
@@ -213,8 +219,9 @@ fn at_end(
     end
 }
 
-/// φ(t₁,q₁)/h. A φ(q) of second degree is written as `φ(q₀)/h + ⟨Dφ(q₀) + ½ D²φ d, d/h⟩`: the difference of φ at the ends has no rounding errors of the
-/// size of φ's terms, so that the velocity of a small step keeps its digits.
+/// φ(t₁,q₁)/h. A φ(q) of second degree is written as `φ(q₀)/h + ⟨Dφ(q₀) + ½ D²φ d, d/h⟩`: the
+/// difference of φ at the ends has no rounding errors of the size of φ's terms, so that the
+/// velocity of a small step keeps its digits.
 fn end_value(
     value: Expr,
     start: &HashMap<Symbol, Expr>,
@@ -279,8 +286,9 @@ fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
     }
 }
 
-/// The equation of a variation to leading order in the step size: with no step, displacement and velocity but in its `linear` part, and with p₀ in the
-/// place of the momentum. The noise keeps its place.
+/// The equation of a variation to leading order in the step size: with no step, displacement and
+/// velocity but in its `linear` part, and with p₀ in the place of the momentum. The noise keeps its
+/// place.
 pub(crate) fn leading(
     residual: Expr,
     linear: Expr,

@@ -1,4 +1,5 @@
-//! Scales by which a step with constraints is judged: of the values of the constraints, and of the motion beside its noise.
+//! Scales by which a step with constraints is judged: of the values of the constraints, and of the
+//! motion beside its noise.
 
 use std::collections::HashMap;
 
@@ -25,13 +26,15 @@ fn resting(
     at
 }
 
-/// For each constraint the rate of φ at which a velocity of the size of that in the step crosses it, `√E Σ |∂φ/∂q_i| M_ii^(−½)` with
+/// For each constraint the rate of φ at which a velocity of the size of that in the step crosses
+/// it, `√E Σ |∂φ/∂q_i| M_ii^(−½)` with
 ///
 /// ```text
 /// E = Σ_i [ (|p₀ − a| + |h ∂L/∂q| + Σ |∂G/∂q ΔW|)_i² / M_ii + M_ii (Σ |∂G/∂p_i ΔW|)² / h² ]
 /// ```
 ///
-/// at q₀. The residual φ(t₁,q₁)/h has no terms of that size where the motion is along the constraints.
+/// at q₀. The residual φ(t₁,q₁)/h has no terms of that size where the motion is along the
+/// constraints.
 pub(super) fn velocity_scales(
     action: &Action,
     model: &Model,
@@ -86,8 +89,9 @@ pub(super) fn velocity_scales(
     model.constraints.iter().map(scale).collect()
 }
 
-/// `Σ M_ii (d_i/h)² − ¼ Σ (p₀ − a)²_i / M_ii` for a system with noise. If this is negative, the noise undoes much of the motion: then the equations of the step say little of
-/// those of the step without noise, from which its solution is followed.
+/// `Σ M_ii (d_i/h)² − ¼ Σ (p₀ − a)²_i / M_ii` for a system with noise. If this is negative, the
+/// noise undoes much of the motion: then the equations of the step say little of those of the step
+/// without noise, from which its solution is followed.
 pub(super) fn guard(
     action: &Action,
     model: &Model,

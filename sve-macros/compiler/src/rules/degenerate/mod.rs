@@ -1,18 +1,24 @@
-//! The rules with one node for degenerate Lagrangians, with p = α(q) at both ends: L is L₀ of time, configuration and the velocities v of
-//! massive coordinates, plus ⟨α(q), velocities of massless coordinates⟩.
+//! The rules with one node for degenerate Lagrangians, with p = α(q) at both ends: L is L₀ of time,
+//! configuration and the velocities v of massive coordinates, plus ⟨α(q), velocities of massless
+//! coordinates⟩.
 //!
 //! ```text
 //! S_d = h L₀(t̄,q*,v) + ⟨p, d − h v⟩ + ⟨α(q*), d⟩ − Σ G_a(t̄,q*,p) ΔW_a + ⟨λ, α(q₀) − α(q₁)⟩        q* = q₀ + c d + λ
 //! ```
 //!
-//! v and p are those of the massive coordinates and internal. λ is no variable in which the action is stationary: it is determined by p₁ = α(q₁). This is the
-//! symmetric projection of Kraus (arXiv:1708.07356) with its multiplier as a displacement of both ends. It becomes shorter by itself, and is written shorter:
+//! v and p are those of the massive coordinates and internal. λ is no variable in which the action
+//! is stationary: it is determined by p₁ = α(q₁). This is the symmetric projection of Kraus
+//! (arXiv:1708.07356) with its multiplier as a displacement of both ends. It becomes shorter by
+//! itself, and is written shorter:
 //!
 //! - α affine, midpoint: λ = 0, and p₁ = α(q₁) holds without being asked for.
-//! - α = (ϑ(x, y), 0) + ∇f with a quadratic f: ȳ is internal, `S_d = ⟨ϑ(x̄,ȳ), d_x⟩ + …`, and y₁ follows from `∂S_d/∂x₁ = ϑ(x₁, y₁)` (Ellison et al., 2018).
-//!   Here the node may be anywhere, with the Stratonovich correction `(c − ½) Σ ⟨w_a, ∂G_b/∂x − ϑ_xᵀ w_b⟩ ΔW_a ΔW_b`, `ϑ_yᵀ w = ∂G/∂y`.
+//! - α = (ϑ(x, y), 0) + ∇f with a quadratic f: ȳ is internal, `S_d = ⟨ϑ(x̄,ȳ), d_x⟩ + …`, and y₁
+//!   follows from `∂S_d/∂x₁ = ϑ(x₁, y₁)` (Ellison et al., 2018). Here the node may be anywhere,
+//!   with the Stratonovich correction `(c − ½) Σ ⟨w_a, ∂G_b/∂x − ϑ_xᵀ w_b⟩ ΔW_a ΔW_b`,
+//!   `ϑ_yᵀ w = ∂G/∂y`.
 //!
-//! The node of an algebraic coordinate is internal too, and the coordinate itself follows from `0 = ∂L₀/∂q` at the end. All in `docs/mathematics.md`.
+//! The node of an algebraic coordinate is internal too, and the coordinate itself follows from
+//! `0 = ∂L₀/∂q` at the end. All in `docs/mathematics.md`.
 
 mod textbook;
 
@@ -33,8 +39,9 @@ pub(super) const INNER: usize = 2;
 /// The node with its multiplier.
 pub(super) const SHIFTED: usize = 3;
 
-/// Largest difference between p and α(q) at the start of a step, relative to the terms of both. It is far above the rounding errors of a state, and far
-/// below what a wrong configuration makes of it.
+/// Largest difference between p and α(q) at the start of a step, relative to the terms of both. It
+/// is far above the rounding errors of a state, and far below what a wrong configuration makes of
+/// it.
 const CONSISTENT: f64 = 1e-8;
 
 /// What the action is made of.
@@ -130,7 +137,8 @@ impl Parts<'_> {
         }
     }
 
-    /// What the model's variables are at the node. The velocities of coordinates without mass do not occur.
+    /// What the model's variables are at the node. The velocities of coordinates without mass do
+    /// not occur.
     fn node(&self, x: &mut Variables<'_>) -> HashMap<Symbol, Expr> {
         let mut node = HashMap::new();
         let (t, h) = (x.arena.symbol(x.model.time), x.arena.symbol(x.h));
@@ -167,7 +175,8 @@ impl Parts<'_> {
         }
     }
 
-    /// A component of the one-form at a place. What is affine is its value at q₀ and a linear term, so that differences do not cancel.
+    /// A component of the one-form at a place. What is affine is its value at q₀ and a linear term,
+    /// so that differences do not cancel.
     fn one_form_at(
         &self,
         component: Expr,
@@ -293,8 +302,8 @@ fn start(x: &mut Variables<'_>) -> HashMap<Symbol, Expr> {
     pairs.map(|(&q, &own)| (q, x.arena.symbol(own))).collect()
 }
 
-/// What is not negative if a number is a function of q at the start: the tolerance less the difference, relative to the terms of the function to first
-/// order.
+/// What is not negative if a number is a function of q at the start: the tolerance less the
+/// difference, relative to the terms of the function to first order.
 fn consistent(
     number: Expr,
     function: Expr,
@@ -320,7 +329,8 @@ fn consistent(
     x.arena.sum(0.0, &terms)
 }
 
-/// By which a noise moves each coordinate x, w, and its slope along the coordinate at fixed ϑ, `∂G/∂x − ϑ_xᵀ w`.
+/// By which a noise moves each coordinate x, w, and its slope along the coordinate at fixed ϑ,
+/// `∂G/∂x − ϑ_xᵀ w`.
 fn internal_field(form: &Internal, noise: usize, x: &mut Variables<'_>) -> Vec<[Expr; 2]> {
     let g = x.model.noises[noise].hamiltonian;
     let zeros = vec![x.arena.constant(0.0); form.outer.len()];

@@ -24,9 +24,11 @@ pub(super) struct Point {
     attempt: u64,
     /// The values of time, positions, velocities and momenta that are not those of the attempt.
     moved: Vec<(Symbol, f64)>,
-    /// For each constraint, its pivot in the elimination of `∂φ/∂q M⁻¹ ∂φ/∂qᵀ` in the order of the source, relative to the diagonal entry.
+    /// For each constraint, its pivot in the elimination of `∂φ/∂q M⁻¹ ∂φ/∂qᵀ` in the order of the
+    /// source, relative to the diagonal entry.
     pivots: Vec<f64>,
-    /// For each constraint, the size of its gradient relative to that at the random start, where it does not hold.
+    /// For each constraint, the size of its gradient relative to that at the random start, where it
+    /// does not hold.
     gradients: Vec<f64>,
 }
 
@@ -128,7 +130,8 @@ impl Seek<'_> {
         Some(point)
     }
 
-    /// Gives a point a velocity along the constraints, its momentum, and the pivots of its gradients.
+    /// Gives a point a velocity along the constraints, its momentum, and the pivots of its
+    /// gradients.
     fn move_along(&self, point: &mut Point, rows: &[&[f64]], rates: &[f64]) -> Option<()> {
         let (model, mechanics) = (self.model, self.mechanics);
         let n = model.dof();
@@ -174,12 +177,14 @@ fn gram(a: &[&[f64]], b: &[&[f64]]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The pivots of an elimination without exchanges, relative to the diagonal entries. After a pivot that is too small its row is left out.
+/// The pivots of an elimination without exchanges, relative to the diagonal entries. After a pivot
+/// that is too small its row is left out.
 fn pivots(matrix: Vec<Vec<f64>>) -> Vec<f64> {
     eliminated(matrix, None).0
 }
 
-/// Solves a positive definite system; unknowns whose pivots are too small are zero. `None` where a number is not finite.
+/// Solves a positive definite system; unknowns whose pivots are too small are zero. `None` where a
+/// number is not finite.
 fn solve(matrix: Vec<Vec<f64>>, b: Vec<f64>) -> Option<Vec<f64>> {
     let solution = eliminated(matrix, Some(b)).1;
     solution.iter().all(|x| x.is_finite()).then_some(solution)

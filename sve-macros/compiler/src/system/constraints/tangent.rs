@@ -16,7 +16,8 @@ use crate::syntax::roles::Role;
 use crate::system::inverse_mass::{self, NoFormula};
 use crate::system::mechanics::Mechanics;
 
-/// Returns the noises with the momentum along the constraints in the place of p in those that ask for it; nothing if none does.
+/// Returns the noises with the momentum along the constraints in the place of p in those that ask
+/// for it; nothing if none does.
 pub(crate) fn tangent_noises(
     block: &Annotated,
     model: &Model,

@@ -1,7 +1,9 @@
-//! Whether the noises of a degenerate system commute, with the bracket of its two-form, `{G_a, G_b} = ∇G_aᵀ ω⁻¹ ∇G_b`.
+//! Whether the noises of a degenerate system commute, with the bracket of its two-form,
+//! `{G_a, G_b} = ∇G_aᵀ ω⁻¹ ∇G_b`.
 //!
-//! A γ moves massless coordinates, so γ's need not commute. On the extended phase space of a partially degenerate system (positions and momenta of the
-//! massive coordinates, and the massless ones) only the massless coordinates contribute to the bracket of two γ's.
+//! A γ moves massless coordinates, so γ's need not commute. On the extended phase space of a
+//! partially degenerate system (positions and momenta of the massive coordinates, and the massless
+//! ones) only the massless coordinates contribute to the bracket of two γ's.
 
 use super::{Degeneracy, Role, part};
 use crate::algebra::{Arena, Expr, Sharp, Vanishing, Verdict};
@@ -9,7 +11,8 @@ use crate::model::Model;
 use crate::system::commutation::Commutation;
 use crate::system::mechanics::Mechanics;
 
-/// Evaluates the brackets of all pairs of noises at random points, in 106 bits. Each bracket takes a linear solve with ω.
+/// Evaluates the brackets of all pairs of noises at random points, in 106 bits. Each bracket takes
+/// a linear solve with ω.
 pub(crate) fn commutation(
     degeneracy: &Degeneracy,
     model: &Model,
@@ -65,7 +68,8 @@ pub(crate) fn commutation(
     }
 }
 
-/// Solves linear systems with one matrix by Gauss–Jordan elimination. Returns `None` if a pivot is not certainly different from zero.
+/// Solves linear systems with one matrix by Gauss–Jordan elimination. Returns `None` if a pivot is
+/// not certainly different from zero.
 fn solved(mut matrix: Vec<Vec<Sharp>>, rhs: &[&[Sharp]]) -> Option<Vec<Vec<Sharp>>> {
     let n = matrix.len();
     for (i, row) in matrix.iter_mut().enumerate() {

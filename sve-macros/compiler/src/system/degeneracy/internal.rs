@@ -1,7 +1,8 @@
 //! The internal form of a one-form: half of the velocities do not occur, up to a quadratic gauge.
 //!
-//! Input: α. Output: coordinates y, as many as others x, and a function ϑ with α = (ϑ(x, y), 0) + ∇f, f quadratic. In (x, ϑ) the two-form is the
-//! canonical one, so y can be a variable of the node (degenerate variational integrators: Ellison et al., 2018). A gauge f changes neither the
+//! Input: α. Output: coordinates y, as many as others x, and a function ϑ with α = (ϑ(x, y), 0) +
+//! ∇f, f quadratic. In (x, ϑ) the two-form is the canonical one, so y can be a variable of the node
+//! (degenerate variational integrators: Ellison et al., 2018). A gauge f changes neither the
 //! equations of motion nor, since it is quadratic, the step.
 
 use super::{is_constant, is_regular};
@@ -23,7 +24,8 @@ pub(crate) struct Internal {
     pub(crate) theta: Vec<Expr>,
     /// Whether ϑ is affine in q.
     pub(crate) is_affine: bool,
-    /// For each noise the vector w with `ϑ_yᵀ w = ∂G/∂y`, by which it moves x. `None` if it has no formula.
+    /// For each noise the vector w with `ϑ_yᵀ w = ∂G/∂y`, by which it moves x. `None` if it has no
+    /// formula.
     pub(crate) shifts: Option<Vec<Vec<Expr>>>,
 }
 

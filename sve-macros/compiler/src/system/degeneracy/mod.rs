@@ -1,15 +1,17 @@
 //! What ∂L/∂v determines, where it does not determine every velocity.
 //!
-//! Input: the model with its derivatives. Output: nothing for a regular L; for a degenerate one the role of each coordinate and the one-form α of
-//! those whose velocities are linear in L; or an error that says why L does not determine the motion.
+//! Input: the model with its derivatives. Output: nothing for a regular L; for a degenerate one the
+//! role of each coordinate and the one-form α of those whose velocities are linear in L; or an
+//! error that says why L does not determine the motion.
 //!
 //! ```text
 //! L = L₀(t, q, v_massive) + ⟨α(q), v_massless⟩        ω = Dαᵀ − Dα,  ω_ij = ∂_iα_j − ∂_jα_i
 //! ```
 //!
-//! A massless coordinate is part of a pair where ω is regular; its momentum is a function of the configuration, p = α(q). A coordinate whose velocity is
-//! absent and on which α does not depend is algebraic: it follows from 0 = ∂L/∂q. Vanishing of derivatives and regularity of matrices are tested as
-//! everywhere else, by the algebra and at random points.
+//! A massless coordinate is part of a pair where ω is regular; its momentum is a function of the
+//! configuration, p = α(q). A coordinate whose velocity is absent and on which α does not depend is
+//! algebraic: it follows from 0 = ∂L/∂q. Vanishing of derivatives and regularity of matrices are
+//! tested as everywhere else, by the algebra and at random points.
 
 pub(crate) mod brackets;
 mod internal;
@@ -30,7 +32,8 @@ use refused::Refused;
 pub(crate) enum Role {
     /// The momentum determines the velocity.
     Massive,
-    /// Linearly: the momentum is a function of the configuration, and the coordinate one of those on which ω is regular.
+    /// Linearly: the momentum is a function of the configuration, and the coordinate one of those
+    /// on which ω is regular.
     Massless,
     /// Not at all: the coordinate follows from the others by 0 = ∂L/∂q.
     Algebraic,
@@ -53,14 +56,16 @@ pub(crate) struct Degeneracy {
     pub(crate) rest_slopes: Vec<Expr>,
     /// Whether α is affine in q.
     pub(crate) is_affine: bool,
-    /// The form in which half of the velocities do not occur, if α has it and no coordinate is massive.
+    /// The form in which half of the velocities do not occur, if α has it and no coordinate is
+    /// massive.
     pub(crate) internal: Option<Internal>,
 }
 
 /// What a midpoint step of a degenerate system is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// All degenerate coordinates are algebraic: the step of the Lagrangian that is left when they are eliminated.
+    /// All degenerate coordinates are algebraic: the step of the Lagrangian that is left when they
+    /// are eliminated.
     Eliminated,
     /// α is affine: the discrete Euler–Lagrange equations keep p = α(q).
     Plain,
@@ -83,7 +88,8 @@ impl Degeneracy {
             .collect()
     }
 
-    /// The form of the step of a one-node rule. Rules whose node is not in the middle need the internal form.
+    /// The form of the step of a one-node rule. Rules whose node is not in the middle need the
+    /// internal form.
     pub(crate) fn form(&self, is_midpoint: bool) -> Form {
         if self.of(Role::Massless).is_empty() {
             Form::Eliminated
@@ -96,7 +102,8 @@ impl Degeneracy {
         }
     }
 
-    /// Whether the step keeps the momentum of an affine symmetry to rounding: the action of the step has to have the symmetry.
+    /// Whether the step keeps the momentum of an affine symmetry to rounding: the action of the
+    /// step has to have the symmetry.
     pub(crate) fn keeps_momentum(
         &self,
         generator: &[Expr],
@@ -278,7 +285,8 @@ fn check_algebraic(
     })
 }
 
-/// Returns the algebraic coordinates in which L is linear, with a factor that depends on massive coordinates. `hessian` is that of L by the algebraic coordinates.
+/// Returns the algebraic coordinates in which L is linear, with a factor that depends on massive
+/// coordinates. `hessian` is that of L by the algebraic coordinates.
 fn multipliers(
     algebraic: &[usize],
     massive: &[usize],

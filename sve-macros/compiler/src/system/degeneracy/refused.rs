@@ -13,7 +13,8 @@ pub(super) enum Refused {
     TimeDependent(usize),
     /// ω is singular everywhere; its null vectors have these coordinates.
     SingularForm(Vec<usize>),
-    /// L is linear in these algebraic coordinates: their equations are constraints on others, 0 = φ(q).
+    /// L is linear in these algebraic coordinates: their equations are constraints on others, 0 =
+    /// φ(q).
     Multipliers(Vec<usize>),
     /// ∂L/∂q of this algebraic coordinate depends on velocities.
     WithVelocity(usize),
