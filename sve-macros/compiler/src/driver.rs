@@ -22,13 +22,13 @@ use crate::system::applicable;
 use crate::system::classify::classify;
 use crate::system::size::{Budget, WORK};
 
-/// The expansion of the attribute: the user's block as it was, and the derived implementations or
-/// the errors.
+/// Returns the expansion of the attribute: the user's block as it was, and the derived
+/// implementations or the errors.
 pub fn expand(attribute: &TokenStream, item: &TokenStream, settings: Settings) -> TokenStream {
     expand_within(attribute, item, settings, WORK)
 }
 
-/// The expansion with another bound on the work of each stage.
+/// Returns the expansion with another bound on the work of each stage.
 pub(crate) fn expand_within(
     attribute: &TokenStream,
     item: &TokenStream,
@@ -65,8 +65,8 @@ pub(crate) fn expand_within(
     }
 }
 
-/// The errors, beside a block that gives no errors of its own in the functions and constants of
-/// these names.
+/// Returns the errors, beside a block that gives no errors of its own in the functions and
+/// constants of these names.
 fn after_mistakes(
     error: &syn::Error,
     attribute: &TokenStream,
@@ -85,7 +85,7 @@ fn after_mistakes(
     }
 }
 
-/// The derived implementations; or the errors, and in `mistaken` the names of functions and
+/// Returns the derived implementations; or the errors, and in `mistaken` the names of functions and
 /// constants that have some.
 fn implementations(
     attribute: TokenStream,

@@ -69,12 +69,12 @@ impl Errors {
         self.count
     }
 
-    /// The value of a result; its mistake is recorded.
+    /// Returns the value of a result; its mistake is recorded.
     pub(crate) fn keep<T>(&mut self, result: syn::Result<T>) -> Option<T> {
         result.map_err(|error| self.add(error)).ok()
     }
 
-    /// `value`, unless something was wrong.
+    /// Returns `value`, unless something was wrong.
     pub(crate) fn finish<T>(self, value: T) -> syn::Result<T> {
         match self.first {
             Some(error) => Err(error),
@@ -83,7 +83,7 @@ impl Errors {
     }
 }
 
-/// The name in `known` that is nearest to `name`, where one is near enough to be meant.
+/// Returns the name in `known` that is nearest to `name`, where one is near enough to be meant.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()

@@ -3,7 +3,7 @@
 /// What an expansion is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Whether steps of many states at once are derived too, for ensembles.
+    /// True if steps of many states at once are derived too, for ensembles.
     pub lanes: bool,
 }
 

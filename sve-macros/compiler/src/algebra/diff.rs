@@ -7,7 +7,7 @@
 use super::expr::{Arena, Expr, Node, Symbol};
 
 impl Arena {
-    /// `∂expr/∂symbol`.
+    /// Returns `∂expr/∂symbol`.
     pub(crate) fn diff(&mut self, expr: Expr, symbol: Symbol) -> Expr {
         if !self.contains(expr, symbol) {
             return self.constant(0.0);
@@ -22,13 +22,13 @@ impl Arena {
         self.known(expr, symbol)
     }
 
-    /// Records a derivative in a form that is shorter than the one that the rules give. It must be
-    /// equal to that one.
+    /// Records a derivative in a shorter form than the rules give. The form must equal the
+    /// derivative.
     pub(crate) fn record_derivative(&mut self, expr: Expr, symbol: Symbol, derivative: Expr) {
         self.derivatives.insert((expr, symbol), derivative);
     }
 
-    /// The derivative of an operand: zero where the symbol does not occur.
+    /// Returns the derivative of an operand; zero if the symbol does not occur in it.
     fn known(&mut self, expr: Expr, symbol: Symbol) -> Expr {
         match self.derivatives.get(&(expr, symbol)) {
             Some(&derivative) => derivative,

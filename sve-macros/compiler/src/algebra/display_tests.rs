@@ -1,4 +1,5 @@
-//! Printed mathematics means what it was printed from: a reader with the usual rules of precedence evaluates it to the same.
+//! Printed mathematics means what it was printed from: a reader with the usual rules of precedence
+//! evaluates it to the same.
 
 use std::collections::HashMap;
 
@@ -35,7 +36,7 @@ fn letters(at: &[f64]) -> HashMap<String, f64> {
     names.zip(at.iter().copied()).collect()
 }
 
-/// The value of a formula of which everything is known.
+/// Returns the value of a formula of which everything is known.
 fn value_of(text: &str, values: &HashMap<String, f64>) -> f64 {
     read(text, values).unwrap_or_else(|| panic!("what is in {text}?"))
 }

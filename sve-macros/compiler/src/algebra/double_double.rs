@@ -1,9 +1,9 @@
 //! Numbers of 106 bits as unevaluated sums of two `f64`, for tests of zero and for oracles whose
-//! own rounding must not count.
+//! own rounding must not matter.
 //!
-//! Error-free transformations of Dekker (1971) and Knuth; a relative error of a few 2⁻¹⁰⁴ an
-//! operation. The crate of the integration tests compiles this file too, so it knows nothing of
-//! this crate.
+//! Error-free transformations of Dekker (1971) and Knuth. The relative error of an operation is a
+//! few 2⁻¹⁰⁴. The crate of the integration tests compiles this file too, so the file uses nothing
+//! else of this crate.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -21,12 +21,12 @@ impl Double {
         low: 0.0,
     };
 
-    /// A number of which two parts are known.
+    /// Creates a number from its two parts.
     pub const fn new(high: f64, low: f64) -> Self {
         Self { high, low }
     }
 
-    /// The nearest `f64`.
+    /// Returns the nearest `f64`.
     pub fn nearest(self) -> f64 {
         self.high + self.low
     }
@@ -64,7 +64,7 @@ impl Double {
         if k < 0 { Self::ONE / product } else { product }
     }
 
-    /// `a + b` of any sizes.
+    /// Returns `a + b` for operands of any magnitudes.
     fn sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let b_part = high - a;

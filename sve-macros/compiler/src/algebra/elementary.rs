@@ -1,9 +1,9 @@
-//! The functions of the table in numbers of 106 bits.
+//! The elementary functions in 106 bits.
 //!
-//! Series after reduction of the argument, and steps of Newton's method from the library's value.
-//! The relative error is below 2⁻⁹⁷, plus what a relative change of 2⁻¹⁰⁰ in the argument makes of
-//! the value: cos near π/2 has fewer relative digits. Where a function is not defined, and beyond
-//! the range of `f64`, the value is NaN or infinite.
+//! Series after reduction of the argument, and steps of Newton's method from the value of the
+//! standard library. The relative error is below 2⁻⁹⁷, plus the effect of a relative change of
+//! 2⁻¹⁰⁰ in the argument: cos near π/2 has fewer relative digits. The value is NaN or infinite
+//! where a function is not defined and beyond the range of `f64`.
 
 pub(super) use super::double_double::Double;
 
@@ -16,7 +16,7 @@ pub(super) const ARGUMENT: f64 = 1.0 / (1u128 << 100) as f64;
 const ONE: Double = Double::ONE;
 const NAN: Double = Double::new(f64::NAN, 0.0);
 
-/// π/2 in three parts, of which the first two are [`HALF_PI`].
+/// π/2 in three parts. The first two are [`HALF_PI`].
 const HALF_PI_PARTS: [f64; 3] = [
     std::f64::consts::FRAC_PI_2,
     6.123_233_995_736_766e-17,
@@ -25,7 +25,7 @@ const HALF_PI_PARTS: [f64; 3] = [
 
 const HALF_PI: Double = Double::new(HALF_PI_PARTS[0], HALF_PI_PARTS[1]);
 
-/// ln 2 in three parts, of which the first two are [`LN_2`].
+/// ln 2 in three parts. The first two are [`LN_2`].
 const LN_2_PARTS: [f64; 3] = [
     std::f64::consts::LN_2,
     2.319_046_813_846_299_6e-17,
@@ -36,13 +36,13 @@ const LN_2: Double = Double::new(LN_2_PARTS[0], LN_2_PARTS[1]);
 
 const LN_10: Double = Double::new(std::f64::consts::LN_10, -2.170_756_223_382_249_4e-16);
 
-/// Arguments of the exponential beyond which it is infinite or zero.
+/// Magnitude of the argument beyond which the exponential is infinite or zero.
 const EXPONENT: f64 = 750.0;
 
-/// Arguments from which tanh is 1 in 106 bits.
+/// Argument from which tanh is 1 in 106 bits.
 const TANH_IS_ONE: f64 = 40.0;
 
-/// Integer exponents up to this size are multiplied out.
+/// Largest integer exponent for which a power is multiplied out.
 const POWER: f64 = 1024.0;
 
 pub(super) fn of(x: f64) -> Double {
@@ -61,7 +61,7 @@ pub(super) fn square(x: Double) -> Double {
     x * x
 }
 
-/// `−f(−x)` for negative x, from a function of the others.
+/// Extends a function of nonnegative arguments to an odd function: `−f(−x)` for negative x.
 fn odd(x: Double, f: impl Fn(Double) -> Double) -> Double {
     if is_negative(x) { -f(-x) } else { f(x) }
 }
@@ -93,7 +93,7 @@ pub(super) fn hypot(x: Double, y: Double) -> Double {
     sqrt(square(x) + square(y)).times_two_to(k)
 }
 
-/// `exp x − 1` of a number below 1 in size: the series at `x/2ᵏ`, then `E(2x) = E(x)(2 + E(x))`.
+/// Returns `exp x − 1` for |x| below 1: the series at `x/2ᵏ`, then `E(2x) = E(x)(2 + E(x))`.
 fn small_exp_m1(x: Double) -> Double {
     let halvings = (x.nearest().abs().log2().ceil() + 7.0).clamp(0.0, 7.0) as i32;
     let small = x.times_two_to(-halvings);
@@ -132,7 +132,7 @@ pub(super) fn exp_m1(x: Double) -> Double {
     }
 }
 
-/// `ln(1 + x)`: a step of Newton's method from the library's value.
+/// Returns `ln(1 + x)` by a step of Newton's method from the value of the standard library.
 pub(super) fn ln_1p(x: Double) -> Double {
     let near = of(x.nearest().ln_1p());
     let e = exp_m1(near);
@@ -212,7 +212,7 @@ pub(super) fn atanh(x: Double) -> Double {
     odd(x, |x| of(0.5) * ln_1p(of(2.0) * x / (ONE - x)))
 }
 
-/// `x = n π/2 + r`.
+/// Reduces the argument: `x = n π/2 + r`.
 fn reduced(x: Double) -> (i64, Double) {
     let n = (x.nearest() / HALF_PI_PARTS[0]).round();
     let rest = HALF_PI_PARTS
@@ -221,7 +221,7 @@ fn reduced(x: Double) -> (i64, Double) {
     (n as i64, rest)
 }
 
-/// `Σ (−1)ᵏ x^(2k+first)/(2k+first)!`.
+/// Returns `Σ (−1)ᵏ x^(2k+first)/(2k+first)!`.
 fn series(x: Double, first: u32) -> Double {
     let mut term = if first == 0 { ONE } else { x };
     let mut sum = term;
@@ -253,8 +253,8 @@ pub(super) fn cos(x: Double) -> Double {
     }
 }
 
-/// The angle of the point `(x, y)`: the library's value, and the angle that is left when the point
-/// is turned back by it.
+/// Returns the angle of the point `(x, y)`: the value of the standard library, plus the angle that
+/// remains after the point is rotated back by it.
 pub(super) fn atan2(y: Double, x: Double) -> Double {
     let near = y.nearest().atan2(x.nearest());
     if is_zero(x) && is_zero(y) {
@@ -274,7 +274,7 @@ pub(super) fn atan(x: Double) -> Double {
     })
 }
 
-/// The inverse sine of numbers up to 0.7 in size, where the cosine is not small.
+/// Returns the inverse sine for |x| up to 0.7, where the cosine is not small.
 fn small_asin(x: Double) -> Double {
     let near = of(x.nearest().asin());
     near + (x - sin(near)) / cos(near)

@@ -1,8 +1,8 @@
 //! The hash-consed arena of expressions.
 //!
-//! Invariants: a node's operands were created before it, so ascending order is an order of
+//! Invariants: the operands of a node were created before it, so ascending order is an order of
 //! evaluation and no walk needs recursion; equal nodes have equal names; the interning maps are
-//! only looked up, never iterated, so that the same input gives the same output.
+//! only looked up, never iterated, so the same input gives the same output.
 
 use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
@@ -15,7 +15,7 @@ use super::hash::Map;
 pub(crate) struct Expr(u32);
 
 impl Expr {
-    /// Its place in the arena.
+    /// Returns the position of the node in its arena.
     pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
@@ -25,7 +25,8 @@ impl Expr {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Symbol(pub(crate) u32);
 
-/// By what later stages recognise an intermediate result; the algebra does not look into it.
+/// The mark by which later stages recognise an intermediate result. The algebra does not interpret
+/// it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Identity(pub(crate) u64);
 
@@ -44,7 +45,7 @@ impl Bits {
     }
 }
 
-/// What an expression is made of.
+/// The operation of an expression and its operands.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Node {
     Constant(Bits),
@@ -56,43 +57,44 @@ pub(crate) enum Node {
     Product(Vec<(Expr, i32)>),
     Call(Function, Expr),
     Call2(Binary, Expr, Expr),
-    /// The same value as its operand, but not opened by the rules of sums and products: an
-    /// intermediate result. Its identity, which is not part of the value, stays when symbols in the
-    /// operand are replaced.
+    /// An intermediate result: the value of its operand, not expanded by the rules of sums and
+    /// products. The identity is not part of the value; it stays when symbols in the operand are
+    /// replaced.
     Opaque(Expr, Option<Identity>),
 }
 
-/// What a new node costs of the budget, since it is likely to be differentiated, scheduled and
+/// Cost of a new node in the budget. A new node is likely to be differentiated, scheduled and
 /// printed.
 const NODE: usize = 1_000;
 
-/// What each of its operands adds.
+/// Additional cost of each operand of a new node.
 const OPERAND: usize = 300;
 
 /// The symbols that an expression contains, as an index of interned sets.
 type SetId = u32;
 
-/// Owner of the expressions of one derivation. An expression means the same in every copy that was
-/// made after it.
+/// Owner of the expressions of one derivation. An expression has the same meaning in every copy of
+/// the arena made after the expression.
 #[derive(Clone)]
 pub(crate) struct Arena {
     nodes: Vec<Node>,
     names: Map<Node, Expr>,
-    /// Symbols in each node.
+    /// The set of symbols of each node.
     contents: Vec<SetId>,
     sets: Vec<Vec<u64>>,
     set_names: Map<Vec<u64>, SetId>,
     pub(super) derivatives: Map<(Expr, Symbol), Expr>,
-    /// What the walks have seen.
+    /// The nodes that walks have visited.
     marks: RefCell<Marks>,
-    /// Whether folding has lost a constant: one too small beside another to change it, or a product
-    /// that underflowed. Then an expression that the algebra makes 0 may be another one.
+    /// True if folding has lost a constant: one too small to change the constant it was added to,
+    /// or a product that underflowed. An expression that the algebra simplifies to 0 may then be
+    /// different from 0.
     pub(super) has_lost_constants: Cell<bool>,
-    /// Work that may still be done: `budget`.
+    /// Remaining work; see `budget`.
     pub(super) budget: Cell<usize>,
 }
 
-/// Marks of a walk: a node is marked where it has the number of the walk.
+/// Marks of a walk. A node is marked if its entry is the number of the walk.
 #[derive(Clone, Default)]
 struct Marks {
     walk: u32,
@@ -118,19 +120,19 @@ impl Arena {
         &self.nodes[expr.0 as usize]
     }
 
-    /// The operands of an expression.
+    /// Returns the operands of an expression.
     pub(crate) fn operands_of(&self, expr: Expr) -> impl Iterator<Item = Expr> {
         let mut list = Vec::new();
         each_operand(self.node(expr), |operand| list.push(operand));
         list.into_iter()
     }
 
-    /// Number of nodes so far.
+    /// Returns the number of nodes.
     pub(crate) fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// The value of a constant expression.
+    /// Returns the value of a constant expression.
     pub(crate) fn constant_value(&self, expr: Expr) -> Option<f64> {
         match self.node(expr) {
             Node::Constant(bits) => Some(bits.get()),
@@ -138,7 +140,7 @@ impl Arena {
         }
     }
 
-    /// Whether the constants of a node, those of its operands aside, are finite.
+    /// Returns whether the constants of a node itself, not of its operands, are finite.
     pub(crate) fn is_finite(&self, expr: Expr) -> bool {
         match self.node(expr) {
             Node::Constant(bits) => bits.get().is_finite(),
@@ -149,19 +151,19 @@ impl Arena {
         }
     }
 
-    /// Whether `symbol` occurs in `expr`.
+    /// Returns whether `symbol` occurs in `expr`.
     pub(crate) fn contains(&self, expr: Expr, symbol: Symbol) -> bool {
         let set = &self.sets[self.contents[expr.0 as usize] as usize];
         let (word, bit) = (symbol.0 as usize / 64, symbol.0 % 64);
         set.get(word).is_some_and(|w| w >> bit & 1 == 1)
     }
 
-    /// The expression of a symbol, if there is one yet.
+    /// Returns the expression of a symbol if it exists already.
     pub(crate) fn known_symbol(&self, symbol: Symbol) -> Option<Expr> {
         self.names.get(&Node::Symbol(symbol)).copied()
     }
 
-    /// The symbols that occur in `expr`, ascending.
+    /// Returns the symbols that occur in `expr`, ascending.
     pub(crate) fn symbols_of(&self, expr: Expr) -> impl Iterator<Item = Symbol> + '_ {
         let set = &self.sets[self.contents[expr.0 as usize] as usize];
         set.iter().enumerate().flat_map(|(word, &bits)| {
@@ -171,7 +173,8 @@ impl Arena {
         })
     }
 
-    /// The name of a node whose invariants hold.
+    /// Returns the name of a node, which must satisfy the invariants, and creates the node if it is
+    /// new.
     pub(super) fn intern(&mut self, node: Node) -> Expr {
         if let Some(&expr) = self.names.get(&node) {
             return expr;
@@ -190,7 +193,7 @@ impl Arena {
         expr
     }
 
-    /// The product of these factors, where it exists.
+    /// Returns the product of these factors if it exists already.
     pub(super) fn known_product(&self, factors: &[(Expr, i32)]) -> Option<Expr> {
         self.names.get(&Node::Product(factors.to_vec())).copied()
     }
@@ -226,12 +229,13 @@ impl Arena {
         id
     }
 
-    /// Everything that `roots` are made of and `wanted` accepts, operands before users.
+    /// Returns the accepted subexpressions of `roots`, operands before users. The walk does not
+    /// enter a subexpression that `wanted` rejects.
     pub(crate) fn reachable(&self, roots: &[Expr], wanted: impl Fn(Expr) -> bool) -> Vec<Expr> {
         if self.is_exhausted() {
             return Vec::new();
         }
-        // a walk within `wanted` would find no marks, and make its own
+        // a walk within `wanted` finds no marks here and creates its own
         let mut marks = self.marks.take();
         marks.walk += 1;
         marks.of.resize(self.nodes.len(), 0);
@@ -261,12 +265,12 @@ impl Arena {
         found
     }
 
-    /// `expr` with symbols replaced.
+    /// Replaces symbols in `expr`.
     pub(crate) fn substitute(&mut self, expr: Expr, by: &HashMap<Symbol, Expr>) -> Expr {
         self.substitute_all(&[expr], by)[0]
     }
 
-    /// Each of `exprs` with symbols replaced; what they share is rebuilt once.
+    /// Replaces symbols in each of `exprs`; shared subexpressions are rebuilt once.
     pub(crate) fn substitute_all(
         &mut self,
         exprs: &[Expr],
@@ -297,7 +301,7 @@ impl Arena {
         results
     }
 
-    /// Each of `exprs` with subexpressions replaced; what they share is rebuilt once.
+    /// Replaces subexpressions in each of `exprs`; shared subexpressions are rebuilt once.
     pub(crate) fn replace_all(&mut self, exprs: &[Expr], by: &HashMap<Expr, Expr>) -> Vec<Expr> {
         let none = HashMap::new();
         let mut done: Map<Expr, Expr> = by.iter().map(|(&old, &new)| (old, new)).collect();
@@ -311,13 +315,13 @@ impl Arena {
             .collect()
     }
 
-    /// Whether any symbol of a set occurs in `expr`.
+    /// Returns whether any symbol of a set occurs in `expr`.
     fn has_any(&self, expr: Expr, set: &[u64]) -> bool {
         let own = &self.sets[self.contents[expr.index()] as usize];
         own.iter().zip(set).any(|(a, b)| a & b != 0)
     }
 
-    /// A node with its symbol or its operands replaced.
+    /// Rebuilds a node with its symbol or its operands replaced.
     fn rebuild(&mut self, e: Expr, by: &HashMap<Symbol, Expr>, done: &Map<Expr, Expr>) -> Expr {
         let of = |x: Expr| done.get(&x).copied().unwrap_or(x);
         match self.node(e).clone() {
@@ -338,7 +342,7 @@ impl Arena {
     }
 }
 
-/// Does something with each operand of a node.
+/// Calls `f` with each operand of a node.
 pub(super) fn each_operand(node: &Node, mut f: impl FnMut(Expr)) {
     match node {
         Node::Constant(_) | Node::Symbol(_) => {}

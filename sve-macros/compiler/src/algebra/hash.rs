@@ -1,12 +1,12 @@
-//! A hasher for the small keys of the arena: a rotation and a multiplication a word.
+//! A hasher for the small keys of the arena: one rotation and one multiplication for each word.
 //!
-//! The default one is made for keys that an enemy chooses, and took a fifth of an expansion's time.
-//! It is also seeded at random, and this one is not.
+//! The default hasher is made for keys that an attacker chooses, and took a fifth of the time of an
+//! expansion. It is also seeded at random; this hasher is not.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// A map that is looked up and not iterated.
+/// A map that is looked up and never iterated.
 pub(crate) type Map<K, V> = HashMap<K, V, BuildHasherDefault<Multiply>>;
 
 /// State of the hash.
@@ -51,7 +51,7 @@ impl Hasher for Multiply {
     }
 
     fn finish(&self) -> u64 {
-        // a table takes low and high bits, of which a product has mixed the high ones only
+        // a hash table uses low and high bits, and the multiplication mixed only the high ones
         self.0 ^ (self.0 >> 32)
     }
 }

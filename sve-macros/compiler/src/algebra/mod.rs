@@ -1,9 +1,9 @@
 //! A small algebra library: it knows neither syntax trees nor code generation.
 //!
 //! Expressions live in an [`Arena`] and are named by [`Expr`]. Construction applies local rules
-//! only (`simplify`), so that equal expressions are mostly equal names; what these rules miss is
-//! decided numerically (`zero`). Before they are computed, expressions are put into forms that do
-//! not cancel (`stable`).
+//! only (`simplify`), so equal expressions mostly have equal names; equalities that these rules
+//! miss are decided numerically (`zero`). Before they are computed, expressions are put into forms
+//! that do not cancel (`stable`).
 
 mod budget;
 mod diff;

@@ -1,6 +1,6 @@
 //! Numbers as a physicist writes them: 1/3 below the line, 2·π, 1.38·10⁻²³.
 //!
-//! Invariant: numerator over denominator is the number, to the last bit but for powers of ten.
+//! Invariant: numerator over denominator equals the number, up to the rounding of the power of ten.
 
 use std::f64::consts::PI;
 
@@ -14,13 +14,13 @@ pub(super) struct Fraction {
 /// Characters of a decimal that is easier to read than a fraction.
 const DIGITS: usize = 7;
 
-/// Denominators that are tried.
+/// Largest denominator that is tried.
 const DENOMINATORS: u32 = 64;
 
 /// Largest numerator of a fraction; beyond it, a decimal is easier to read.
 const NUMERATOR: f64 = 999.0;
 
-/// The fraction that is `c`, for positive `c`.
+/// Returns a positive number as a fraction, with a multiple of π if it is one.
 pub(super) fn fraction(c: f64) -> Fraction {
     let below = |below: u32| Fraction {
         above: String::new(),
@@ -39,7 +39,7 @@ pub(super) fn fraction(c: f64) -> Fraction {
         }
     }
     let plain = decimal(c);
-    // what people write as a decimal stays one
+    // a short decimal stays a decimal
     if plain.chars().count() <= DIGITS {
         return whole(plain);
     }
@@ -62,7 +62,7 @@ pub(super) fn fraction(c: f64) -> Fraction {
     whole(plain)
 }
 
-/// `π`, its small multiples and their halves and quarters.
+/// Recognises π, its small multiples, and their halves and quarters.
 fn of_pi(c: f64) -> Option<Fraction> {
     for k in [1u32, 2, 4] {
         for multiple in [1.0, 2.0, 3.0, 4.0, 8.0] {
@@ -79,7 +79,8 @@ fn of_pi(c: f64) -> Option<Fraction> {
     None
 }
 
-/// A positive number in decimal notation, the very large and very small with a power of ten.
+/// Prints a positive number in decimal notation; very large and very small numbers with a power of
+/// ten.
 pub(super) fn decimal(c: f64) -> String {
     if c.is_nan() {
         return "NaN".to_owned();
@@ -99,7 +100,7 @@ pub(super) fn decimal(c: f64) -> String {
     }
 }
 
-/// A digit or a minus raised.
+/// Returns a digit or a minus sign as a superscript.
 pub(super) fn superscript(c: char) -> char {
     match c {
         '0' => '⁰',

@@ -1,8 +1,8 @@
-//! A reader of printed formulas, by the usual rules of precedence; for tests, here and of what
-//! users see.
+//! A reader of printed formulas by the usual rules of precedence, for tests of formulas that users
+//! see.
 //!
-//! Input: a formula and the values of its names. Output: its value, or nothing where a name or a
-//! function is not known. It knows nothing of the expressions that formulas are printed from.
+//! Input: a formula and the values of its names. Output: its value, or `None` if a name or a
+//! function is unknown. The reader shares no code with the printer of formulas.
 
 use std::collections::HashMap;
 use std::iter::Peekable;
@@ -10,7 +10,7 @@ use std::str::Chars;
 
 const RAISED: &str = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
-/// The value of a formula.
+/// Returns the value of a formula.
 pub(crate) fn read(text: &str, values: &HashMap<String, f64>) -> Option<f64> {
     let mut reader = Reader {
         rest: text.chars().peekable(),

@@ -1,5 +1,5 @@
-//! Evaluation in 106 bits, with a bound of what its rounding did and one of what the rounding of
-//! constants did.
+//! Evaluation in 106 bits, with a bound of the rounding error and a bound of the error that inexact
+//! constants cause.
 //!
 //! A constant such as 0.1 or √2 stands for a number that differs from it by half a unit in the last
 //! place, and folding constants rounds again. No precision of the evaluation removes that
@@ -10,7 +10,7 @@ use super::Map;
 use super::elementary::{ARGUMENT, Double, ROUNDING, of};
 use super::expr::{Arena, Binary, Bits, Expr, Function, Node, Symbol};
 
-/// Relative error of an operation in 106 bits.
+/// Relative rounding error of an operation in 106 bits.
 const OPERATION: f64 = 1.0 / (1u128 << 102) as f64;
 
 /// Relative uncertainty of a constant that may be rounded: its literal, and a few roundings of
@@ -21,43 +21,43 @@ const CONSTANT: f64 = 2.0 * f64::EPSILON;
 /// One of 2²⁶ rounded constants is taken as exact by chance.
 const SPARE_BITS: u64 = (1 << 26) - 1;
 
-/// Relative change of a function, for such a change of its argument, below which the value tells
-/// nothing of the argument.
+/// Relative slope below which a value has lost the information of its argument.
 const FLAT: f64 = 1e-20;
 
 /// Magnitudes below which the second part of a number may underflow.
 const TINY: f64 = 1e-270;
 
-/// The bounds of rounding errors are of first order; this leaves room for the second order.
+/// Factor on the bounds of rounding errors, which are of first order; it leaves room for the second
+/// order.
 const SLACK: f64 = 64.0;
 
-/// The same for the uncertainty of constants.
+/// The same factor for the uncertainty of constants.
 const CONSTANT_SLACK: f64 = 4.0;
 
-/// A number of 106 bits with its bounds.
+/// A number of 106 bits with bounds of its errors.
 #[derive(Clone, Copy)]
 pub(crate) struct Sharp {
     value: Double,
-    /// Bound of the rounding errors of its evaluation; NaN where it has lost what it should tell.
+    /// Bound of the rounding errors; NaN if the value has lost the information of its argument.
     error: f64,
-    /// Bound of what the uncertainty of constants makes of it.
+    /// Bound of the error that the uncertainty of constants causes.
     constant_error: f64,
 }
 
-/// What a number says of being zero.
+/// Whether a number is zero, judged by its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// Zero within its rounding errors.
     Zero,
-    /// More than its rounding errors, and no more than the uncertainty of its constants.
+    /// Larger than its rounding errors, but not larger than the uncertainty of its constants.
     Undecided,
     NotZero,
-    /// Undefined at this point, or without digits.
+    /// No statement: undefined at this point, or without significant digits.
     Nothing,
 }
 
 impl Sharp {
-    /// A number without uncertainty.
+    /// Returns a number without uncertainty.
     pub(crate) fn exact(value: f64) -> Self {
         Self {
             value: of(value),
@@ -78,7 +78,7 @@ impl Sharp {
         self.value.nearest().abs()
     }
 
-    /// Returns what the number says of being zero.
+    /// Returns whether the number is zero, as far as its bounds tell.
     pub(crate) fn verdict(self) -> Verdict {
         let (size, error, constant_error) = (self.size(), self.error, self.constant_error);
         if !(size.is_finite() && error.is_finite() && constant_error.is_finite()) {
@@ -136,7 +136,8 @@ impl Sharp {
         }
     }
 
-    /// Returns the value with an unbounded error if it has lost what it should tell.
+    /// Returns the value with an unbounded error if `condition` holds: then it has lost the
+    /// information of its argument.
     fn without_digits_if(self, condition: bool) -> Self {
         Self {
             error: if condition { f64::NAN } else { self.error },
@@ -155,7 +156,7 @@ fn uncertainty(bits: Bits) -> f64 {
 }
 
 impl Arena {
-    /// Evaluates nodes, operands before users, at a point.
+    /// Evaluates nodes at a point. Operands precede their users in `nodes`.
     pub(super) fn evaluate_sharp(
         &self,
         nodes: &[Expr],
@@ -244,8 +245,8 @@ fn call(function: Function, x: Sharp) -> Sharp {
     .without_digits_if(is_flat)
 }
 
-/// Of a power with a constant exponent, the exponent as one of e, and the uncertainty of the
-/// constant.
+/// Returns, for a power with a constant exponent, the exponent to the base e and the uncertainty of
+/// the constant; zeros for other functions.
 fn exponent(function: Function, x: Sharp) -> (f64, f64) {
     match function {
         Function::Powf(k) => ((k.get() * x.size().ln()).abs(), uncertainty(k)),
@@ -258,7 +259,7 @@ fn call2(function: Binary, x: Sharp, y: Sharp) -> Sharp {
     let near = value.nearest();
     let (dx, dy) = function.slopes(x.value.nearest(), y.value.nearest(), near);
     let through = |of_x: f64, of_y: f64| {
-        // a slope that is infinite where its argument is exact says nothing
+        // an exact argument contributes no error, even if the slope is infinite
         let part = |slope: f64, bound: f64| {
             if bound == 0.0 {
                 0.0

@@ -1,15 +1,15 @@
-//! Constructors of expressions, with the local rules.
+//! Constructors of expressions, which apply the local rules of simplification.
 //!
-//! Each rule holds wherever the left side is defined; some right sides are defined in more places
+//! Each rule holds wherever its left side is defined; some right sides are defined at more points
 //! (x·x⁻¹ → 1). There is no rule √(x²) → x, which is wrong at x < 0.
 
 use super::expr::{Arena, Binary, Bits, Expr, Function, Identity, Node, Symbol};
 use super::functions::{Parity, Sign};
 
-/// Sums longer than this are kept as one term of another sum instead of being merged into it.
+/// Length beyond which a sum stays one term of another sum instead of being merged into it.
 const MERGE_LIMIT: usize = 64;
 
-/// Exponents from here on are not merged, lest they overflow.
+/// Smallest exponent that is not merged, lest the merged exponent overflow.
 const EXPONENT: i32 = 1 << 20;
 
 impl Arena {
@@ -21,12 +21,12 @@ impl Arena {
         self.intern(Node::Symbol(symbol))
     }
 
-    /// A named intermediate result: the rules of sums and products do not look inside.
+    /// Returns a named intermediate result. The rules of sums and products do not expand it.
     pub(crate) fn opaque(&mut self, expr: Expr) -> Expr {
         self.intermediate(expr, None)
     }
 
-    /// An intermediate result that later stages recognise, if it has an identity.
+    /// Returns an intermediate result. If it has an identity, later stages recognise it.
     pub(crate) fn intermediate(&mut self, expr: Expr, identity: Option<Identity>) -> Expr {
         match self.node(expr) {
             Node::Constant(_) | Node::Symbol(_) | Node::Opaque(..) => expr,
@@ -34,7 +34,7 @@ impl Arena {
         }
     }
 
-    /// `constant + Σ coefficient · term`, like terms collected.
+    /// Returns `constant + Σ coefficient · term` with like terms collected.
     pub(crate) fn sum(&mut self, constant: f64, terms: &[(f64, Expr)]) -> Expr {
         let mut constant = constant;
         let mut flat: Vec<(Expr, f64)> = Vec::with_capacity(terms.len());
@@ -71,7 +71,7 @@ impl Arena {
         }
     }
 
-    /// The sum of two constants, and whether one of them is lost in it.
+    /// Returns the sum of two constants, and records whether one of them is lost in it.
     fn folded_sum(&self, a: f64, b: f64) -> f64 {
         let sum = a + b;
         if (sum == a && b != 0.0) || (sum == b && a != 0.0) {
@@ -80,7 +80,7 @@ impl Arena {
         sum
     }
 
-    /// The product of two constants, and whether it is lost by underflow.
+    /// Returns the product of two constants, and records whether it is lost by underflow.
     fn folded_product(&self, a: f64, b: f64) -> f64 {
         let product = a * b;
         if product == 0.0 && a != 0.0 && b != 0.0 {
@@ -117,7 +117,7 @@ impl Arena {
         self.product(&[(a, k)])
     }
 
-    /// The magnitude, with what is known not to be negative left as it is.
+    /// Returns the absolute value. Factors that are known to be nonnegative stay unchanged.
     pub(crate) fn abs(&mut self, a: Expr) -> Expr {
         match self.node(a).clone() {
             Node::Constant(value) => self.constant(value.get().abs()),
@@ -133,8 +133,8 @@ impl Arena {
                 let sizes: Vec<_> = factors
                     .iter()
                     .map(|&(base, k)| {
-                        // no factor of a product is a product, so this is as deep as the nesting of
-                        // sums of one term
+                        // no factor of a product is a product, so this recursion is only as deep as
+                        // sums of one term are nested
                         let base = if k % 2 == 0 { base } else { self.abs(base) };
                         (base, k)
                     })
@@ -145,7 +145,7 @@ impl Arena {
         }
     }
 
-    /// `Π base^exponent`, equal bases collected.
+    /// Returns `Π base^exponent` with equal bases collected.
     pub(crate) fn product(&mut self, factors: &[(Expr, i32)]) -> Expr {
         let mut coefficient = 1.0;
         let mut flat: Vec<(Expr, i32)> = Vec::with_capacity(factors.len());
@@ -161,7 +161,7 @@ impl Arena {
                         open.extend(list.iter().map(|&(x, j)| (x, j * k)));
                     }
                     Node::Product(_) => {
-                        // exponents that no sensible formula has stay a power of a power
+                        // a power with an exponent of absurd size stays a power of a power
                         let base = self.opaque(base);
                         flat.push((base, k));
                     }
@@ -200,8 +200,9 @@ impl Arena {
         self.scale(coefficient, bare)
     }
 
-    /// A sum as `unit · base`: x + y, −x − y and (x + y)/2 share a base, whose leading coefficient
-    /// is in [1, 2), reached by sign and powers of two, which round nothing.
+    /// Returns a sum as `unit · base`. The leading coefficient of the base is in [1, 2), so that
+    /// x + y, −x − y and (x + y)/2 share their base. The unit is a signed power of two, so the
+    /// division is exact.
     fn leading_one(&mut self, sum: Expr) -> (f64, Expr) {
         match self.node(sum) {
             Node::Sum(_, terms) if !(1.0..2.0).contains(&terms[0].1.get()) => {
@@ -212,7 +213,7 @@ impl Arena {
         }
     }
 
-    /// What `expr` becomes as a factor: a constant, and bases with exponents.
+    /// Splits `expr` into a constant and bases with exponents.
     pub(super) fn as_factors(&mut self, expr: Expr) -> (f64, Vec<(Expr, i32)>) {
         let bare = |node: &Node, base: Expr| match node {
             Node::Product(list) => list.clone(),
@@ -230,8 +231,8 @@ impl Arena {
         }
     }
 
-    /// Whether a radicand is a base in the form in which its root has it: it is computed anyway,
-    /// and its multiples are not.
+    /// Returns whether the radicand occurs unscaled as the argument of its root. The root is
+    /// computed from this radicand anyway, so keeping it unscaled shares its value.
     fn stands_as_it_is(&mut self, radicand: Expr, flat: &[(Expr, i32)]) -> bool {
         let (_, factors) = self.as_factors(radicand);
         match factors.as_slice() {
@@ -242,9 +243,9 @@ impl Arena {
         }
     }
 
-    /// Takes powers of a radicand out of those of its root, where something is left to do:
-    /// `√x^k = x^(k/2) √x^(k%2)`, and, beside a power of x of the other sign, `√x⁻¹ = x⁻¹ √x` and
-    /// `√x = x √x⁻¹`, so that nothing of the form 0/0 is left at x = 0.
+    /// Moves powers from a root to its radicand where this simplifies the product:
+    /// `√x^k = x^(k/2) √x^(k%2)`. Beside a power of x of the other sign, `√x⁻¹ = x⁻¹ √x` and
+    /// `√x = x √x⁻¹`, so that no form 0/0 remains at x = 0.
     fn take_radicand(&mut self, flat: &mut [(Expr, i32)]) -> Option<(Expr, i32)> {
         for at in 0..flat.len() {
             let (root, k) = flat[at];
@@ -303,7 +304,8 @@ impl Arena {
         }
     }
 
-    /// Integer powers become products, half-integer powers square roots and products.
+    /// Returns a power with a constant exponent. Integer exponents give products, half-integer
+    /// exponents square roots and products.
     pub(super) fn constant_power(&mut self, x: Expr, exponent: f64) -> Expr {
         let twice = 2.0 * exponent;
         if twice == twice.round() && twice.abs() <= 128.0 {
@@ -318,7 +320,7 @@ impl Arena {
     }
 }
 
-/// Sorts, and adds the exponents of equal bases.
+/// Sorts the factors and adds the exponents of equal bases.
 fn collect_powers(flat: &mut Vec<(Expr, i32)>) {
     flat.sort_by_key(|f| f.0);
     let mut merged: Vec<(Expr, i32)> = Vec::with_capacity(flat.len());
@@ -332,7 +334,7 @@ fn collect_powers(flat: &mut Vec<(Expr, i32)>) {
     *flat = merged;
 }
 
-/// How often all of `factors`, to the power `sign` = ±1, are contained in `product`.
+/// Returns how often `product` contains all of `factors`, to the power `sign` = ±1.
 pub(super) fn times_divisible(product: &[(Expr, i32)], factors: &[(Expr, i32)], sign: i32) -> i32 {
     let power = |base: Expr| product.iter().find(|f| f.0 == base).map_or(0, |f| f.1);
     let times = |&(base, e): &(Expr, i32)| {
@@ -346,13 +348,13 @@ pub(super) fn times_divisible(product: &[(Expr, i32)], factors: &[(Expr, i32)], 
     factors.iter().map(times).min().unwrap_or(0)
 }
 
-/// Whether the exponents of a power of a power may be multiplied.
+/// Returns whether the exponents of a power of a power may be multiplied.
 fn moderate(j: i32, k: i32) -> bool {
     j.checked_mul(k).is_some_and(|jk| jk.abs() < EXPONENT)
 }
 
-/// The power of two, with the sign of `c`, whose quotient with `c` is in [1, 2); 1 where that over-
-/// or underflows.
+/// Returns the power of two, with the sign of `c`, whose quotient with `c` is in [1, 2). If it
+/// over- or underflows, returns 1.
 fn power_of_two(c: f64) -> f64 {
     let exponent = c.abs().log2().floor();
     let exponent = if c.abs() < exponent.exp2() {

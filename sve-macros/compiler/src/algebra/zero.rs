@@ -1,64 +1,65 @@
-//! Whether an expression vanishes identically.
+//! The test whether an expression vanishes identically.
 //!
-//! Input: an expression. Output: how it is known to vanish, or that it does not. The algebra
-//! answers where it leaves the constant 0. Otherwise the expression is evaluated at random points
-//! near 1 and of other scales, with a running bound of the rounding errors. Plain `f64` finds most
-//! expressions that do not vanish; only what it takes for zero is evaluated again in 106 bits
-//! (`sharp`). Where a function underflows or has saturated, a point tells nothing and another point
-//! is taken. The points are fixed, so the answer is the same in every build.
+//! Input: an expression. Output: the reason why it is taken for zero, or `None` if it does not
+//! vanish. The algebra decides if it leaves the constant 0. Otherwise the expression is evaluated
+//! at random points near 1 and of other scales, with a running bound of the rounding errors. Plain
+//! `f64` recognises most expressions that do not vanish; an expression that it takes for zero is
+//! evaluated again in 106 bits (`sharp`). If a function underflows or has saturated at a point, the
+//! point is replaced by another one. The points are fixed, so the answer is the same in every
+//! build.
 
 use super::Map;
 use super::expr::{Arena, Expr, Function, Node, Symbol};
 use super::sharp::{Sharp, Verdict};
 
-/// How an expression is known to vanish, the surest first.
+/// The reason why an expression is taken for zero, the most certain first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Vanishing {
     /// The algebra leaves the constant 0: a proof.
     Proved,
-    /// Zero to some 28 digits of the sum of the magnitudes of its terms at all points. A term that
-    /// is smaller than that at all points is not seen.
+    /// Zero to some 28 digits of the sum of the magnitudes of its terms, at all points. A term that
+    /// is smaller than this at all points goes unnoticed.
     Evaluated,
-    /// No larger than the rounding of the constants in it allows at all points: whether it vanishes
-    /// cannot be decided.
+    /// Not larger, at any point, than the rounding of its constants can explain. Whether the
+    /// expression vanishes cannot be decided.
     Undecided,
 }
 
 /// Points near 1 at which an identity has to hold.
 const POINTS: usize = 6;
 
-/// Points tried before an expression is called nowhere defined, and so not zero: first those near
-/// 1 …
+/// Points tried before an expression counts as nowhere defined, and so not as zero. The points near
+/// 1 come first.
 const ATTEMPTS: u64 = NEAR_ONE + SCALES.len() as u64 * TIMES;
 
 /// Points tried near 1.
 const NEAR_ONE: u64 = 40;
 
-/// … then, where those tell nothing, points of other scales: `exp(−(q/1e−6)²)` and
+/// Scales of the points tried if the points near 1 tell nothing: `exp(−(q/1e−6)²)` and
 /// `1 − cos(1e−9 q)` vanish to rounding near 1.
 const SCALES: [f64; 10] = [1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9, 1e-12, 1e12, 1e-15, 1e15];
 
-/// Points tried of each other scale.
+/// Points tried at each of these scales.
 const TIMES: u64 = 16;
 
 /// Points at which each symbol has a scale of its own, for terms that are small beside the others
-/// unless one of them grows.
+/// unless one symbol grows.
 const MIXED: u64 = 6;
 
-/// The scales among which a symbol of such a point has its own.
+/// Scales of the symbols at such a point.
 const MIXED_SCALES: [f64; 5] = [1.0, 1e-3, 1e3, 1e-6, 1e6];
 
-/// Relative change of a function, for such a change of its argument, below which the value tells
-/// nothing of the argument: tanh of 20 is 1, and exp of −1000 is 0.
+/// Relative slope below which a value has lost the information of its argument: tanh of 20 is 1,
+/// and exp of −1000 is 0.
 const FLAT: f64 = 1e-9;
 
-/// Products of a few numbers of this size are far from underflow.
+/// Magnitude above which a product of a few numbers is far from underflow.
 const MODERATE: f64 = 1e-60;
 
-/// The running bound is of first order; this leaves room for the second.
+/// Factor on the running bound, which is of first order; it leaves room for the second order.
 const SLACK: f64 = 64.0;
 
-/// A value with a bound of its error.
+/// A value with a bound of its rounding error.
 #[derive(Clone, Copy)]
 struct Rounded {
     value: f64,
@@ -66,12 +67,13 @@ struct Rounded {
 }
 
 impl Arena {
-    /// Whether `expr` is zero wherever it is defined, as far as that can be known.
+    /// Returns whether `expr` is zero wherever it is defined, as far as this can be known.
     pub(crate) fn is_zero(&self, expr: Expr) -> bool {
         self.vanishing(expr).is_some()
     }
 
-    /// How `expr` is known to be zero wherever it is defined; nothing where it is not zero.
+    /// Returns the reason why `expr` is taken for zero wherever it is defined; `None` if it is not
+    /// zero.
     pub(crate) fn vanishing(&self, expr: Expr) -> Option<Vanishing> {
         let found = self.vanishing_as_it_is(expr)?;
         Some(if self.has_lost_constants() {
@@ -81,8 +83,8 @@ impl Arena {
         })
     }
 
-    /// Whether folding has lost a constant, so that what is left may be another expression than
-    /// what was written.
+    /// Returns whether folding has lost a constant. If so, the remaining expression may differ from
+    /// the one that was written.
     pub(crate) fn has_lost_constants(&self) -> bool {
         self.has_lost_constants.get()
     }
@@ -112,13 +114,14 @@ impl Arena {
         }
         match self.vanishing_sharply(&nodes, expr) {
             Ok(vanishing) => Some(vanishing),
-            // no digits anywhere: what the plain numbers say
+            // without digits at any point, the evaluation in `f64` decides
             Err(Verdict::Nothing) => (held > 0).then_some(Vanishing::Undecided),
             Err(_) => None,
         }
     }
 
-    /// The same in 106 bits; the verdict where that is another one.
+    /// Repeats the test in 106 bits. Returns the verdict as an error if the expression is not taken
+    /// for zero.
     fn vanishing_sharply(&self, nodes: &[Expr], expr: Expr) -> Result<Vanishing, Verdict> {
         let mut found = None;
         let mut held = 0;
@@ -139,8 +142,9 @@ impl Arena {
         found.ok_or(Verdict::Nothing)
     }
 
-    /// Which of `exprs` are zero: as [`is_zero`](Self::is_zero), with what they share evaluated
-    /// once at the point that tells most of them from zero.
+    /// Returns, for each of `exprs`, whether it is zero; see [`is_zero`](Self::is_zero). Shared
+    /// subexpressions are evaluated once, at a first point that already recognises most nonzero
+    /// expressions.
     pub(crate) fn zeros(&self, exprs: &[Expr]) -> Vec<bool> {
         if self.is_exhausted() {
             return vec![true; exprs.len()];
@@ -154,8 +158,8 @@ impl Arena {
         exprs.iter().map(is_zero).collect()
     }
 
-    /// The values of `exprs` at random points where all of them are defined; what is within its
-    /// rounding error is zero.
+    /// Returns the values of `exprs` at random points where all of them are defined. A value below
+    /// its rounding error is replaced by zero.
     pub(crate) fn samples<'a>(&'a self, exprs: &'a [Expr]) -> impl Iterator<Item = Vec<f64>> + 'a {
         let nodes = self.reachable(exprs, |_| true);
         let attempts = if self.is_exhausted() { 0 } else { ATTEMPTS };
@@ -175,7 +179,7 @@ impl Arena {
         (0..attempts).filter_map(defined).take(POINTS)
     }
 
-    /// The same in 106 bits, with their bounds.
+    /// Returns the values of `exprs` at random points in 106 bits, with their bounds.
     pub(crate) fn sharp_samples<'a>(
         &'a self,
         exprs: &'a [Expr],
@@ -190,8 +194,8 @@ impl Arena {
         (0..attempts).filter_map(defined).take(POINTS)
     }
 
-    /// A power of two that brings the largest of `exprs` to the order of 1 at a random point; 1
-    /// where they are not so large or small that a product of two of them is out of range.
+    /// Returns a power of two that scales the largest of `exprs` to the order of 1 at a random
+    /// point. Returns 1 if a product of two of them is in range anyway.
     pub(crate) fn scale_of(&self, exprs: &[Expr]) -> f64 {
         let largest = |point: Vec<f64>| point.iter().fold(0.0f64, |m, x| m.max(x.abs()));
         let size = self.samples(exprs).map(largest).next().unwrap_or(1.0);
@@ -202,13 +206,13 @@ impl Arena {
         }
     }
 
-    /// The values of expressions at a point.
+    /// Returns the values of expressions at a point.
     pub(crate) fn values(&self, exprs: &[Expr], at: impl Fn(Symbol) -> f64) -> Vec<f64> {
         let values = self.evaluate_nodes(&self.reachable(exprs, |_| true), at);
         exprs.iter().map(|e| values[e].value).collect()
     }
 
-    /// The value of `expr` at a point.
+    /// Returns the value of `expr` at a point.
     #[cfg(test)]
     pub(crate) fn evaluate(&self, expr: Expr, at: impl Fn(Symbol) -> f64) -> f64 {
         self.evaluate_nodes(&self.reachable(&[expr], |_| true), at)[&expr].value
@@ -280,8 +284,8 @@ impl Arena {
     }
 }
 
-/// The attempts of an evaluation in 106 bits: points near 1, two of each other scale, and those of
-/// mixed scales.
+/// Returns the numbers of the points for an evaluation in 106 bits: points near 1, two of each
+/// other scale, and points of mixed scales.
 fn sharp_attempts() -> impl Iterator<Item = u64> {
     let scales = (NEAR_ONE..ATTEMPTS).filter(|attempt| (attempt - NEAR_ONE) % TIMES < 2);
     (0..NEAR_ONE)
@@ -289,8 +293,9 @@ fn sharp_attempts() -> impl Iterator<Item = u64> {
         .chain(ATTEMPTS..ATTEMPTS + MIXED)
 }
 
-/// A coordinate of a random point: near and inside the unit interval first, where most functions
-/// are defined, then of either sign; after [`NEAR_ONE`] attempts of other scales.
+/// Returns a coordinate of a random point. The first attempts lie near and inside the unit
+/// interval, where most functions are defined, the next ones have either sign, and attempts after
+/// [`NEAR_ONE`] have other scales.
 pub(crate) fn coordinate(attempt: u64, symbol: Symbol) -> f64 {
     let unit = uniform(attempt, u64::from(symbol.0));
     let scale = match attempt.checked_sub(NEAR_ONE) {
@@ -314,21 +319,22 @@ pub(crate) fn coordinate(attempt: u64, symbol: Symbol) -> f64 {
     scale * near
 }
 
-/// An error without a bound, where a value has lost what it should tell.
+/// Returns an unbounded error if the value has lost the information of its argument.
 fn unknown(is_lost: bool) -> f64 {
     if is_lost { f64::NAN } else { 0.0 }
 }
 
 impl Function {
-    /// `|f′(x)|` by a difference: good to a few digits, which is all that an error bound needs.
+    /// Returns `|f′(x)|` by a difference quotient. It is good to a few digits, which suffices for
+    /// an error bound.
     fn difference_quotient(self, x: f64) -> f64 {
         let dx = 1e-6 * x.abs().max(1e-3);
         ((self.evaluate(x + dx) - self.evaluate(x - dx)) / (2.0 * dx)).abs()
     }
 }
 
-/// A number in [0, 1) for an attempt and a symbol: the finaliser of splitmix64 (Steele, Lea, Flood
-/// 2014).
+/// Returns a number in [0, 1) for an attempt and a symbol, by the finaliser of splitmix64 (Steele,
+/// Lea, Flood 2014).
 fn uniform(attempt: u64, symbol: u64) -> f64 {
     let mut z = attempt
         .wrapping_mul(0x9e37_79b9_7f4a_7c15)

@@ -57,7 +57,7 @@ pub(crate) struct Takes {
 pub(crate) struct Weak2 {
     /// κ, the factor of the potential.
     pub(crate) factor: f64,
-    /// Whether the term raises the weak order with noise that moves the position too.
+    /// True if the term raises the weak order with noise that moves the position too.
     pub(crate) takes_h1: bool,
 }
 
@@ -139,7 +139,7 @@ const fn gauss(stages: usize) -> Entry {
 }
 
 impl Entry {
-    /// The place c of the node of a rule with one node.
+    /// Returns the place c of the node of a rule with one node.
     pub(crate) fn node(&self) -> Option<f64> {
         match self.nodes {
             Nodes::One { c } => Some(c),
@@ -147,7 +147,7 @@ impl Entry {
         }
     }
 
-    /// The number of stages of a member of a family.
+    /// Returns the number of stages of a member of a family.
     pub(crate) fn stages(&self) -> Option<usize> {
         match self.nodes {
             Nodes::Gauss { stages } => Some(stages),
@@ -155,7 +155,7 @@ impl Entry {
         }
     }
 
-    /// Whether the action has a Stratonovich correction.
+    /// Returns whether the action has a Stratonovich correction.
     pub(crate) fn has_correction(&self) -> bool {
         self.node().is_some_and(|c| c != 0.5)
     }
@@ -184,7 +184,7 @@ impl Rule {
         .collect()
     }
 
-    /// A rule without options.
+    /// Returns a rule without options.
     pub(crate) fn plain(entry: &'static Entry) -> Self {
         Self {
             entry,
@@ -192,7 +192,7 @@ impl Rule {
         }
     }
 
-    /// The rule with one more option.
+    /// Returns the rule with one more option.
     #[must_use]
     pub(crate) fn with(self, option: RuleOption) -> Self {
         Self {
@@ -201,7 +201,7 @@ impl Rule {
         }
     }
 
-    /// The rule with one option less.
+    /// Returns the rule with one option less.
     #[must_use]
     pub(crate) fn without(self, option: RuleOption) -> Self {
         Self {
@@ -210,7 +210,7 @@ impl Rule {
         }
     }
 
-    /// The rule as the attribute writes it: `midpoint`, `gauss(3, weak2)`.
+    /// Returns the rule as the attribute writes it: `midpoint`, `gauss(3, weak2)`.
     pub(crate) fn name(&self) -> String {
         let stages = self.stages().map(|stages| stages.to_string());
         let options = self.options.iter().map(|option| option.name().to_owned());
@@ -240,13 +240,13 @@ impl Rule {
         is_taken.then_some(weak2)
     }
 
-    /// Whether the rule is for configurations with rotations.
+    /// Returns whether the rule is for configurations with rotations.
     pub(crate) fn takes_rotations(&self) -> bool {
         self.takes.rotations && self.options == Options::NONE
     }
 }
 
-/// A rule with arguments as the attribute writes it.
+/// Returns a rule with arguments as the attribute writes it.
 pub(crate) fn written(name: &str, arguments: &[String]) -> String {
     match arguments {
         [] => name.to_owned(),
@@ -254,7 +254,7 @@ pub(crate) fn written(name: &str, arguments: &[String]) -> String {
     }
 }
 
-/// The names of rules, for messages. A family is one entry.
+/// Returns the names of rules, for messages. A family is one entry.
 pub(crate) fn names(rules: &[Rule]) -> Vec<String> {
     let families = rules.chunk_by(|a, b| a.attribute_name == b.attribute_name);
     let names = families.map(|family| match family {

@@ -15,12 +15,12 @@ pub(crate) enum RuleOption {
 impl RuleOption {
     pub(crate) const ALL: [Self; 2] = [Self::StageNoise, Self::Weak2];
 
-    /// The option of a name in the attribute.
+    /// Returns the option of a name in the attribute.
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|option| option.name() == name)
     }
 
-    /// The name in the attribute.
+    /// Returns the name in the attribute.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::StageNoise => "stage_noise",
@@ -28,7 +28,7 @@ impl RuleOption {
         }
     }
 
-    /// The type in the runtime that wraps the rule.
+    /// Returns the type in the runtime that wraps the rule.
     pub(crate) fn type_name(self) -> &'static str {
         match self {
             Self::StageNoise => "StageNoise",
@@ -60,7 +60,7 @@ impl Options {
         self.0 & 1 << option as u8 != 0
     }
 
-    /// The options in the set, in the order of [`RuleOption`].
+    /// Returns the options in the set, in the order of [`RuleOption`].
     pub(crate) fn iter(self) -> impl Iterator<Item = RuleOption> {
         let all = RuleOption::ALL.into_iter();
         all.filter(move |&option| self.contain(option))

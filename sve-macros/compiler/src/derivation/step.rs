@@ -15,7 +15,7 @@ use crate::system::size::{Exhausted, within_budget};
 /// A rule with what was derived for it.
 pub(crate) struct Derived {
     pub(crate) rule: Rule,
-    /// Whether it is the step without structure.
+    /// True if it is the step without structure.
     pub(crate) is_unstructured: bool,
     pub(crate) weak_order: u32,
     pub(crate) symbols: Symbols,
@@ -117,8 +117,8 @@ impl Source<'_> {
         })
     }
 
-    /// The error of a rule that takes too much work. It names the other rules that do not; each of
-    /// them is derived to know this, from the derivatives in `arena`.
+    /// Returns the error of a rule that takes too much work. It names the other rules that do not;
+    /// each of them is derived to know this, from the derivatives in `arena`.
     pub(super) fn rule_too_large(&self, rule: Rule, arena: &Arena) -> syn::Error {
         let others = Rule::all().into_iter().filter(|other| {
             let is_tried = other.stages().is_none_or(|stages| stages == 2);
@@ -142,7 +142,7 @@ impl Source<'_> {
         self.budget.too_large(&what, &instead)
     }
 
-    /// The error of a structurally singular step: L does not determine some velocities.
+    /// Returns the error of a structurally singular step: L does not determine some velocities.
     fn singular(&self, degenerate: &Degenerate, symbols: &Symbols) -> syn::Error {
         let names = degenerate.unknowns.iter();
         let names = names.map(|&u| match symbols.meaning(u) {

@@ -76,7 +76,7 @@ pub(super) fn extend(
     equations
 }
 
-/// The equation of a variation to leading order.
+/// Returns the equation of a variation to leading order.
 fn of_variation(
     residual: Expr,
     variation: Symbol,

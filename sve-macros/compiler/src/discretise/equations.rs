@@ -61,7 +61,7 @@ pub(crate) struct Leading {
     /// For each residual what it is small beside, where that is not the sum of the magnitudes of
     /// its terms.
     pub(crate) scales: Vec<Option<Expr>>,
-    /// Whether the determinant of their Jacobian has the sign that it has at the solution.
+    /// True if the determinant of their Jacobian has the sign that it has at the solution.
     pub(crate) has_sign: bool,
 }
 

@@ -147,8 +147,8 @@ impl Derivatives {
         }
     }
 
-    /// The second derivatives. If they are free of positions, velocities and momenta, the equations
-    /// of a step are linear.
+    /// Returns the second derivatives. If they are free of positions, velocities and momenta, the
+    /// equations of a step are linear.
     fn second(&self) -> Vec<Expr> {
         let of_noises = self.noises.iter().flat_map(|noise| &noise[4..]);
         let rows = self.momentum.iter().chain(&self.force).chain(of_noises);
@@ -199,7 +199,7 @@ impl Derivatives {
     }
 }
 
-/// `|middle| + radius`.
+/// Returns `|middle| + radius`.
 fn magnitudes(intervals: &Intervals, arena: &mut Arena) -> Vec<Expr> {
     let parts = intervals.middle.iter().zip(&intervals.radii);
     let magnitude = |(&middle, &radius): (&Expr, &Expr)| {

@@ -21,7 +21,7 @@ pub(crate) struct Stages {
     pub(crate) dw: Vec<Symbol>,
     /// How stages can be solved by fixed-point iteration.
     pub(crate) form: Form,
-    /// Whether a noise moves positions: displacements are then unknowns of their own.
+    /// True if a noise moves positions: displacements are then unknowns of their own.
     pub(crate) moves_position: bool,
     /// The derivatives by each parameter.
     pub(crate) parameters: Vec<ParameterJet>,
@@ -40,14 +40,14 @@ impl Stages {
         self.uniqueness = node_bounds::uniqueness(model, mechanics, &mut self.symbols, arena);
     }
 
-    /// The number of unknowns of so many stages: velocities, and displacements if they are unknowns
-    /// of their own.
+    /// Returns the number of unknowns of so many stages: velocities, and displacements if they are
+    /// unknowns of their own.
     pub(crate) fn unknowns(&self, stages: usize, coordinates: usize) -> usize {
         stages * coordinates * if self.moves_position { 2 } else { 1 }
     }
 
-    /// Whether a step of so many stages is first solved by fixed-point iteration. The runtime
-    /// iterates where the generated code asks for it.
+    /// Returns whether a step of so many stages is first solved by fixed-point iteration. The
+    /// runtime iterates where the generated code asks for it.
     pub(crate) fn has_fixed_point(&self, stages: usize) -> bool {
         stages >= STAGES_OF_FIXED_POINT && !matches!(self.form, Form::General)
     }
@@ -194,7 +194,7 @@ fn is_zero(e: Expr, arena: &Arena) -> bool {
     arena.constant_value(e) == Some(0.0)
 }
 
-/// `Σ ∂G/∂p ω`, what noises add to the displacement.
+/// Returns `Σ ∂G/∂p ω`, what noises add to the displacement.
 fn shift(model: &Model, mechanics: &Mechanics, dw: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
     let shift = (0..model.dof()).map(|k| {
         let terms = mechanics.noises.iter().zip(dw).map(|(noise, &dw)| {

@@ -10,8 +10,8 @@ use crate::rules::textbook::{Features, Textbook};
 use crate::rules::{degenerate, discretisation};
 use crate::system::classify::Classified;
 
-/// The text of an action: its textbook form, the action written out where it is short, and what
-/// stands in them.
+/// Returns the text of an action: its textbook form, the action written out where it is short, and
+/// what stands in them.
 pub(super) fn with_notation(
     textbook: Textbook,
     written_out: Vec<String>,
@@ -40,7 +40,7 @@ pub(super) fn with_notation(
     lines.join("\n")
 }
 
-/// The constraints in the textbook form of an action.
+/// Returns the constraints in the textbook form of an action.
 pub(super) fn constraints(model: &Model, arena: &Arena) -> String {
     let is_timed = |c: &Constraint| arena.contains(c.value, model.time);
     let [t0, t1] = if model.constraints.iter().any(is_timed) {
@@ -55,7 +55,7 @@ pub(super) fn constraints(model: &Model, arena: &Arena) -> String {
     }
 }
 
-/// The action in its textbook form.
+/// Returns the action in its textbook form.
 pub(super) fn textbook(rule: Rule, system: &Classified, features: &Features) -> Textbook {
     let plain = discretisation(rule).textbook(features);
     match (&system.degeneracy, rule.node()) {
@@ -102,7 +102,8 @@ fn potential(model: &Model) -> &'static str {
     }
 }
 
-/// The action as the expression that is differentiated, and its parts; nothing where it is long.
+/// Returns the action as the expression that is differentiated, and its parts; nothing where it is
+/// long.
 pub(super) fn written_out(
     rule: Rule,
     action: &Action,

@@ -29,7 +29,7 @@ pub(crate) fn gauss(
     }
 }
 
-/// The equations of the stages, the results, and the coefficients.
+/// Returns the equations of the stages, the results, and the coefficients.
 fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> {
     let t = features.time("tᵢ");
     let point = format!("{t}Qᵢ, Vᵢ");

@@ -69,7 +69,7 @@ pub(super) fn motion(system: &Classified, arena: &Arena) -> Vec<String> {
 }
 
 impl Motion<'_> {
-    /// `dq = v dt + ∂G/∂p ∘ dW`.
+    /// Returns `dq = v dt + ∂G/∂p ∘ dW`.
     fn moved(&mut self, i: usize) -> String {
         let symbols = &self.page.names.symbols;
         let mut line = Line::new(&symbols.component("dq", i));
@@ -78,7 +78,7 @@ impl Motion<'_> {
         line.text
     }
 
-    /// `dp = (∂L/∂q + F) dt + Σ ∂φ/∂q ∘ dΛ − ∂G/∂q ∘ dW`.
+    /// Returns `dp = (∂L/∂q + F) dt + Σ ∂φ/∂q ∘ dΛ − ∂G/∂q ∘ dW`.
     fn pushed(&mut self, i: usize) -> String {
         let mut line = Line::new(&self.page.names.symbols.component("dp", i));
         // a body momentum turns against the body
@@ -100,7 +100,7 @@ impl Motion<'_> {
         line.text
     }
 
-    /// The equations of a coordinate of a degenerate Lagrangian.
+    /// Returns the equations of a coordinate of a degenerate Lagrangian.
     fn of_role(&mut self, i: usize, degeneracy: &Degeneracy) -> Vec<String> {
         let slope = degeneracy.rest_slopes[i];
         match degeneracy.roles[i] {
@@ -174,7 +174,7 @@ impl Motion<'_> {
     }
 }
 
-/// A differential, with its number if there are several.
+/// Returns a differential, with its number if there are several.
 fn numbered(differential: &str, at: usize, count: usize) -> String {
     if count == 1 {
         differential.to_owned()

@@ -98,7 +98,7 @@ impl<'a> Page<'a> {
         text.text
     }
 
-    /// An expression.
+    /// Returns an expression.
     pub(super) fn formula(&mut self, expr: Expr) -> String {
         if let Some(text) = self.arena.display(expr, FORMULA, &self.names) {
             return self.take(text);
@@ -108,13 +108,13 @@ impl<'a> Page<'a> {
         self.sum(&sum)
     }
 
-    /// A sum that is short enough to be shown whole.
+    /// Returns a sum that is short enough to be shown whole.
     pub(super) fn whole(&mut self, sum: &Sum) -> Option<String> {
         let text = self.arena.display_sum(sum, FORMULA, &self.names)?;
         Some(self.take(text))
     }
 
-    /// A sum; of one that is too long as many terms as have room.
+    /// Returns a sum; of one that is too long as many terms as have room.
     pub(super) fn sum(&mut self, sum: &Sum) -> String {
         let Sum { constant, terms } = sum;
         if let Some(text) = self.whole(sum) {
@@ -134,7 +134,7 @@ impl<'a> Page<'a> {
         self.cut(terms)
     }
 
-    /// A sum as a factor: whether a minus stands in front, and the rest.
+    /// Returns a sum as a factor: whether a minus stands in front, and the rest.
     pub(super) fn factor(&mut self, sum: &Sum) -> (bool, String) {
         match self.arena.display_factor(sum, FORMULA, &self.names) {
             Some((negative, text)) => (negative, self.take(text)),
@@ -176,7 +176,7 @@ impl<'a> Page<'a> {
         explained.into_iter().map(line).collect()
     }
 
-    /// The first lines of a list, and how many there are beside them.
+    /// Returns the first lines of a list, and how many there are beside them.
     pub(super) fn list(lines: Vec<String>, length: usize, what: &str) -> Vec<String> {
         let count = shown(length);
         let mut lines: Vec<String> = lines.into_iter().take(count).collect();

@@ -49,7 +49,7 @@ pub(crate) fn step(derived: &Derived, system: &Classified) -> StepTexts {
 /// Characters from which on an expression is not written out in a condition.
 const CONDITION: usize = 120;
 
-/// The conditions on where functions are evaluated, `1 − v² > 0`.
+/// Returns the conditions on where functions are evaluated, `1 − v² > 0`.
 fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -> Vec<String> {
     let conditions = scheme.domain.iter().map(|condition| {
         let mut names = Names::new(symbols, Some(rule));
@@ -119,7 +119,7 @@ fn equations(
     lines
 }
 
-/// The equations of blocks, below what is said of each kind of block.
+/// Returns the equations of blocks, below what is said of each kind of block.
 fn solved(blocks: &[(&Block<Expr>, usize)], page: &mut Page<'_>, symbols: &Symbols) -> Vec<String> {
     let mut lines = Vec::new();
     let mut header = String::new();
@@ -134,7 +134,7 @@ fn solved(blocks: &[(&Block<Expr>, usize)], page: &mut Page<'_>, symbols: &Symbo
     lines
 }
 
-/// The first blocks with their first rows, so many rows together.
+/// Returns the first blocks with their first rows, so many rows together.
 fn shown_blocks(scheme: &Scheme<Expr>, mut room: usize) -> Vec<(&Block<Expr>, usize)> {
     let rows = scheme.blocks.iter().map(|block| {
         let rows = block.unknowns.len().min(room);
@@ -144,7 +144,7 @@ fn shown_blocks(scheme: &Scheme<Expr>, mut room: usize) -> Vec<(&Block<Expr>, us
     rows.filter(|&(_, rows)| rows > 0).collect()
 }
 
-/// The results of a step.
+/// Returns the results of a step.
 fn ends(action: &Action, scheme: &Scheme<Expr>, page: &mut Page<'_>) -> Vec<String> {
     let [dq, dp] = &scheme.increments;
     let n = dq.len();
@@ -170,7 +170,7 @@ fn ends(action: &Action, scheme: &Scheme<Expr>, page: &mut Page<'_>) -> Vec<Stri
     ends
 }
 
-/// Whether an expression is the formula of an unknown, which has its own line.
+/// Returns whether an expression is the formula of an unknown, which has its own line.
 fn is_formula(expr: Expr, scheme: &Scheme<Expr>) -> bool {
     let mut solutions = scheme.blocks.iter().map(|b| &b.solution);
     solutions.any(|s| matches!(s, Solution::Formula(formula) if *formula == expr))
@@ -194,7 +194,7 @@ fn heading(block: &Block<Expr>, symbols: &Symbols) -> String {
     }
 }
 
-/// The expressions in the first rows of a block.
+/// Returns the expressions in the first rows of a block.
 fn parts(block: &Block<Expr>, rows: usize) -> Vec<Expr> {
     match &block.solution {
         Solution::Formula(_) => Vec::new(),
@@ -208,7 +208,7 @@ fn parts(block: &Block<Expr>, rows: usize) -> Vec<Expr> {
     }
 }
 
-/// The equations of a block.
+/// Returns the equations of a block.
 fn rows_of(
     block: &Block<Expr>,
     rows: usize,
@@ -233,7 +233,7 @@ fn rows_of(
     }
 }
 
-/// A row of a matrix times the unknowns.
+/// Returns a row of a matrix times the unknowns.
 fn row(
     matrix: &Matrix<Expr>,
     i: usize,
@@ -264,8 +264,8 @@ fn row(
     text
 }
 
-/// The coordinates of the start, in the order of the directions; `None` for the directions of a
-/// rotation.
+/// Returns the coordinates of the start, in the order of the directions; `None` for the directions
+/// of a rotation.
 fn positions(action: &Action) -> Vec<Option<Symbol>> {
     let mut positions = Vec::new();
     for block in action.configuration.blocks() {
@@ -279,7 +279,7 @@ fn positions(action: &Action) -> Vec<Option<Symbol>> {
     positions
 }
 
-/// `q₁ = q₀ + …`, with what cancels cancelled.
+/// Returns `q₁ = q₀ + …`, with what cancels cancelled.
 fn end(letter: &str, i: usize, start: Symbol, increment: Expr, page: &mut Page<'_>) -> String {
     let mut sum = Sum::default();
     let start_name = page.names.symbol(start);

@@ -96,8 +96,8 @@ impl<'a> Lowering<'a> {
         self.refuse(expr, message)
     }
 
-    /// Whether a module is `std::f64::consts`: by its full path or an import within the body, or by
-    /// its name, which may be that of another module.
+    /// Returns whether a module is `std::f64::consts`: by its full path or an import within the
+    /// body, or by its name, which may be that of another module.
     fn standard_constants(&self, module: &[&str]) -> Option<Certainty> {
         let first = match module {
             ["std" | "core", "f64", "consts"] => return Some(Certainty::Sure),
@@ -112,7 +112,7 @@ impl<'a> Lowering<'a> {
         })
     }
 
-    /// A constant of `std::f64::consts`.
+    /// Returns a constant of `std::f64::consts`.
     fn standard_constant(
         &mut self,
         path: &syn::Path,

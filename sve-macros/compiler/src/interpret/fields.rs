@@ -20,7 +20,7 @@ pub(super) struct FieldPath {
     /// A constant from outside the block; `self` if there is none.
     outside: Option<syn::Path>,
     steps: Vec<FieldStep>,
-    /// Whether the type is annotated as `f64`.
+    /// True if the type is annotated as `f64`.
     is_number: bool,
     /// If `into` has been called, the function of the runtime that reads an entry of an array of
     /// columns or of a matrix.

@@ -31,7 +31,7 @@ pub(super) fn mul_add(arena: &mut Arena, x: &[Expr]) -> Expr {
     arena.add(product, x[2])
 }
 
-/// The logarithm of the first number to the base of the second.
+/// Returns the logarithm of the first number to the base of the second.
 pub(super) fn log(arena: &mut Arena, x: &[Expr]) -> Expr {
     let [x, base] = [x[0], x[1]].map(|e| arena.call(Function::Ln, e));
     arena.div(x, base)
@@ -121,12 +121,12 @@ impl Lowering<'_> {
     }
 }
 
-/// Whether `f64` has a smooth method of this name.
+/// Returns whether `f64` has a smooth method of this name.
 pub(super) fn is_smooth_method(name: &str) -> bool {
     operands(name).is_some()
 }
 
-/// Whether `f64` has a method of this name, smooth or not.
+/// Returns whether `f64` has a method of this name, smooth or not.
 pub(super) fn is_method(name: &str) -> bool {
     is_smooth_method(name) || rough_method(name).is_some()
 }
@@ -155,13 +155,13 @@ fn operands(name: &str) -> Option<usize> {
         .or_else(|| own().map(|method| method.1))
 }
 
-/// The function of one argument with this method.
+/// Returns the function of one argument with this method.
 fn unary(name: &str) -> Option<Function> {
     let mut methods = Function::METHODS.iter().copied();
     methods.find(|f| f.name() == name)
 }
 
-/// The function of two arguments with this method.
+/// Returns the function of two arguments with this method.
 fn binary(name: &str) -> Option<Binary> {
     let mut methods = Binary::METHODS.iter().copied();
     methods.find(|f| f.name() == name)
@@ -207,7 +207,7 @@ pub(super) fn wrong_arity(callee: &str, expected: usize, found: usize) -> String
     format!("{callee} takes {takes}, here {}", are(found))
 }
 
-/// `1 argument`, `2 arguments`.
+/// Returns `1 argument`, `2 arguments`.
 pub(super) fn plural(n: usize, noun: &str) -> String {
     let s = if n == 1 { "" } else { "s" };
     match n {
@@ -216,7 +216,7 @@ pub(super) fn plural(n: usize, noun: &str) -> String {
     }
 }
 
-/// `are 2`.
+/// Returns `are 2`.
 pub(super) fn are(n: usize) -> String {
     match n {
         0 => "are none".to_owned(),

@@ -23,7 +23,7 @@ pub(super) struct Frame {
     /// Index of the first scope of the closure that is being run. The scopes before it enclose the
     /// closure.
     pub(super) floor: usize,
-    /// Whether a closure of an iterator adapter is being run. Rust runs such a closure only when
+    /// True if a closure of an iterator adapter is being run. Rust runs such a closure only when
     /// the iterator's items are used.
     pub(super) is_lazy: bool,
     number: usize,

@@ -16,7 +16,7 @@ use crate::syntax::bare;
 /// The target of an assignment.
 struct Target {
     place: Place,
-    /// Whether the place was reached through a reference.
+    /// True if the place was reached through a reference.
     is_referenced: bool,
 }
 

@@ -26,7 +26,7 @@ pub(super) fn array(call: &Call<'_>) -> Value {
     Value::Array(call.receiver.value.items().to_vec())
 }
 
-/// `map` of an array.
+/// Returns `map` of an array.
 pub(super) fn map(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
     let items = call.receiver.value.items().to_vec();
     x.mapped(items, call.given.functions[0]).map(Value::Array)

@@ -60,8 +60,8 @@ pub(super) fn start(action: &Action, arena: &mut Arena) -> Vec<Input> {
     inputs
 }
 
-/// The turn of a rotation in the direction k: column l of R₀ moves by `R₀ (e_k × e_l)`, and Π₀ by
-/// `− ½ e_k × Π₀`.
+/// Returns the turn of a rotation in the direction k: column l of R₀ moves by `R₀ (e_k × e_l)`, and
+/// Π₀ by `− ½ e_k × Π₀`.
 fn turn(k: usize, entries: &[Symbol], momenta: &[Symbol], arena: &mut Arena) -> Input {
     let (l, m) = ((k + 1) % 3, (k + 2) % 3);
     let mut rates = Vec::new();

@@ -12,13 +12,13 @@ use crate::algebra::{Arena, Domain, Expr, Node, Sign};
 pub(crate) struct Condition<T> {
     /// What has to be positive.
     pub(crate) value: T,
-    /// Whether 0 is allowed too.
+    /// True if 0 is allowed too.
     pub(crate) is_closed: bool,
     /// The same as it stands in the action, for messages.
     pub(crate) text: Expr,
 }
 
-/// The conditions of all functions in these expressions.
+/// Returns the conditions of all functions in these expressions.
 pub(crate) fn conditions(roots: &[Expr], arena: &mut Arena) -> Vec<Condition<Expr>> {
     let mut found: Vec<Condition<Expr>> = Vec::new();
     for call in arena.reachable(roots, |_| true) {

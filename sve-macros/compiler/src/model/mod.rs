@@ -25,9 +25,9 @@ pub(crate) use unknowns::{Family, Unknown};
 pub(crate) struct NoiseTerm {
     /// Source name, with an index if the function returns an array.
     pub(crate) name: String,
-    /// Whether the user wrote γ; the Hamiltonian is then −γ.
+    /// True if the user wrote γ; the Hamiltonian is then −γ.
     pub(crate) is_gamma: bool,
-    /// Whether the momentum along the constraints is to take the place of p.
+    /// True if the momentum along the constraints is to take the place of p.
     pub(crate) is_tangent: bool,
     pub(crate) hamiltonian: Expr,
 }
@@ -105,7 +105,7 @@ impl Model {
         arena.substitute(expr, &entries)
     }
 
-    /// `∂φ/∂t + Dφ v` in the model's variables.
+    /// Returns `∂φ/∂t + Dφ v` in the model's variables.
     pub(crate) fn rate(&self, value: Expr, arena: &mut Arena) -> Expr {
         let mut terms = vec![(1.0, arena.diff(value, self.time))];
         for (&q, &v) in self.q.iter().zip(&self.v) {
@@ -136,7 +136,7 @@ impl Model {
         arena.sum(constant.abs(), &sizes)
     }
 
-    /// The model with one more noise Hamiltonian.
+    /// Returns the model with one more noise Hamiltonian.
     pub(crate) fn with_noise(&self, noise: NoiseTerm) -> Self {
         let mut model = self.clone();
         model.noises.push(noise);

@@ -16,13 +16,13 @@ pub(crate) struct SymbolNames<'a> {
 }
 
 impl<'a> SymbolNames<'a> {
-    /// The names in formulas of the system.
+    /// Returns the names in formulas of the system.
     pub(crate) fn of_system(symbols: &'a Symbols) -> Self {
         let of_step = None;
         Self { symbols, of_step }
     }
 
-    /// The names in the equations of a step, whose rule has variables of these letters.
+    /// Returns the names in the equations of a step, whose rule has variables of these letters.
     pub(crate) fn of_step(symbols: &'a Symbols, letters: &'static [&'static str]) -> Self {
         let of_step = Some(letters);
         Self { symbols, of_step }
@@ -38,7 +38,7 @@ impl<'a> SymbolNames<'a> {
         names.collect()
     }
 
-    /// A field as the user writes it, without `self.` where that is clear.
+    /// Returns a field as the user writes it, without `self.` where that is clear.
     fn parameter(&self, access: &str) -> String {
         let path: String = access.split_whitespace().collect();
         let path = path.replace("r#", "");
@@ -55,13 +55,14 @@ impl<'a> SymbolNames<'a> {
         }
     }
 
-    /// `q₀[i]`, or `q₀` where there is one coordinate; of a rotation `ω[i]`, `Π₀[i]` and the like.
+    /// Returns `q₀[i]`, or `q₀` where there is one coordinate; of a rotation `ω[i]`, `Π₀[i]` and
+    /// the like.
     pub(crate) fn component(&self, letter: &str, i: usize) -> String {
         component(letter, i, self.symbols)
     }
 
-    /// `(Π × RᵀdR)[i]`, the change of a body momentum by the rotation of the body; `None` for the
-    /// momentum of a vector.
+    /// Returns `(Π × RᵀdR)[i]`, the change of a body momentum by the rotation of the body; `None`
+    /// for the momentum of a vector.
     pub(crate) fn transport(&self, i: usize) -> Option<String> {
         let blocks = self.symbols.configuration.blocks();
         let mut rotations = blocks.iter().filter(|b| b.factor == Factor::Rotation);
@@ -70,7 +71,7 @@ impl<'a> SymbolNames<'a> {
         Some(name.replacen('Π', "(Π × RᵀdR)", 1))
     }
 
-    /// `q₀[i]`, or the entry `R₀[row, column]` of a rotation.
+    /// Returns `q₀[i]`, or the entry `R₀[row, column]` of a rotation.
     pub(crate) fn entry(&self, letter: &str, rotation: &str, i: usize) -> String {
         match self.symbols.configuration.rotation_of(i) {
             Some(RotationEntry {
@@ -117,8 +118,8 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
     component(letter, index, symbols)
 }
 
-/// A component in a direction: `v[i]`, or of a rotation `ω[i]`, with the letter for rotations in
-/// place of the letter for vectors.
+/// Returns a component in a direction: `v[i]`, or of a rotation `ω[i]`, with the letter for
+/// rotations in place of the letter for vectors.
 fn component(letter: &str, i: usize, symbols: &Symbols) -> String {
     let blocks = symbols.configuration.blocks();
     let rotations = blocks
@@ -157,7 +158,7 @@ fn indexed(letter: &str, i: usize, of: usize) -> String {
     }
 }
 
-/// The number of constraints, which is at least the number of the largest multiplier.
+/// Returns the number of constraints, which is at least the number of the largest multiplier.
 fn multipliers(symbols: &Symbols, of: Family) -> usize {
     let indices = symbols.meanings().iter().filter_map(|m| match m {
         Meaning::Unknown(Unknown { family, index }) if *family == of => Some(index + 1),

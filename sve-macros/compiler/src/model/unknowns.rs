@@ -40,8 +40,8 @@ impl Family {
         matches!(self, Self::StartMultiplier | Self::EndMultiplier)
     }
 
-    /// Whether the unknown is the distance from a point that it does not leave in the limit of no
-    /// noise and h → 0.
+    /// Returns whether the unknown is the distance from a point that it does not leave in the limit
+    /// of no noise and h → 0.
     pub(crate) fn is_displacement(self) -> bool {
         matches!(
             self,

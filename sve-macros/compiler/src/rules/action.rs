@@ -128,8 +128,8 @@ pub(crate) struct Variables<'a> {
     potential: Option<(f64, &'a Potential)>,
 }
 
-/// The discrete action of `rule`: that of `degeneracy` if L does not determine every velocity, with
-/// the potential that the option `weak2` adds (`weak2::potential`).
+/// Returns the discrete action of `rule`: that of `degeneracy` if L does not determine every
+/// velocity, with the potential that the option `weak2` adds (`weak2::potential`).
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
@@ -203,14 +203,14 @@ impl Variables<'_> {
         }
     }
 
-    /// An intermediate result that stands for a quantity at a node.
+    /// Returns an intermediate result that stands for a quantity at a node.
     pub(super) fn at_node(&mut self, node: usize, quantity: NodeQuantity, value: Expr) -> Expr {
         let identity = AtNode { node, quantity }.identity();
         self.arena.intermediate(value, Some(identity))
     }
 
-    /// `h L` at a node, less `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums it over
-    /// its nodes.
+    /// Returns `h L` at a node, less `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums
+    /// it over its nodes.
     pub(super) fn lagrangian(&mut self, node: &HashMap<Symbol, Expr>) -> Expr {
         let h = self.arena.symbol(self.h);
         let lagrangian = self.arena.substitute(self.model.lagrangian, node);
@@ -221,7 +221,7 @@ impl Variables<'_> {
         }
     }
 
-    /// The term `− ½ κ h |h| Σ_a K_a` at a node with the option `weak2`, as a factor and an
+    /// Returns the term `− ½ κ h |h| Σ_a K_a` at a node with the option `weak2`, as a factor and an
     /// expression.
     pub(super) fn weak2(&mut self, node: &HashMap<Symbol, Expr>) -> Option<(f64, Expr)> {
         let (half_factor, potential) = self.potential?;
@@ -232,7 +232,7 @@ impl Variables<'_> {
         Some((-half_factor, term))
     }
 
-    /// `Σ_a K_a` at a node, with its derivatives by the chain rule.
+    /// Returns `Σ_a K_a` at a node, with its derivatives by the chain rule.
     fn potential_at(&mut self, potential: &Potential, node: &HashMap<Symbol, Expr>) -> Expr {
         let value = self.arena.substitute(potential.value, node);
         let value = self.arena.opaque(value);
@@ -260,7 +260,8 @@ impl Variables<'_> {
         value
     }
 
-    /// The term `p (d − h v)` of a coordinate, which makes its displacement that of the velocity.
+    /// Returns the term `p (d − h v)` of a coordinate, which makes its displacement that of the
+    /// velocity.
     pub(super) fn displaced(&mut self, i: usize, v: Symbol, p: Symbol) -> (f64, Expr) {
         let [h, d, v, p] = [self.h, self.displacement[i], v, p].map(|s| self.arena.symbol(s));
         let hv = self.arena.mul(h, v);
@@ -268,7 +269,7 @@ impl Variables<'_> {
         (1.0, self.arena.mul(p, constraint))
     }
 
-    /// The terms `− part G_a ΔW_a` at a node.
+    /// Returns the terms `− part G_a ΔW_a` at a node.
     pub(super) fn noises(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<(f64, Expr)> {
         let mut terms = Vec::new();
         for (noise, &dw) in self.model.noises.iter().zip(&self.dw) {
@@ -279,8 +280,8 @@ impl Variables<'_> {
         terms
     }
 
-    /// The Stratonovich correction `Σ_a Σ_b ⟨shift by G_a, slope of G_b⟩ ΔW_a ΔW_b` at a node.
-    /// `fields` has for each noise its shift and its slope along each coordinate.
+    /// Returns the Stratonovich correction `Σ_a Σ_b ⟨shift by G_a, slope of G_b⟩ ΔW_a ΔW_b` at a
+    /// node. `fields` has for each noise its shift and its slope along each coordinate.
     pub(super) fn stratonovich(
         &mut self,
         fields: &[Vec<[Expr; 2]>],
@@ -318,7 +319,7 @@ impl Variables<'_> {
             .collect()
     }
 
-    /// The work of the force at a node, for a part of the step.
+    /// Returns the work of the force at a node, for a part of the step.
     pub(super) fn work(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<Work> {
         let h = self.arena.symbol(self.h);
         let Some(force) = &self.model.force else {

@@ -179,8 +179,8 @@ pub(crate) struct Quadrature {
 }
 
 impl Quadrature {
-    /// The coefficients for so many nodes. The roots of the Legendre polynomial are found by
-    /// Newton's method from Chebyshev's.
+    /// Returns the coefficients for so many nodes. The roots of the Legendre polynomial are found
+    /// by Newton's method from Chebyshev's.
     pub(crate) fn new(stages: usize) -> Self {
         let last = stages as f64 + 0.5;
         let roots = (0..stages).map(|i| {
@@ -211,7 +211,7 @@ impl Quadrature {
     }
 }
 
-/// The Legendre polynomials of degree 0 to `degree` at `y`.
+/// Returns the Legendre polynomials of degree 0 to `degree` at `y`.
 fn legendre(degree: usize, y: f64) -> Vec<f64> {
     let mut p = vec![1.0, y];
     for k in 1..degree {

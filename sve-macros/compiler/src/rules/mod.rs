@@ -19,7 +19,8 @@ use textbook::{Features, Point, Textbook};
 
 /// The action of a rule.
 pub(crate) trait Discretisation {
-    /// The discrete action, with the variables in which it is stationary and the work of the force.
+    /// Returns the discrete action, with the variables in which it is stationary and the work of
+    /// the force.
     fn action(&self, variables: &mut Variables<'_>) -> Discrete;
     /// How a node of the rule is written.
     fn point(&self, node: usize) -> Point;
@@ -27,7 +28,7 @@ pub(crate) trait Discretisation {
     fn letters(&self) -> &'static [&'static str] {
         &[]
     }
-    /// The action with L, γ, H₁ and F as functions.
+    /// Returns the action with L, γ, H₁ and F as functions.
     fn textbook(&self, system: &Features) -> Textbook;
 }
 

@@ -41,7 +41,7 @@ pub(super) const MIDDLE: Point = Point {
 };
 
 impl Point {
-    /// Whether the position is q₁.
+    /// Returns whether the position is q₁.
     pub(crate) fn is_end(&self) -> bool {
         self.position == END.position
     }
@@ -68,22 +68,22 @@ pub(crate) struct Textbook {
 /// What of a system shows in the textbook form of an action.
 pub(crate) struct Features {
     pub(crate) degrees_of_freedom: usize,
-    /// Whether L or a noise depends on time.
+    /// True if L or a noise depends on time.
     pub(crate) is_timed: bool,
     /// Whether the force depends on time, where there is one.
     pub(crate) force_is_timed: Option<bool>,
     /// ½κ of the option `weak2`, if the action has its term.
     pub(crate) potential: Option<f64>,
-    /// Whether each process has an increment for each stage.
+    /// True if each process has an increment for each stage.
     pub(crate) has_stage_noise: bool,
     /// Numbers of γ and of H₁.
     pub(crate) gammas: usize,
     pub(crate) hamiltonians: usize,
-    /// Whether some noise moves q and some noise moves p.
+    /// True if some noise moves q and some noise moves p.
     pub(crate) moves_both: bool,
 }
 
-/// `Σ `, if there are several.
+/// Returns `Σ `, if there are several.
 pub(super) fn sum(count: usize) -> &'static str {
     if count > 1 { "Σ " } else { "" }
 }
@@ -131,7 +131,7 @@ impl Features {
         joined(&values.collect::<Vec<_>>())
     }
 
-    /// The time as the first argument of L and the noises, `t̄, `, if these depend on time.
+    /// Returns the time as the first argument of L and the noises, `t̄, `, if these depend on time.
     pub(crate) fn time(&self, t: &str) -> String {
         if self.is_timed {
             format!("{t}, ")
@@ -140,7 +140,7 @@ impl Features {
         }
     }
 
-    /// `p·(x)`, or `⟨p, x⟩` of vectors.
+    /// Returns `p·(x)`, or `⟨p, x⟩` of vectors.
     pub(super) fn pairing(&self, p: &str, x: &str) -> String {
         if self.degrees_of_freedom == 1 {
             format!("{p}·({x})")
@@ -149,8 +149,8 @@ impl Features {
         }
     }
 
-    /// The term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the factor
-    /// `h·|h|` and the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
+    /// Returns the term of the option `weak2` in an action, ` − h·|h|·(K(q₀) + K(q₁))/16` for the
+    /// factor `h·|h|` and the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
     pub(crate) fn potential(&self, factor: &str, sum: &str, nodes: usize) -> String {
         match self.potential {
             // κ is one over an integer
@@ -159,7 +159,8 @@ impl Features {
         }
     }
 
-    /// The weight of a stage and the increment, whose product is the increment at the stage.
+    /// Returns the weight of a stage and the increment, whose product is the increment at the
+    /// stage.
     pub(crate) fn increment_at_stage(&self) -> (&'static str, &'static str) {
         if self.has_stage_noise {
             ("", "ωᵢ")
@@ -168,7 +169,7 @@ impl Features {
         }
     }
 
-    /// The virtual work of the force at a node.
+    /// Returns the virtual work of the force at a node.
     pub(super) fn work(&self, point: &Point) -> String {
         let Point {
             time,
@@ -188,7 +189,7 @@ impl Features {
     }
 }
 
-/// A sum of terms, in brackets if there are several.
+/// Returns a sum of terms, in brackets if there are several.
 fn joined(terms: &[String]) -> String {
     match terms {
         [term] => term.clone(),

@@ -51,8 +51,8 @@ pub(crate) enum Obstacle {
     NoInverseMass(NoFormula),
 }
 
-/// The reason why the option is refused, as far as it does not concern the inverse of the mass
-/// matrix.
+/// Returns the reason why the option is refused, as far as it does not concern the inverse of the
+/// mass matrix.
 fn obstacle(system: &Classified, takes_h1: bool, arena: &mut Arena) -> Option<Obstacle> {
     let (model, mechanics) = (&system.model, &system.mechanics);
     if let Commutation::NonCommuting(a, b) = &system.commutation {
@@ -144,7 +144,7 @@ pub(crate) fn potential(
     }))
 }
 
-/// The velocity that belongs to a momentum, `M⁻¹ (p − a)` for `∂L/∂v = M v + a`.
+/// Returns the velocity that belongs to a momentum, `M⁻¹ (p − a)` for `∂L/∂v = M v + a`.
 fn velocities(
     model: &Model,
     mechanics: &Mechanics,
@@ -165,7 +165,7 @@ fn velocities(
 }
 
 impl Potential {
-    /// `½ Σ_a K_a` as a noise Hamiltonian, with its derivatives.
+    /// Returns `½ Σ_a K_a` as a noise Hamiltonian, with its derivatives.
     pub(crate) fn noise(&self, model: &Model, arena: &mut Arena) -> (NoiseTerm, NoiseJet) {
         let noise = NoiseTerm {
             name: "K".to_owned(),
@@ -186,8 +186,8 @@ impl Potential {
     }
 }
 
-/// The terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩` and
-/// `w = M⁻¹ G_q`. No derivative of w is in them.
+/// Returns the terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩`
+/// and `w = M⁻¹ G_q`. No derivative of w is in them.
 fn slope(
     at: usize,
     k: usize,
@@ -207,8 +207,8 @@ fn slope(
     terms
 }
 
-/// `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v that belongs to p. For
-/// `H(q, p) = ⟨p, v⟩ − L` the derivatives are `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and
+/// Returns `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v that belongs to p.
+/// For `H(q, p) = ⟨p, v⟩ − L` the derivatives are `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and
 /// `∂v/∂q = −M⁻¹ L_vq`, so that
 ///
 /// ```text
@@ -252,8 +252,8 @@ fn double_bracket(
     Ok((arena.sum(0.0, &terms), w))
 }
 
-/// The weak order of a rule: that without noise, at most 1 with noise, and 2 with the option or
-/// where K is a constant, which needs no term.
+/// Returns the weak order of a rule: that without noise, at most 1 with noise, and 2 with the
+/// option or where K is a constant, which needs no term.
 pub(crate) fn weak_order(rule: Rule, system: &Classified, arena: &mut Arena) -> u32 {
     let order = rule.order;
     if system.model.noises.is_empty() {

@@ -29,7 +29,7 @@ pub(super) struct Order {
 }
 
 impl Band {
-    /// The band of a matrix, where solving with it is less work than a dense solve.
+    /// Returns the band of a matrix, where solving with it is less work than a dense solve.
     pub(super) fn of(matrix: &[Vec<Expr>], is_zero: impl Fn(Expr) -> bool) -> Option<Self> {
         let columns = |row: &Vec<Expr>| {
             let present = row.iter().enumerate().filter(|x| !is_zero(*x.1));
@@ -40,7 +40,7 @@ impl Band {
         band.pays(matrix.len()).then_some(band)
     }
 
-    /// The band of a pattern: for each row the columns of its entries, ascending.
+    /// Returns the band of a pattern: for each row the columns of its entries, ascending.
     fn around(pattern: &[Vec<usize>]) -> Self {
         let (mut lower, mut upper) = (0, 0);
         for (i, columns) in pattern.iter().enumerate() {
@@ -62,18 +62,18 @@ impl Band {
         size * (self.lower + 1) * self.width()
     }
 
-    /// Whether a banded solve is less work than a dense one, K³/3.
+    /// Returns whether a banded solve is less work than a dense one, K³/3.
     fn pays(self, size: usize) -> bool {
         size >= SMALLEST && 3 * self.work(size) < size.pow(3)
     }
 
-    /// The first column of a row.
+    /// Returns the first column of a row.
     pub(super) fn begin(self, row: usize) -> usize {
         row.saturating_sub(self.lower)
     }
 
-    /// The rows of a matrix as the runtime's `Banded` has them: from the first column of the band
-    /// on, `width` entries.
+    /// Returns the rows of a matrix as the runtime's `Banded` has them: from the first column of
+    /// the band on, `width` entries.
     pub(super) fn rows(self, matrix: &[Vec<Expr>], zero: Expr) -> Vec<Vec<Expr>> {
         let row = |(i, row): (usize, &Vec<Expr>)| {
             let begin = self.begin(i);
@@ -85,8 +85,8 @@ impl Band {
     }
 }
 
-/// An order in which a banded solve pays; nothing where there is none, or where it is the order as
-/// it is.
+/// Returns an order in which a banded solve pays; nothing where there is none, or where it is the
+/// order as it is.
 ///
 /// `depends` has the columns of each row's entries, ascending.
 pub(super) fn order(depends: &[Vec<usize>]) -> Option<Order> {
@@ -127,7 +127,7 @@ impl Order {
     }
 }
 
-/// An order of unknowns, with the equations by the middle of what they contain.
+/// Returns an order of unknowns, with the equations by the middle of what they contain.
 fn with_rows(columns: Vec<usize>, depends: &[Vec<usize>]) -> Order {
     let mut place = vec![0; columns.len()];
     for (at, &column) in columns.iter().enumerate() {
@@ -179,8 +179,8 @@ fn cuthill_mckee(depends: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// The unknowns in the order in which a breadth-first search comes to them, and the distance of the
-/// last.
+/// Returns the unknowns in the order in which a breadth-first search comes to them, and the
+/// distance of the last.
 fn search(start: usize, depends: &[Vec<usize>], rows_of: &[Vec<usize>]) -> (Vec<usize>, usize) {
     let mut seen_row = vec![false; depends.len()];
     let mut distance: Vec<Option<usize>> = vec![None; rows_of.len()];
@@ -213,7 +213,7 @@ fn search(start: usize, depends: &[Vec<usize>], rows_of: &[Vec<usize>]) -> (Vec<
 mod tests {
     use super::{Band, Order, order};
 
-    /// The pattern of pairs of neighbours, `step` times renumbered modulo `n`.
+    /// Returns the pattern of pairs of neighbours, `step` times renumbered modulo `n`.
     fn pattern(n: usize, step: usize, neighbours: impl Fn(usize) -> Vec<usize>) -> Vec<Vec<usize>> {
         let name = |i: usize| i * step % n;
         let mut depends = vec![Vec::new(); n];

@@ -37,12 +37,12 @@ struct Start {
     /// The guess with its refinements; without it the iteration starts from the linearly implicit
     /// step.
     explicit: Option<(Linear<Expr>, Vec<Refinement<Expr>>)>,
-    /// Whether the matrix of the guess has the sign of the determinant in the limit.
+    /// True if the matrix of the guess has the sign of the determinant in the limit.
     has_sign: bool,
 }
 
 impl LeadingRows {
-    /// The equations in another order.
+    /// Returns the equations in another order.
     fn in_order(&self, rows: &[usize]) -> Self {
         Self {
             residuals: rows.iter().map(|&r| self.residuals[r]).collect(),
@@ -271,8 +271,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// The equations of a block to leading order, where its guess is solved from these, and whether
-    /// they have the sign of its determinant.
+    /// Returns the equations of a block to leading order, where its guess is solved from these, and
+    /// whether they have the sign of its determinant.
     fn leading_of(
         &mut self,
         rows: &[usize],
@@ -323,7 +323,7 @@ impl Reduced<'_> {
             .collect()
     }
 
-    /// The linear system of the Newton step from a point.
+    /// Returns the linear system of the Newton step from a point.
     pub(super) fn newton_step(
         &mut self,
         residual: &[Expr],
@@ -351,7 +351,7 @@ impl Reduced<'_> {
         solved
     }
 
-    /// Whether the unknowns are those of the three directions of a rotation.
+    /// Returns whether the unknowns are those of the three directions of a rotation.
     pub(super) fn is_rotation(&self, unknowns: &[Symbol]) -> bool {
         let mut directions: Vec<usize> = unknowns
             .iter()
@@ -366,7 +366,7 @@ impl Reduced<'_> {
         rotations.any(|rotation| rotation.directions.clone().eq(directions.iter().copied()))
     }
 
-    /// Whether no entry of the Jacobian changes with the unknowns.
+    /// Returns whether no entry of the Jacobian changes with the unknowns.
     fn is_linear(&mut self, jacobian: &[Vec<Expr>], unknowns: &[Symbol]) -> bool {
         for &entry in jacobian.iter().flatten() {
             for &u in unknowns {
@@ -382,7 +382,7 @@ impl Reduced<'_> {
         true
     }
 
-    /// Whether only parameters occur: with the step size in it, a coefficient comes from an
+    /// Returns whether only parameters occur: with the step size in it, a coefficient comes from an
     /// implicit equation.
     pub(super) fn is_parameter(&self, expr: Expr) -> bool {
         self.arena

@@ -22,7 +22,8 @@ pub(super) struct Cancellation<'a> {
 }
 
 impl Cancellation<'_> {
-    /// The expressions without negative powers of the step size; nothing if one has no limit.
+    /// Returns the expressions without negative powers of the step size; nothing if one has no
+    /// limit.
     pub(super) fn all(&mut self, exprs: &[Expr]) -> Option<Vec<Expr>> {
         exprs.iter().map(|&e| self.of(e)).collect()
     }
@@ -104,7 +105,7 @@ impl Cancellation<'_> {
         self.arena.constant_value(without_noise) == Some(0.0)
     }
 
-    /// Whether a factor is a sum that vanishes without noise and step.
+    /// Returns whether a factor is a sum that vanishes without noise and step.
     fn is_displacement(&mut self, (base, k): (Expr, i32)) -> bool {
         let mut resting = self.still.clone();
         if let Node::Symbol(h) = *self.arena.node(self.h) {
@@ -114,7 +115,7 @@ impl Cancellation<'_> {
         k == 1 && self.arena.constant_value(at_rest) == Some(0.0) && self.terms(base).is_some()
     }
 
-    /// The terms of a sum.
+    /// Returns the terms of a sum.
     fn terms(&self, e: Expr) -> Option<Vec<(f64, Expr)>> {
         match self.arena.node(e) {
             Node::Opaque(inner, _) => self.terms(*inner),
@@ -126,7 +127,7 @@ impl Cancellation<'_> {
     }
 }
 
-/// The quotient by the step size, if it is a factor.
+/// Returns the quotient by the step size, if it is a factor.
 fn divided(e: Expr, h: Expr, arena: &mut Arena) -> Option<Expr> {
     if e == h {
         return Some(arena.constant(1.0));

@@ -45,13 +45,13 @@ struct Pivot {
 struct Candidate {
     /// Unknowns in it, in the order of `unknowns`.
     present: Vec<Symbol>,
-    /// Whether `pivot` was sought.
+    /// True if `pivot` was sought.
     asked: bool,
     pivot: Option<Pivot>,
 }
 
 impl Reduced<'_> {
-    /// The conditions of the domain at the solution of all blocks.
+    /// Returns the conditions of the domain at the solution of all blocks.
     pub(super) fn domain_at(&mut self, known: &HashMap<Symbol, Expr>) -> Vec<Condition<Expr>> {
         let conditions = self.domain.clone().into_iter();
         let at = conditions.map(|condition| Condition {
@@ -145,8 +145,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// The equation with the fewest unknowns that has one with a numeric coefficient; of equations
-    /// with equally many the first.
+    /// Returns the equation with the fewest unknowns that has one with a numeric coefficient; of
+    /// equations with equally many the first.
     fn best(&mut self, candidates: &mut [Candidate]) -> Option<(usize, Pivot)> {
         let mut best: Option<(usize, usize, Pivot)> = None;
         for (row, candidate) in candidates.iter_mut().enumerate() {
@@ -198,9 +198,9 @@ impl Reduced<'_> {
         None
     }
 
-    /// Whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it stands
-    /// beside something much larger when the step is small, so that the equation gives it with the
-    /// rounding of that: `m v − B (q₀ + d) = p₀` is no equation for d.
+    /// Returns whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it
+    /// stands beside something much larger when the step is small, so that the equation gives it
+    /// with the rounding of that: `m v − B (q₀ + d) = p₀` is no equation for d.
     pub(super) fn moves_node(&self, residual: Expr, unknown: Symbol) -> bool {
         let mut nodes = self
             .arena

@@ -54,7 +54,7 @@ impl Enclosure<Expr> {
         middle.iter_mut().chain(radii).flatten().chain(conditions)
     }
 
-    /// Whether it holds wherever the unknowns are.
+    /// Returns whether it holds wherever the unknowns are.
     pub(super) fn is_free_of(&self, ranges: &HashMap<Symbol, Range>, arena: &Arena) -> bool {
         let contains = |e: &Expr| {
             let mut unknowns = ranges.iter().filter(|r| !matches!(r.1, Range::Small));

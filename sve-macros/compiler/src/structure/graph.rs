@@ -1,7 +1,7 @@
 //! Graphs of equations against unknowns: which equation gives which unknown, and what has to be
 //! solved together.
 
-/// An equation for each unknown, by augmenting paths; or the unknowns left without one.
+/// Returns an equation for each unknown, by augmenting paths; or the unknowns left without one.
 pub(super) fn match_columns(depends: &[Vec<usize>], n: usize) -> Result<Vec<usize>, Vec<usize>> {
     let mut row_of: Vec<Option<usize>> = vec![None; n];
     for row in 0..depends.len() {

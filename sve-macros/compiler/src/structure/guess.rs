@@ -10,7 +10,7 @@ use crate::algebra::{Expr, Symbol};
 use crate::model::Meaning;
 
 impl Reduced<'_> {
-    /// The Newton step from zero of the equations to leading order.
+    /// Returns the Newton step from zero of the equations to leading order.
     pub(super) fn guess_from(&mut self, leading: &[Expr], unknowns: &[Symbol]) -> Linear<Expr> {
         let zero = self.arena.constant(0.0);
         let origin: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
@@ -19,9 +19,9 @@ impl Reduced<'_> {
         self.linear(step)
     }
 
-    /// A guess that costs little, from the limit of h = 0 and no noise, where the equations are
-    /// linear in most systems: the explicit velocity. One unknown that noise kicks takes the kick
-    /// too; several unknowns are refined to first order in h and the increments, with the same
+    /// Returns a guess that costs little, from the limit of h = 0 and no noise, where the equations
+    /// are linear in most systems: the explicit velocity. One unknown that noise kicks takes the
+    /// kick too; several unknowns are refined to first order in h and the increments, with the same
     /// matrix. Those of a rotation, whose residuals are short polynomials, are refined by two of
     /// Newton's steps with that matrix, to second order. Nothing where the matrix does not exist.
     pub(super) fn guess(
@@ -65,13 +65,13 @@ impl Reduced<'_> {
         (regular && self.is_defined(&all)).then(|| (self.linear((matrix, rhs)), refinements))
     }
 
-    /// Whether no constant in some expressions is infinite or NaN.
+    /// Returns whether no constant in some expressions is infinite or NaN.
     pub(super) fn is_defined(&self, exprs: &[Expr]) -> bool {
         let mut nodes = self.arena.reachable(exprs, |_| true).into_iter();
         nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite))
     }
 
-    /// The step size and the increments of the noise, as far as they occur.
+    /// Returns the step size and the increments of the noise, as far as they occur.
     pub(super) fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
         let is_small = |s: &Symbol| {
             matches!(
@@ -89,7 +89,7 @@ impl Reduced<'_> {
         small
     }
 
-    /// `−Σ s ∂R/∂s` at the first stage, over the small quantities s.
+    /// Returns `−Σ s ∂R/∂s` at the first stage, over the small quantities s.
     fn refinement(
         &mut self,
         residual: &[Expr],
@@ -115,7 +115,7 @@ impl Reduced<'_> {
         Refinement { first, rhs }
     }
 
-    /// `−R` at the stage before.
+    /// Returns `−R` at the stage before.
     fn chord_step(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Refinement<Expr> {
         let (first, point) = self.stage_names(unknowns);
         let residual = self.arena.substitute_all(residual, &point).into_iter();

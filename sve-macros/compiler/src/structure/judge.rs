@@ -105,7 +105,8 @@ impl Reduced<'_> {
         })
     }
 
-    /// The names of the limit, and the range of each symbol between the limit and the solution.
+    /// Returns the names of the limit, and the range of each symbol between the limit and the
+    /// solution.
     fn ranges(
         &mut self,
         (residual, jacobian): (&[Expr], &[Vec<Expr>]),
@@ -131,7 +132,7 @@ impl Reduced<'_> {
         Some((limits, ranges))
     }
 
-    /// The bounds that are looked at first, and the best ones where these are others.
+    /// Returns the bounds that are looked at first, and the best ones where these are others.
     fn bounds(
         &mut self,
         matrix: &[Vec<Expr>],

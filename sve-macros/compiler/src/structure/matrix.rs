@@ -32,7 +32,7 @@ pub(crate) struct Matrix<T> {
 }
 
 impl Matrix<Expr> {
-    /// A matrix in the storage in which solving with it is the least work.
+    /// Returns a matrix in the storage in which solving with it is the least work.
     pub(crate) fn new(entries: Vec<Vec<Expr>>, arena: &mut Arena) -> Self {
         let zero = arena.constant(0.0);
         let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
@@ -57,8 +57,8 @@ impl Matrix<Expr> {
         }
     }
 
-    /// The Jacobian of the equations of a rotation, whose unknowns have one unit, and its equations
-    /// another.
+    /// Returns the Jacobian of the equations of a rotation, whose unknowns have one unit, and its
+    /// equations another.
     pub(crate) fn of_rotation(entries: Vec<Vec<Expr>>, arena: &mut Arena) -> Self {
         let matrix = Self::new(entries, arena);
         match matrix.storage {
@@ -70,7 +70,7 @@ impl Matrix<Expr> {
         }
     }
 
-    /// A matrix of which all entries are stored, zeros too.
+    /// Returns a matrix of which all entries are stored, zeros too.
     pub(crate) fn dense(entries: Vec<Vec<Expr>>) -> Self {
         Self {
             storage: Storage::Dense,
@@ -85,7 +85,7 @@ impl<T: Copy> Matrix<T> {
         self.rows.len()
     }
 
-    /// The column of the first stored entry of a row.
+    /// Returns the column of the first stored entry of a row.
     pub(crate) fn first_column(&self, row: usize) -> usize {
         match self.storage {
             Storage::Dense | Storage::Cofactors => 0,
@@ -94,7 +94,7 @@ impl<T: Copy> Matrix<T> {
         }
     }
 
-    /// The stored entries of a row, each with its column.
+    /// Returns the stored entries of a row, each with its column.
     pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, T)> + '_ {
         let (first, size) = (self.first_column(row), self.size());
         let entries = self.rows[row].iter().enumerate();
@@ -116,7 +116,7 @@ impl<T: Copy> Matrix<T> {
         self.rows.iter().flatten().copied()
     }
 
-    /// The number of entries before and behind the diagonal, if not all are stored.
+    /// Returns the number of entries before and behind the diagonal, if not all are stored.
     pub(crate) fn bandwidths(&self) -> Option<(usize, usize)> {
         match self.storage {
             Storage::Dense | Storage::Cofactors => None,
@@ -125,7 +125,7 @@ impl<T: Copy> Matrix<T> {
         }
     }
 
-    /// The same matrix of other entries.
+    /// Returns the same matrix of other entries.
     pub(crate) fn map<U>(&self, mut entry: impl FnMut(T) -> U) -> Matrix<U> {
         let rows = self.rows.iter();
         Matrix {
@@ -142,7 +142,7 @@ mod tests {
     use super::{Band, Matrix, Storage};
     use crate::algebra::{Arena, Expr, Symbol};
 
-    /// A matrix with the given pattern.
+    /// Returns a matrix with the given pattern.
     fn matrix(
         n: usize,
         is_entry: impl Fn(usize, usize) -> bool,

@@ -124,7 +124,7 @@ pub(crate) fn analyse(
     Ok(scheme)
 }
 
-/// The step without structure: Newton's method in all unknowns, whatever depends on what.
+/// Returns the step without structure: Newton's method in all unknowns, whatever depends on what.
 pub(crate) fn unstructured(
     equations: Equations,
     symbols: &mut Symbols,
@@ -178,7 +178,7 @@ fn roots(action: &Action, arena: &mut Arena) -> Vec<Expr> {
         .collect()
 }
 
-/// Whether a symbol is part of the state at the start of the step.
+/// Returns whether a symbol is part of the state at the start of the step.
 pub(crate) fn is_state(symbols: &Symbols, symbol: Symbol) -> bool {
     matches!(
         symbols.meaning(symbol),

@@ -11,7 +11,7 @@ use crate::rules::action::Action;
 /// Degrees of freedom up to which a linear step is written as a matrix.
 const MATRIX: usize = 2;
 
-/// A step that is solved by linear formulas and affine in the state becomes a matrix,
+/// Returns a step that is solved by linear formulas and affine in the state becomes a matrix,
 /// `z₁ − z₀ = A z₀ + b`, whose entries are known before the state: the shortest chain of operations
 /// from one state to the next.
 ///

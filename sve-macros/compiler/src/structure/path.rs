@@ -205,7 +205,7 @@ impl Reduced<'_> {
         })
     }
 
-    /// The bounds, with the half widths of the box and the residuals at the limit.
+    /// Returns the bounds, with the half widths of the box and the residuals at the limit.
     fn path(&mut self, block: &NamedBlock<'_>) -> Option<(Enclosure<Expr>, Vec<Expr>, Vec<Expr>)> {
         let flavour = Flavour::Box;
         let mut ranges: HashMap<Symbol, Range> = HashMap::new();
@@ -281,7 +281,7 @@ impl Reduced<'_> {
         self.arena.div(size, divisor)
     }
 
-    /// The number of unknowns up to which a block is judged.
+    /// Returns the number of unknowns up to which a block is judged.
     fn largest_judged(&self, block: &Constrained<'_>) -> usize {
         let is_multiplier = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::Unknown(u) if u.family.is_multiplier_of_constraint());
         if !block.unknowns.iter().all(is_multiplier) {

@@ -23,13 +23,13 @@ pub(crate) struct Pivots(pub(crate) Vec<(usize, usize)>);
 struct Line {
     /// Its coordinate or its constraint.
     index: usize,
-    /// Whether it belongs to a constraint.
+    /// True if it belongs to a constraint.
     is_of_constraint: bool,
 }
 
 impl Reduced<'_> {
-    /// The pivots of a matrix, whose equations belong to these variations. `None` if the equations
-    /// of motion do not determine the unknowns of motion one by one.
+    /// Returns the pivots of a matrix, whose equations belong to these variations. `None` if the
+    /// equations of motion do not determine the unknowns of motion one by one.
     pub(super) fn pivots(
         &self,
         variations: &[Symbol],
@@ -63,8 +63,8 @@ impl Reduced<'_> {
     }
 }
 
-/// The pivots of the equations of motion: again and again an equation with the fewest unknowns that
-/// have no pivot yet.
+/// Returns the pivots of the equations of motion: again and again an equation with the fewest
+/// unknowns that have no pivot yet.
 fn motion(rows: &[Line], columns: &[Line], pattern: &[Vec<bool>]) -> Option<Vec<(usize, usize)>> {
     let of_motion = |lines: &[Line]| -> Vec<usize> {
         let all = 0..lines.len();
@@ -101,7 +101,7 @@ fn pattern(matrix: &Matrix<Expr>, arena: &Arena) -> Vec<Vec<bool>> {
 }
 
 impl Pivots {
-    /// Whether no pivot of a matrix is an entry that is always zero.
+    /// Returns whether no pivot of a matrix is an entry that is always zero.
     pub(crate) fn suit(&self, matrix: &Matrix<Expr>, arena: &Arena) -> bool {
         let mut pattern = pattern(matrix, arena);
         if self.0.len() != pattern.len() {

@@ -44,7 +44,7 @@ pub(crate) enum Returns {
 }
 
 impl Returns {
-    /// Whether the entries of a matrix are known before the state that it is applied to.
+    /// Returns whether the entries of a matrix are known before the state that it is applied to.
     pub(crate) fn is_matrix(self) -> bool {
         self != Self::Increment
     }
@@ -127,7 +127,7 @@ pub(crate) struct Iteration<T, R = T> {
     pub(crate) path: Option<PathJudge>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear<Expr>,
-    /// Whether the step fails where the matrix of the guess is singular: no other guess replaces
+    /// True if the step fails where the matrix of the guess is singular: no other guess replaces
     /// it.
     pub(crate) needs_guess: bool,
     /// Names of the iterates in `residual`, `jacobian` and `curvature`.
@@ -140,7 +140,7 @@ pub(crate) trait Lower {
     type Value;
     type Residual;
     fn value(&mut self, expr: Expr) -> Self::Value;
-    /// A residual, and what joins the sum of the magnitudes of its terms.
+    /// Returns a residual, and what joins the sum of the magnitudes of its terms.
     fn residual(&mut self, expr: Expr, scale: Option<Expr>) -> Self::Residual;
 
     fn values(&mut self, exprs: &[Expr]) -> Vec<Self::Value> {
@@ -153,7 +153,7 @@ pub(crate) trait Lower {
 }
 
 impl<T, R> Scheme<T, R> {
-    /// Whether the step has multipliers of constraints.
+    /// Returns whether the step has multipliers of constraints.
     pub(crate) fn is_constrained(&self) -> bool {
         !self.reported.is_empty()
     }
@@ -248,7 +248,7 @@ impl Solution<Expr> {
 }
 
 impl<T, R> Block<T, R> {
-    /// The band of its Jacobian, where not all entries are stored.
+    /// Returns the band of its Jacobian, where not all entries are stored.
     pub(crate) fn bandwidths(&self) -> Option<(usize, usize)>
     where
         T: Copy,
@@ -274,14 +274,14 @@ impl<T, R> Solution<T, R> {
 }
 
 impl<T: PartialEq, R> Iteration<T, R> {
-    /// Whether the limit is the solution that the first stage of the guess finds.
+    /// Returns whether the limit is the solution that the first stage of the guess finds.
     pub(crate) fn limit_is_guess(&self, judge: &Judge<T>) -> bool {
         judge.limit_rhs == self.guess.rhs
     }
 }
 
 impl Linear<Expr> {
-    /// The stored entries of the matrix, and the right-hand side.
+    /// Returns the stored entries of the matrix, and the right-hand side.
     pub(crate) fn entries(&self) -> Vec<Expr> {
         self.matrix
             .stored()

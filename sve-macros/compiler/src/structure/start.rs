@@ -23,7 +23,7 @@ pub(crate) struct StartTest {
     pub(crate) of_parameters: Vec<Matrix<Expr>>,
     /// Blocks of the mass matrix that depend on configuration or time.
     pub(crate) of_state: Vec<Matrix<Expr>>,
-    /// Whether ∂L/∂v is not affine in v, so that a velocity has to be found.
+    /// True if ∂L/∂v is not affine in v, so that a velocity has to be found.
     pub(crate) needs_velocity: bool,
 }
 

@@ -57,7 +57,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// The explicit unknowns of a block, after the others are solved; `known` gets their formulas.
+    /// Returns the explicit unknowns of a block, after the others are solved; `known` gets their
+    /// formulas.
     pub(super) fn explicit_blocks(
         &mut self,
         formulas: Vec<(Symbol, Expr)>,
@@ -88,7 +89,7 @@ impl Reduced<'_> {
         }
     }
 
-    /// An equation with a single unknown that is not torn, and the formula that it gives.
+    /// Returns an equation with a single unknown that is not torn, and the formula that it gives.
     fn explicit(&mut self, rows: &[usize], columns: &[usize]) -> Option<(usize, usize, Expr)> {
         for &row in rows {
             let residual = self.residuals[row];

@@ -16,11 +16,11 @@ pub(crate) struct Arguments {
     pub(crate) rules: Vec<ListedRule>,
     /// Path of the runtime crate, `::sve_runtime` unless `crate = path` says otherwise.
     pub(crate) runtime: syn::Path,
-    /// Whether each rule is derived a second time without its structure, which `structure = both`
+    /// True if each rule is derived a second time without its structure, which `structure = both`
     /// asks for: a comparison for tests and benchmarks of this project, which no message offers to
     /// users.
     pub(crate) derives_unstructured: bool,
-    /// Whether the attitude of the bodies is left out of functions and states, which `reduced` asks
+    /// True if the attitude of the bodies is left out of functions and states, which `reduced` asks
     /// for.
     pub(crate) is_reduced: bool,
 }
@@ -158,13 +158,13 @@ impl Arguments {
     }
 }
 
-/// Whether `= both` follows.
+/// Returns whether `= both` follows.
 fn is_both(input: ParseStream<'_>) -> bool {
     let ahead = input.fork();
     ahead.parse::<Token![=]>().is_ok() && ahead.parse::<Ident>().is_ok_and(|word| word == "both")
 }
 
-/// The error of an entry that something else than a comma follows.
+/// Returns the error of an entry that something else than a comma follows.
 fn no_comma(name: &Ident, is_rule: bool, follows: Span, all: &[Rule]) -> syn::Error {
     if is_rule {
         let message = "expected a comma between rules, as in `#[variational(midpoint, endpoint)]`";
@@ -187,7 +187,7 @@ fn unknown_rule(name: &str, all: &[Rule]) -> String {
     }
 }
 
-/// The names of rules in a sentence.
+/// Returns the names of rules in a sentence.
 fn listed(rules: &[Rule]) -> String {
     catalogue::names(rules).join(", ")
 }

@@ -97,7 +97,7 @@ fn kind(token: &TokenTree, after_operator: bool) -> Kind {
     }
 }
 
-/// An error where the input is nested too deeply to be read.
+/// Returns an error where the input is nested too deeply to be read.
 pub(crate) fn check(tokens: &TokenStream) -> syn::Result<()> {
     let mut open = vec![Level::new(tokens.clone(), 0)];
     let mut after_operator = true;
@@ -125,7 +125,7 @@ pub(crate) fn check(tokens: &TokenStream) -> syn::Result<()> {
     Ok(())
 }
 
-/// Whether what follows a block belongs to the same expression.
+/// Returns whether what follows a block belongs to the same expression.
 fn continues(next: Option<TokenTree>) -> bool {
     match next {
         Some(TokenTree::Ident(ident)) => ident == "else",

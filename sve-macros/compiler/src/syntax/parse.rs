@@ -22,7 +22,7 @@ pub(crate) struct RoleFunction {
     pub(crate) role: Role,
     /// Pattern and type of the arguments after `&self`.
     pub(crate) arguments: Vec<(Pat, Type)>,
-    /// Whether the first argument is the time.
+    /// True if the first argument is the time.
     pub(crate) is_timed: bool,
     /// Arguments of each quantity: two where a rotation stands beside a vector, otherwise one.
     pub(crate) parts: usize,
@@ -49,12 +49,12 @@ pub(crate) struct Annotated {
 }
 
 impl Annotated {
-    /// The type of the coordinates, as the Lagrangian's first vector argument has it.
+    /// Returns the type of the coordinates, as the Lagrangian's first vector argument has it.
     pub(crate) fn coordinates(&self) -> &Type {
         &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
     }
 
-    /// The types of the configuration: one, or two where a rotation stands beside a vector.
+    /// Returns the types of the configuration: one, or two where a rotation stands beside a vector.
     pub(crate) fn configuration(&self) -> impl Iterator<Item = &Type> {
         let lagrangian = &self.lagrangian;
         let arguments = &lagrangian.arguments[usize::from(lagrangian.is_timed)..];
@@ -152,13 +152,13 @@ fn check_lagrangians(
     }
 }
 
-/// Whether this is the attribute of this macro once more.
+/// Returns whether this is the attribute of this macro once more.
 pub(crate) fn is_this(attribute: &syn::Attribute) -> bool {
     let last = attribute.path().segments.last();
     last.is_some_and(|segment| segment.ident == "variational")
 }
 
-/// The function that was meant to be the Lagrangian.
+/// Returns the function that was meant to be the Lagrangian.
 fn misspelt_lagrangian(functions: &[Rc<ImplItemFn>]) -> Option<&Ident> {
     functions.iter().map(|f| &f.sig.ident).find(|name| {
         let name = name.to_string().to_lowercase();
@@ -259,7 +259,7 @@ fn is_shared(receiver: &syn::Receiver) -> bool {
         && tokens.next().is_none()
 }
 
-/// Whether a type is written `f64`.
+/// Returns whether a type is written `f64`.
 pub(crate) fn is_f64(ty: &Type) -> bool {
     matches!(ty, Type::Path(path) if path.qself.is_none() && path.path.is_ident("f64"))
 }

@@ -27,7 +27,7 @@ pub(crate) enum Role {
 /// The argument of `#[h1(tangent)]`.
 const TANGENT: &str = "tangent";
 
-/// The role of each member; the attributes that say so are removed.
+/// Returns the role of each member; the attributes that say so are removed.
 pub(crate) fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
     item.items
         .iter_mut()
@@ -45,7 +45,7 @@ pub(crate) fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option
         .collect()
 }
 
-/// The roles that the attributes of a member give; these are removed.
+/// Returns the roles that the attributes of a member give; these are removed.
 fn take_attributes(
     attributes: &mut Vec<Attribute>,
     is_function: bool,
@@ -89,7 +89,7 @@ fn take_attributes(
     found
 }
 
-/// The role of a function, from its name and those that its attributes give.
+/// Returns the role of a function, from its name and those that its attributes give.
 fn role(name: &Ident, found: &[Role], errors: &mut Errors) -> Role {
     if found.len() > 1 {
         errors.push(
@@ -134,7 +134,7 @@ impl Role {
         Self::Constraint,
     ];
 
-    /// The role with the arguments of its attribute; nothing if they have no meaning.
+    /// Returns the role with the arguments of its attribute; nothing if they have no meaning.
     fn with_arguments(self, attribute: &Attribute) -> Option<Self> {
         if attribute.meta.require_path_only().is_ok() {
             return Some(self);
@@ -149,7 +149,7 @@ impl Role {
             .find(|role| role.attribute() == name)
     }
 
-    /// The role that an attribute of another name was meant to give.
+    /// Returns the role that an attribute of another name was meant to give.
     fn meant(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
         let by_another_name = match lower.as_str() {
@@ -180,7 +180,7 @@ impl Role {
         }
     }
 
-    /// The signature that a function of this role must have.
+    /// Returns the signature that a function of this role must have.
     pub(crate) fn signature(self) -> &'static str {
         match self {
             Self::Lagrangian => "fn lagrangian(&self, q: [f64; N], v: [f64; N]) -> f64",
@@ -195,8 +195,8 @@ impl Role {
         }
     }
 
-    /// The signature that a function of this role must have in a system with rotations; of a
-    /// rotation beside a vector each quantity has two parts.
+    /// Returns the signature that a function of this role must have in a system with rotations; of
+    /// a rotation beside a vector each quantity has two parts.
     pub(crate) fn signature_with_rotations(self, parts: usize) -> &'static str {
         match (self, parts) {
             (Self::Lagrangian | Self::Helper, 1) => {
@@ -243,8 +243,8 @@ impl Role {
     }
 }
 
-/// The block as it is emitted: the user's tokens without the attributes that only this macro
-/// understands.
+/// Returns the block as it is emitted: the user's tokens without the attributes that only this
+/// macro understands.
 pub(crate) fn without_roles(item: &TokenStream) -> TokenStream {
     let mut tokens: Vec<TokenTree> = item.clone().into_iter().collect();
     if let Some(TokenTree::Group(body)) = tokens.last_mut()
@@ -271,12 +271,12 @@ fn members_without_roles(members: TokenStream) -> TokenStream {
     kept.into_iter().collect()
 }
 
-/// Whether an attribute of this name gives a role.
+/// Returns whether an attribute of this name gives a role.
 pub(crate) fn is_role_name(name: &str) -> bool {
     Role::of_attribute(name).is_some() || Role::meant(name).is_some()
 }
 
-/// Whether `[…]` is an attribute of this macro.
+/// Returns whether `[…]` is an attribute of this macro.
 fn is_role(group: &Group) -> bool {
     let mut inside = group.stream().into_iter();
     let name = match inside.next() {

@@ -59,18 +59,18 @@ impl RuleArguments {
     }
 }
 
-/// The rules of a name, in ascending numbers of stages.
+/// Returns the rules of a name, in ascending numbers of stages.
 fn members(name: &Ident, all: &[Rule]) -> Vec<Rule> {
     let members = all.iter().filter(|rule| name == rule.attribute_name);
     members.copied().collect()
 }
 
-/// The member of a family that messages take for an example.
+/// Returns the member of a family that messages take for an example.
 fn example(family: &[Rule]) -> Rule {
     family[2.min(family.len() - 1)]
 }
 
-/// The member of a family whose number is among the arguments, if there is one.
+/// Returns the member of a family whose number is among the arguments, if there is one.
 fn meant(family: &[Rule], arguments: &[Argument]) -> Rule {
     let mut numbers = arguments.iter().enumerate().filter_map(number);
     let stages = numbers.find_map(|(_, number)| number.base10_parse().ok());
@@ -104,7 +104,7 @@ fn expected(name: &Ident, all: &[Rule]) -> String {
     }
 }
 
-/// The rule that a name and its arguments mean. Returns nothing after an error.
+/// Returns the rule that a name and its arguments mean. Returns nothing after an error.
 pub(super) fn resolve(
     name: &Ident,
     arguments: Option<&RuleArguments>,
@@ -159,7 +159,8 @@ fn without_stages(
     }
 }
 
-/// The member of a family whose number of stages the arguments say. Returns nothing after an error.
+/// Returns the member of a family whose number of stages the arguments say. Returns nothing after
+/// an error.
 fn member(
     name: &Ident,
     arguments: Option<&RuleArguments>,
@@ -201,8 +202,8 @@ fn member(
     Some(rule)
 }
 
-/// The number among the arguments of a family, and its place among them. Returns nothing after an
-/// error.
+/// Returns the number among the arguments of a family, and its place among them. Returns nothing
+/// after an error.
 fn the_number<'a>(
     name: &Ident,
     arguments: Option<&'a RuleArguments>,
@@ -275,7 +276,7 @@ fn number((at, argument): (usize, &Argument)) -> Option<(usize, &LitInt)> {
     }
 }
 
-/// The options among arguments, as they are written.
+/// Returns the options among arguments, as they are written.
 fn options_of(arguments: &[Argument]) -> Vec<String> {
     let words = arguments.iter().filter_map(|argument| match argument {
         Argument::Word(word) => Some(word.to_string()),
@@ -284,7 +285,7 @@ fn options_of(arguments: &[Argument]) -> Vec<String> {
     words.collect()
 }
 
-/// The options among the arguments, with their places.
+/// Returns the options among the arguments, with their places.
 fn options(
     name: &Ident,
     arguments: &[Argument],
@@ -313,7 +314,7 @@ fn options(
     found
 }
 
-/// The options of a rule in a sentence; nothing if there are none.
+/// Returns the options of a rule in a sentence; nothing if there are none.
 fn taken(rule: Rule) -> Option<String> {
     let options = rule.takes.options.iter();
     let names: Vec<String> = options.map(|o| format!("`{}`", o.name())).collect();

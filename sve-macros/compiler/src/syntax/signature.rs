@@ -170,7 +170,7 @@ fn meaning_with_rotations(name: &str) -> &'static str {
     }
 }
 
-/// The error of a second argument where only the position has a place.
+/// Returns the error of a second argument where only the position has a place.
 fn depends_on_more(role: Role, arguments: &[(Pat, Type)], expected: &str) -> syn::Error {
     let hint = match role {
         Role::Gamma => "; a noise that depends on the momentum is `#[h1]`",
@@ -231,8 +231,8 @@ fn meaning(name: &str) -> Option<&'static str> {
         .map(|quantity| quantity.1)
 }
 
-/// The head of the function with its arguments in the right order, in the types that the user
-/// wrote.
+/// Returns the head of the function with its arguments in the right order, in the types that the
+/// user wrote.
 fn in_order(name: &Ident, role: Role, timed: bool, arguments: &[(Pat, Type)]) -> String {
     let is_time = |pattern: &Pat| matches!(pattern, Pat::Ident(ident) if ident.ident == "t");
     // of a vector system the time alone is a number
@@ -269,7 +269,7 @@ mod tests {
         ("#[constraint]", "rod", &["q"], "{ x }"),
     ];
 
-    /// The errors of a block in which one function has arguments of these names.
+    /// Returns the errors of a block in which one function has arguments of these names.
     fn errors(role: usize, names: &[&str]) -> Vec<String> {
         let (attribute, function, order, _) = ROLES[role];
         let list: Vec<String> = names.iter().map(|name| format!("{name}: f64")).collect();

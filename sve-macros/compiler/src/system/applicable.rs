@@ -170,7 +170,7 @@ pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> sy
     errors.finish(())
 }
 
-/// The names of some rules: `a`, `b` or `c`.
+/// Returns the names of some rules: `a`, `b` or `c`.
 fn listed_where(wanted: impl Fn(&Rule) -> bool) -> String {
     let mut rules = Rule::all();
     rules.retain(wanted);

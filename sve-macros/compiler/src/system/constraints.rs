@@ -263,7 +263,7 @@ fn check_correction(
     errors.finish(())
 }
 
-/// The function that returns a term of this name, `f` or `f[2]`.
+/// Returns the function that returns a term of this name, `f` or `f[2]`.
 fn function<'a>(functions: &'a [RoleFunction], term: &str) -> &'a RoleFunction {
     let name = term.split('[').next().unwrap_or(term);
     let found = functions.iter().find(|f| f.name == name);

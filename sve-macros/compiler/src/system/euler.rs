@@ -37,7 +37,7 @@ pub(crate) struct Euler {
 pub(crate) struct Solved {
     /// ∂²L/∂v².
     pub(crate) mass: Vec<Vec<Expr>>,
-    /// Whether the matrix depends on parameters alone.
+    /// True if the matrix depends on parameters alone.
     pub(crate) is_constant: bool,
     /// p − ∂L/∂v(q, 0).
     pub(crate) rhs: Vec<Expr>,

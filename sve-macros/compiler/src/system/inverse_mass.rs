@@ -59,7 +59,7 @@ pub(crate) fn solve(
     Ok(w)
 }
 
-/// The coordinates that M couples, each block ascending.
+/// Returns the coordinates that M couples, each block ascending.
 fn blocks(mass: &[Vec<Expr>], arena: &Arena) -> Vec<Vec<usize>> {
     let n = mass.len();
     let entries = mass.concat();
@@ -103,7 +103,7 @@ fn cramer(matrix: &[Vec<Expr>], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     solution
 }
 
-/// The determinant of some rows and columns, expanded along the first row.
+/// Returns the determinant of some rows and columns, expanded along the first row.
 fn determinant(matrix: &[Vec<Expr>], rows: &[usize], columns: &[usize], arena: &mut Arena) -> Expr {
     let Some((&first, rest)) = rows.split_first() else {
         return arena.constant(1.0);

@@ -107,11 +107,11 @@ pub(crate) struct Mechanics {
     pub(crate) noises: Vec<NoiseJet>,
     pub(crate) force: Option<ForceJet>,
     pub(crate) constraints: Vec<ConstraintJet>,
-    /// Whether `∂L/∂v` is affine in v.
+    /// True if `∂L/∂v` is affine in v.
     pub(crate) affine_momentum: bool,
-    /// Whether L = T(v) − V(t, q).
+    /// True if L = T(v) − V(t, q).
     pub(crate) is_separable: bool,
-    /// Whether the noises are additive: γ's that are linear in q, with constant masses. They may
+    /// True if the noises are additive: γ's that are linear in q, with constant masses. They may
     /// depend on time.
     pub(crate) is_additive: bool,
 }
@@ -186,14 +186,14 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
 }
 
 impl Mechanics {
-    /// The derivatives with those of one more noise Hamiltonian.
+    /// Returns the derivatives with those of one more noise Hamiltonian.
     pub(crate) fn with_noise(&self, noise: NoiseJet) -> Self {
         let mut mechanics = self.clone();
         mechanics.noises.push(noise);
         mechanics
     }
 
-    /// The derivatives in forms that are stable in floating-point arithmetic.
+    /// Returns the derivatives in forms that are stable in floating-point arithmetic.
     pub(crate) fn stabilised(&self, arena: &mut Arena) -> Self {
         let mut mechanics = self.clone();
         mechanics.stabilise(arena);
@@ -217,7 +217,7 @@ pub(crate) fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> 
     noise_jet_of(dq, dp, model, arena)
 }
 
-/// The derivatives of a noise Hamiltonian from its gradient.
+/// Returns the derivatives of a noise Hamiltonian from its gradient.
 pub(crate) fn noise_jet_of(
     dq: Vec<Expr>,
     dp: Vec<Expr>,

@@ -58,12 +58,12 @@ pub(super) fn check(
 pub(super) struct Undetermined {
     /// The coordinates in null vectors of ∂²L/∂v², ascending; at least one.
     pub(super) velocities: Vec<usize>,
-    /// Whether ∂²L/∂v² is singular, and not just too near to a singular matrix to tell.
+    /// True if ∂²L/∂v² is singular, and not just too near to a singular matrix to tell.
     pub(super) is_certain: bool,
 }
 
 impl Undetermined {
-    /// The error, with a remedy beside that of giving each velocity a kinetic term.
+    /// Returns the error, with a remedy beside that of giving each velocity a kinetic term.
     pub(super) fn error(&self, block: &Annotated, n: usize, remedy: &str) -> syn::Error {
         let reason = if self.is_certain {
             "since ∂²L/∂v² is singular everywhere"
@@ -79,7 +79,7 @@ impl Undetermined {
     }
 }
 
-/// The names of components, each in code quotes.
+/// Returns the names of components, each in code quotes.
 pub(super) fn names(components: &[usize], name: impl Fn(usize) -> String) -> String {
     let names: Vec<String> = components
         .iter()
@@ -88,7 +88,7 @@ pub(super) fn names(components: &[usize], name: impl Fn(usize) -> String) -> Str
     names.join(", ")
 }
 
-/// The advice to give some velocities kinetic terms.
+/// Returns the advice to give some velocities kinetic terms.
 pub(super) fn kinetic_term(block: &Annotated, velocities: &[usize], n: usize) -> String {
     let example = velocity(block, velocities.last().map_or(0, |&i| i), n);
     format!(
@@ -183,7 +183,7 @@ pub(super) fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
 pub(super) struct Nullity {
     /// Columns that occur in a null vector; empty if the matrix is regular.
     pub(super) columns: Vec<usize>,
-    /// Whether all entries that remain are zero. Otherwise they are as small as the uncertainty of
+    /// True if all entries that remain are zero. Otherwise they are as small as the uncertainty of
     /// constants.
     is_singular: bool,
 }

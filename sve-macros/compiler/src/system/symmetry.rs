@@ -36,7 +36,7 @@ pub(crate) struct MomentumMap {
     pub(crate) name: String,
     /// ⟨p, ξ⟩.
     pub(crate) value: Expr,
-    /// Whether ξ is affine in q and independent of time. The steps then conserve the momentum too.
+    /// True if ξ is affine in q and independent of time. The steps then conserve the momentum too.
     pub(crate) is_affine: bool,
     /// Whether the invariance along ξ is proved or found at random points.
     pub(crate) evidence: Vanishing,
@@ -93,8 +93,8 @@ pub(crate) fn check(
     errors.finish(maps)
 }
 
-/// Whether the nodes of all rules keep the momentum of a generator, if it is affine. A regular
-/// Lagrangian lets every node keep it.
+/// Returns whether the nodes of all rules keep the momentum of a generator, if it is affine. A
+/// regular Lagrangian lets every node keep it.
 fn is_kept(
     generator: &Generator,
     block: &Annotated,

@@ -1,10 +1,10 @@
 //! Expressions as readable mathematics: `v²/(2·a) − a·q²/2`.
 //!
-//! Input: an expression, and a [`Notation`] that says how symbols are called and which
-//! subexpressions have names. Output: text that means the expression under the usual rules: `·`
-//! and `/` from left to right, powers before them, `√` takes what stands right behind it. Negative
-//! powers are written below the line, sums with a positive term first. Text has a limit; nothing is
-//! walked as a tree beyond it.
+//! Input: an expression, and a [`Notation`] that gives the names of symbols and of subexpressions.
+//! Output: text that means the expression under the usual rules: `·` and `/` from left to right,
+//! powers before them; `√` applies to the operand directly behind it. Negative powers stand in the
+//! denominator, and sums begin with a positive term. The length of the text is limited, and no
+//! expression is walked as a tree beyond this limit.
 
 mod printer;
 
@@ -12,16 +12,16 @@ use printer::{Inside, Printer, Product};
 
 use super::expr::{Arena, Expr, Node, Symbol};
 
-/// How things are called.
+/// The names of symbols and subexpressions in a text.
 pub(crate) trait Notation {
     fn symbol(&self, symbol: Symbol) -> String;
-    /// Where a symbol stands among the factors of a product: the smallest first.
+    /// Returns the rank of a symbol among the factors of a product; the smallest comes first.
     fn place(&self, symbol: Symbol) -> u8;
-    /// The name that is written instead of an expression.
+    /// Returns the name that is written instead of an expression.
     fn name(&self, expr: Expr) -> Option<&str>;
 }
 
-/// A text, and the expressions in it that were written as their names.
+/// A printed text, and the expressions in it that were printed as their names.
 pub(crate) struct Text {
     pub(crate) text: String,
     pub(crate) named: Vec<Expr>,
@@ -35,7 +35,8 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    /// Adds a multiple of an expression; like terms are collected, where the first of them stands.
+    /// Adds a multiple of an expression. Like terms are collected at the position of the first of
+    /// them.
     pub(crate) fn add(&mut self, c: f64, expr: Expr, arena: &Arena) {
         let terms: Vec<(Expr, f64)> = match arena.node(expr) {
             Node::Constant(value) => {
@@ -67,7 +68,7 @@ impl Sum {
 }
 
 impl Arena {
-    /// `expr`, or nothing where it has more than `limit` characters.
+    /// Prints `expr`; returns `None` if the text has more than `limit` characters.
     pub(crate) fn display(
         &self,
         expr: Expr,
@@ -77,7 +78,7 @@ impl Arena {
         self.printed(limit, notation, |p| p.print(expr, Inside::Sum))
     }
 
-    /// What a named expression is.
+    /// Prints the operation that a named expression stands for, instead of its name.
     pub(crate) fn display_definition(
         &self,
         expr: Expr,
@@ -87,7 +88,7 @@ impl Arena {
         self.printed(limit, notation, |p| p.open(expr, Inside::Sum))
     }
 
-    /// A sum.
+    /// Prints a sum.
     pub(crate) fn display_sum(
         &self,
         sum: &Sum,
@@ -97,7 +98,8 @@ impl Arena {
         self.printed(limit, notation, |p| p.sum(sum))
     }
 
-    /// A sum as a factor of what follows it: whether a minus stands in front, and the rest.
+    /// Prints a sum as a factor of the text that follows it. Returns whether a minus sign stands in
+    /// front, and the text without the sign.
     pub(crate) fn display_factor(
         &self,
         sum: &Sum,
@@ -130,7 +132,7 @@ impl Arena {
         Some((negative, text?))
     }
 
-    /// Operations that expressions are made of, each counted once.
+    /// Returns the number of operations in `roots`; a shared expression counts once.
     pub(crate) fn operations(&self, roots: &[Expr]) -> usize {
         let count = |e: &Expr| match self.node(*e) {
             Node::Constant(_) | Node::Symbol(_) | Node::Opaque(..) => 0,
@@ -175,8 +177,8 @@ impl Arena {
         (!too_long).then_some(Text { text, named })
     }
 
-    /// `c Π base^exponent` with its sign: a minus in front of a difference turns the difference
-    /// round.
+    /// Returns `c Π base^exponent` with its sign. A minus sign in front of a difference is removed
+    /// by exchanging its two terms.
     fn signed(&self, c: f64, factors: Vec<(Expr, i32)>, notation: &dyn Notation) -> Product {
         let is_difference = |&&(base, k): &&(Expr, i32)| match self.node(base) {
             Node::Sum(constant, terms) if k == 1 && notation.name(base).is_none() => {
@@ -198,7 +200,7 @@ impl Arena {
         }
     }
 
-    /// The factors of a term.
+    /// Returns the factors of a term.
     fn factors_of(&self, term: Expr, notation: &dyn Notation) -> Vec<(Expr, i32)> {
         match self.node(term) {
             Node::Product(factors) if notation.name(term).is_none() => factors.clone(),

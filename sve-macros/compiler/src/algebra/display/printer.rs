@@ -5,8 +5,8 @@ use crate::algebra::expr::{Arena, Binary, Expr, Function, Node};
 use crate::algebra::functions::{BinaryNotation as BinaryWritten, Notation as Written};
 use crate::algebra::number::{decimal, fraction, superscript};
 
-/// What surrounds an expression: from the one that needs no brackets to the one that needs them
-/// most.
+/// The operation that an expression is an operand of, in the order in which more operands need
+/// brackets.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Inside {
     Sum,
@@ -18,10 +18,10 @@ pub(super) enum Inside {
     Base,
 }
 
-/// Nesting beyond which nobody reads on.
+/// Nesting beyond which a formula is not printed, since nobody could read it.
 const DEPTH: usize = 40;
 
-/// `± magnitude Π base^exponent`, one of the bases with its sign turned round.
+/// `± magnitude Π base^exponent`. The base `turned` is printed with its sign reversed.
 pub(super) struct Product {
     pub(super) negative: bool,
     pub(super) magnitude: f64,
@@ -59,7 +59,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints what an expression is made of, even where it has a name.
+    /// Prints the operation of an expression, even if the expression has a name.
     pub(super) fn open(&mut self, expr: Expr, inside: Inside) {
         if self.too_long || self.depth == DEPTH {
             self.too_long = true;
@@ -88,8 +88,8 @@ impl Printer<'_> {
         self.depth -= 1;
     }
 
-    /// A positive constant stands before the terms, a negative one behind them; a positive term
-    /// before negative ones.
+    /// Prints a sum. A positive constant stands before the terms and a negative one behind them;
+    /// positive terms stand before negative ones.
     pub(super) fn sum(&mut self, sum: &Sum) {
         let Sum { constant, terms } = sum;
         let mut first = true;
@@ -125,7 +125,7 @@ impl Printer<'_> {
         }
     }
 
-    /// `c Π base^exponent` for any sign of `c`.
+    /// Prints `c Π base^exponent` for any sign of `c`.
     pub(super) fn scaled(&mut self, c: f64, factors: Vec<(Expr, i32)>, inside: Inside) {
         if c == 0.0 {
             self.put("0");
@@ -142,7 +142,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A product without its sign, negative powers below the line.
+    /// Prints a product without its sign, with negative powers in the denominator.
     pub(super) fn quotient(&mut self, product: &Product, inside: Inside) {
         let Product {
             negative: _,
@@ -203,7 +203,8 @@ impl Printer<'_> {
         }
     }
 
-    /// Parameters, then symbols of the step, functions, sums.
+    /// Returns the rank of a factor in a product: parameters come first, then symbols of the step,
+    /// functions and sums.
     pub(super) fn place(&self, expr: Expr) -> u8 {
         const FUNCTION: u8 = 100;
         const SUM: u8 = 101;

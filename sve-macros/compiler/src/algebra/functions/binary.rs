@@ -1,4 +1,4 @@
-//! The functions of two arguments, an entry each.
+//! The functions of two arguments, one entry each.
 
 use super::super::elementary;
 use super::{Arena, Double, Expr};
@@ -17,7 +17,7 @@ impl Binary {
     /// The functions that a body may call as methods of `f64` with an argument.
     pub(crate) const METHODS: &[Self] = &[Self::Atan2, Self::Hypot, Self::Pow];
 
-    /// What is known of the function.
+    /// Returns the entry of the function.
     pub(crate) fn entry(self) -> &'static BinaryEntry {
         match self {
             Self::Atan2 => &ATAN2,
@@ -27,7 +27,7 @@ impl Binary {
         }
     }
 
-    /// The number n of logarithms in a derivative of a power, which is its third argument.
+    /// Returns the number n of logarithms in a derivative of a power.
     pub(crate) fn logarithms(self) -> Option<i32> {
         match self {
             Self::PowLog(n) => Some(n),
@@ -39,7 +39,7 @@ impl Binary {
         self.logarithms().unwrap_or(0)
     }
 
-    /// The name of the method of `f64`, or of the function of the runtime.
+    /// Returns the name of the method of `f64` or of the function of the runtime.
     pub(crate) fn name(self) -> &'static str {
         self.entry().name
     }
@@ -54,12 +54,12 @@ impl Binary {
         (self.entry().double)(x, y, self.n())
     }
 
-    /// The derivatives in x and y up to their signs, with `value = f(x, y)` at hand.
+    /// Returns the derivatives in x and y up to their signs. The caller passes `value = f(x, y)`.
     pub(in crate::algebra) fn slopes(self, x: f64, y: f64, value: f64) -> (f64, f64) {
         (self.entry().slopes)(x, y, value, self.n())
     }
 
-    /// The derivatives in x and y, with `value = f(x, y)` at hand.
+    /// Returns the derivatives in x and y. The caller passes `value = f(x, y)`.
     pub(in crate::algebra) fn derivatives(
         self,
         arena: &mut Arena,
@@ -71,11 +71,12 @@ impl Binary {
     }
 }
 
-/// What is known of a function of two arguments. The last argument of each function in it is the
+/// The properties of a function of two arguments. The last argument of each function pointer is the
 /// number of logarithms.
 pub(crate) struct BinaryEntry {
     pub(crate) name: &'static str,
-    /// Whether it is a method of `f64`. Otherwise generated code calls the function of the runtime.
+    /// True if the function is a method of `f64`. Otherwise generated code calls the function of
+    /// the runtime.
     pub(crate) is_method: bool,
     value: fn(f64, f64, i32) -> f64,
     /// The value in 106 bits.
@@ -84,29 +85,29 @@ pub(crate) struct BinaryEntry {
     slopes: fn(f64, f64, f64, i32) -> (f64, f64),
     /// The derivatives, from arguments and value.
     derivatives: fn(&mut Arena, [Expr; 2], Expr, i32) -> (Expr, Expr),
-    /// The expression that stands for the function where its second argument is a constant.
+    /// The expression that replaces the function if its second argument is a constant.
     pub(in crate::algebra) with_constant: Option<fn(&mut Arena, Expr, f64) -> Expr>,
-    /// Whether the function is defined only where its first argument is not negative.
+    /// True if the function is defined only for a nonnegative first argument.
     pub(crate) needs_nonnegative: bool,
-    /// What bounds the change of the value by those of the arguments.
+    /// The bound of the change of the value by the changes of the arguments.
     pub(crate) bound: BinaryBound,
-    /// Whether the square of the value is the sum of the squares of the arguments.
+    /// True if the square of the value is the sum of the squares of the arguments.
     pub(in crate::algebra) is_norm: bool,
     pub(in crate::algebra) notation: BinaryNotation,
 }
 
-/// How much a function of two arguments changes when these change by at most r and s.
+/// Bound of the change of a function of two arguments if these change by at most r and s.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum BinaryBound {
-    /// By `r + s`.
+    /// At most `r + s`.
     Sum,
-    /// By `(r + s)/(hypot(x, y) − r − s)`.
+    /// At most `(r + s)/(hypot(x, y) − r − s)`.
     Angle,
-    /// Without a bound.
+    /// No bound.
     None,
 }
 
-/// How a call of two arguments is written in formulas.
+/// The notation of a call of two arguments in formulas.
 #[derive(Clone, Copy)]
 pub(in crate::algebra) enum BinaryNotation {
     /// `name(x, y)`
@@ -125,7 +126,7 @@ static ATAN2: BinaryEntry = BinaryEntry {
         (y / norm, x / norm)
     },
     derivatives: |arena, [x, y], _, _| {
-        // the squares of x and y may overflow where their root does not
+        // the squares of x and y may overflow even if hypot(x, y) does not
         let norm = arena.call2(Binary::Hypot, x, y);
         let (dx, dy) = (
             arena.product(&[(y, 1), (norm, -2)]),
@@ -191,7 +192,7 @@ static POW_LOG: BinaryEntry = BinaryEntry {
     },
     derivatives: |arena, [x, y], _, n| arena.power_derivatives(x, y, n),
     with_constant: None,
-    // the power that it is a derivative of has the condition
+    // the power itself, from which this derivative comes, has the condition
     needs_nonnegative: false,
     bound: BinaryBound::None,
     is_norm: false,
@@ -199,10 +200,11 @@ static POW_LOG: BinaryEntry = BinaryEntry {
 };
 
 impl Arena {
-    /// The derivatives of `x^y lnⁿ x`: `y x^(y−1) lnⁿ x + n x^(y−1) lnⁿ⁻¹ x` and `x^y lnⁿ⁺¹ x`.
+    /// Returns the derivatives of `x^y lnⁿ x`: `y x^(y−1) lnⁿ x + n x^(y−1) lnⁿ⁻¹ x` and
+    /// `x^y lnⁿ⁺¹ x`.
     fn power_derivatives(&mut self, x: Expr, y: Expr, n: i32) -> (Expr, Expr) {
         if self.constant_value(x) == Some(0.0) {
-            // 0^y is 0 where it has a derivative, y > 0
+            // the derivative of 0^y exists for y > 0, where 0^y is 0
             let zero = self.constant(0.0);
             return (zero, zero);
         }
@@ -215,7 +217,7 @@ impl Arena {
         (self.sum(0.0, &terms), self.power_log(x, y, n + 1))
     }
 
-    /// `x^y lnⁿ x`.
+    /// Returns `x^y lnⁿ x`.
     fn power_log(&mut self, x: Expr, y: Expr, n: i32) -> Expr {
         match self.constant_value(x) {
             _ if n == 0 => self.call2(Binary::Pow, x, y),

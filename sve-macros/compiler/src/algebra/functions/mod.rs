@@ -1,9 +1,9 @@
-//! The functions, an entry each: name, values, derivative, parity, sign, domain, bounds, forms that
-//! do not cancel, notation.
+//! The functions of one argument, one entry each: name, values, derivative, parity, sign, domain,
+//! bounds, forms that do not cancel, notation.
 //!
-//! A new function of one argument is an entry in a file here and a line in the table of
-//! [`Function`]; one of two arguments is both in `binary.rs`. The language, the back end and the
-//! lanes take its name from the entry.
+//! To add a function of one argument, add an entry in a file of this folder and a line to the table
+//! of [`Function`]; a function of two arguments needs both in `binary.rs`. The language, the back
+//! end and the lanes take its name from the entry.
 
 mod binary;
 mod circular;
@@ -25,7 +25,8 @@ macro_rules! functions {
             $($function,)*
             /// A power with a constant exponent that is neither integer nor half-integer.
             Powf(Bits),
-            /// The magnitude: not in the language, since it is not smooth; bounds are made of it.
+            /// The absolute value. It is not in the language, since it is not smooth; bounds
+            /// contain it.
             Abs,
         }
 
@@ -33,7 +34,7 @@ macro_rules! functions {
             /// The functions that a body may call as methods of `f64` without an argument.
             pub(crate) const METHODS: &[Self] = &[$(Self::$function,)*];
 
-            /// What is known of the function.
+            /// Returns the entry of the function.
             pub(crate) fn entry(self) -> &'static Entry {
                 match self {
                     $(Self::$function => &$file::$entry,)*
@@ -70,7 +71,7 @@ functions! {
 }
 
 impl Function {
-    /// The exponent of a power; NaN for other functions, which do not ask.
+    /// Returns the exponent of a power; NaN for other functions, which do not use it.
     pub(crate) fn exponent(self) -> f64 {
         match self {
             Self::Powf(k) => k.get(),
@@ -78,7 +79,8 @@ impl Function {
         }
     }
 
-    /// The name of the method of `f64`, and of the function of the runtime in lanes.
+    /// Returns the name of the method of `f64`, which is also the name of the function of the
+    /// runtime for lanes.
     pub(crate) fn name(self) -> &'static str {
         self.entry().name
     }
@@ -93,17 +95,17 @@ impl Function {
         (self.entry().double)(x, self.exponent())
     }
 
-    /// f′(x) up to its sign, with `value = f(x)` at hand.
+    /// Returns f′(x) up to its sign. The caller passes `value = f(x)`.
     pub(super) fn slope(self, x: f64, value: f64) -> f64 {
         (self.entry().slope)(x, value, self.exponent())
     }
 
-    /// `f′(x)`, with `value = f(x)` at hand.
+    /// Returns `f′(x)`. The caller passes `value = f(x)`.
     pub(super) fn derivative(self, arena: &mut Arena, x: Expr, value: Expr) -> Expr {
         (self.entry().derivative)(arena, x, value, self.exponent())
     }
 
-    /// The functions whose quotient by this one is a function, with that function.
+    /// Returns the functions whose quotient by this one is a function, each with this quotient.
     pub(super) fn quotients(self) -> impl Iterator<Item = (Self, Self)> {
         Self::METHODS
             .iter()
@@ -113,16 +115,16 @@ impl Function {
             })
     }
 
-    /// Where the function is defined.
+    /// Returns the domain of the function.
     pub(crate) fn domain(self) -> Domain {
         (self.entry().domain)(self.exponent())
     }
 }
 
-/// What is known of a function. The last argument of each function in it is the exponent of a
+/// The properties of a function. The last argument of each function pointer is the exponent of a
 /// power.
 pub(crate) struct Entry {
-    /// The method of `f64`, and the function of the runtime in lanes.
+    /// The name of the method of `f64` and of the function of the runtime for lanes.
     pub(crate) name: &'static str,
     value: fn(f64, f64) -> f64,
     /// The value in 106 bits.
@@ -132,21 +134,21 @@ pub(crate) struct Entry {
     /// The derivative, from argument and value.
     derivative: fn(&mut Arena, Expr, Expr, f64) -> Expr,
     pub(super) parity: Parity,
-    /// What is known of the sign of the values.
+    /// The sign of the values.
     pub(crate) sign: Sign,
     domain: fn(f64) -> Domain,
-    /// What bounds the change of the value by that of the argument.
+    /// The bound of the change of the value by the change of the argument.
     pub(crate) bound: Bound,
     pub(super) stable: Stable,
     pub(super) notation: Notation,
-    /// The letter of numbered names in formulas, `s1`.
+    /// The first letter of numbered names in formulas, as in `s1`.
     pub(crate) letter: char,
-    /// Whether the method of `f64` is an instruction of the processor, which loops over lanes may
-    /// call.
+    /// True if the method of `f64` is a processor instruction. Loops over lanes may call such a
+    /// method.
     pub(crate) is_instruction: bool,
 }
 
-/// `f(−x)` beside `f(x)`.
+/// The relation of `f(−x)` to `f(x)`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Parity {
     Even,
@@ -154,7 +156,7 @@ pub(super) enum Parity {
     None,
 }
 
-/// What is known of the sign of a number.
+/// The sign of a number, as far as it is known.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sign {
     Positive,
@@ -162,57 +164,57 @@ pub(crate) enum Sign {
     Unknown,
 }
 
-/// Where a function is defined.
+/// The domain of a function.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Domain {
     Everywhere,
-    /// From a number on, which itself belongs to it or does not.
+    /// The numbers from `from` on, with or without `from` itself.
     From {
         least: f64,
         is_closed: bool,
     },
-    /// From −1 to 1, which themselves belong to it or do not.
+    /// The interval from −1 to 1, with or without its ends.
     WithinOne {
         is_closed: bool,
     },
 }
 
-/// How much a function changes when its argument x changes by at most r.
+/// Bound of the change of a function if its argument x changes by at most r.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Bound {
-    /// By r, and its values are within ±1.
+    /// At most r, with values within ±1.
     Wave,
-    /// By r.
+    /// At most r.
     Slope,
-    /// By `(constant + |value|)(e^(rate r) − 1)`.
+    /// At most `(constant + |value|)(e^(rate r) − 1)`.
     Growth { constant: f64, rate: f64 },
-    /// By `r/√x`.
+    /// At most `r/√x`.
     Root,
-    /// By `r/|x|^(2/3)`.
+    /// At most `r/|x|^(2/3)`.
     CubeRoot,
-    /// By `scale r / (shift + x − r)`.
+    /// At most `scale r / (shift + x − r)`.
     Logarithm { shift: f64, scale: f64 },
-    /// By `r/√(1 − (|x| + r)²)`, or its square.
+    /// At most `r/√(1 − (|x| + r)²)`, or its square.
     Arc { is_root: bool },
-    /// As `x^k`.
+    /// The bound of `x^k`.
     Power,
-    /// Without a bound.
+    /// No bound.
     None,
 }
 
-/// The identities of a function f from which its forms that do not cancel follow.
+/// The identities of a function f from which its stable forms follow.
 pub(super) struct Stable {
     /// `f(x) − 1`.
     pub(crate) less_one: Option<Form>,
     /// `f(x)² − 1`.
     pub(crate) square_less_one: Option<Form>,
-    /// The function g with `f(1 + y) = g(y)`.
+    /// The function g with `g(y) = f(1 + y)`.
     pub(crate) of_one_plus: Option<Function>,
     /// Functions g and q with `f(x) / g(x) = q(x)`, where q does not overflow.
     pub(crate) quotient: Option<(Function, Function)>,
-    /// Whether no value is below 1, so that the sum of 1 and `f(x) − 1` does not cancel.
+    /// True if no value is below 1, so that the sum of 1 and `f(x) − 1` does not cancel.
     pub(crate) is_at_least_one: bool,
-    /// Whether `f(x)^k = f(k x)`.
+    /// True if `f(x)^k = f(k x)`.
     pub(crate) power_scales_argument: bool,
 }
 
@@ -234,11 +236,12 @@ pub(super) struct Form {
     pub(crate) function: Function,
     pub(crate) factor: f64,
     pub(crate) power: i32,
-    /// Whether the function costs a call more. Sine and cosine of an angle are one call.
+    /// True if the function costs an additional call. The sine and cosine of one angle are one
+    /// call.
     pub(crate) is_further_call: bool,
 }
 
-/// How a call is written in formulas.
+/// The notation of a call in formulas.
 #[derive(Clone, Copy)]
 pub(super) enum Notation {
     /// `name(x)`
@@ -271,19 +274,19 @@ fn positive(_: f64) -> Domain {
 }
 
 impl Arena {
-    /// `1 + x²`.
+    /// Returns `1 + x²`.
     fn one_and_square(&mut self, x: Expr) -> Expr {
         let squared = self.pow(x, 2);
         self.sum(1.0, &[(1.0, squared)])
     }
 
-    /// `(a + b x)(1 + x)`, which is ±(1 − x²) and does not cancel next to x = ±1.
+    /// Returns `(a + b x)(1 + x)`, which is ±(1 − x²) and does not cancel next to x = ±1.
     fn factored(&mut self, a: f64, b: f64, x: Expr) -> Expr {
         let (minus, plus) = (self.sum(a, &[(b, x)]), self.sum(1.0, &[(1.0, x)]));
         self.mul(minus, plus)
     }
 
-    /// `1/√x`.
+    /// Returns `1/√x`.
     fn inverse_root(&mut self, x: Expr) -> Expr {
         let root = self.call(Function::Sqrt, x);
         self.pow(root, -1)

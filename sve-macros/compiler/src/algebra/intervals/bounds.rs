@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use super::{BOX, EXPONENT, Flavour, Range};
 use crate::algebra::{Arena, Binary, BinaryBound, Bound, Expr, Function, Map, Node, Symbol};
 
-/// Values within a distance of a midpoint.
+/// The values within `radius` of `mid`.
 #[derive(Clone, Copy)]
 pub(super) struct Interval {
     pub(super) mid: Expr,
     pub(super) radius: Expr,
-    /// The other end, where the values go from 0 to there.
+    /// The end of the range, if the values go from 0 to it.
     pub(super) end: Option<Expr>,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Bounds<'a> {
 }
 
 impl<'a> Bounds<'a> {
-    /// No bounds yet.
+    /// Creates an empty set of bounds.
     pub(super) fn new(
         ranges: &'a HashMap<Symbol, Range>,
         flavour: Flavour,
@@ -110,7 +110,7 @@ impl<'a> Bounds<'a> {
         }
     }
 
-    /// From 0 to `end`.
+    /// Returns the interval from 0 to `end`.
     fn up_to(&mut self, end: Expr) -> Interval {
         let (mid, half) = if self.flavour == Flavour::Limit {
             (self.arena.constant(0.0), end)
@@ -125,8 +125,9 @@ impl<'a> Bounds<'a> {
         }
     }
 
-    /// `Π base^exponent`. Those factors that go from 0 to an end do so together, and the others
-    /// stand beside their product.
+    /// Bounds `Π base^exponent`. The factors that go from 0 to an end are proportional to the same
+    /// small quantity, so they reach their ends together; the other factors are bounded
+    /// independently.
     fn product(&mut self, factors: &[(Expr, i32)]) -> Option<Interval> {
         let one = self.arena.constant(1.0);
         let zero = self.arena.constant(0.0);
@@ -164,7 +165,7 @@ impl<'a> Bounds<'a> {
         if !from_zero {
             return Some(around(mid, self.arena.mul(size, product.radius)));
         }
-        // s m with s from 0 to 1: around half of the end
+        // s m with s from 0 to 1: the midpoint is half of the end
         let half = self.arena.abs(product.mid);
         let radius = self.arena.sum(0.0, &[(0.5, half), (1.0, product.radius)]);
         Some(around(
@@ -177,8 +178,8 @@ impl<'a> Bounds<'a> {
         k > 0 && self.done[&base].end.is_some()
     }
 
-    /// A product with a factor that goes from 0 to its end: at most as large as the product of the
-    /// largest sizes.
+    /// Bounds a product with a factor that goes from 0 to its end, by the product of the largest
+    /// magnitudes.
     fn size(&mut self, factors: &[(Expr, i32)]) -> Interval {
         let one = self.arena.constant(1.0);
         let (mut size, mut end) = (one, Some(one));
@@ -229,8 +230,8 @@ impl<'a> Bounds<'a> {
         around(self.arena.mul(a.mid, b.mid), self.arena.sum(0.0, &terms))
     }
 
-    /// `x^k` with a negative k: relative to its value, with `ε = r/|x|`,
-    /// `(1 − ε)^k − 1 ≤ |k|ε / (1 − |k|ε)` (Bernoulli).
+    /// Bounds `x^k` with a negative k. With `ε = r/|x|`, Bernoulli's inequality bounds the relative
+    /// change: `(1 − ε)^k − 1 ≤ |k|ε / (1 − |k|ε)`.
     fn inverse_power(&mut self, x: Interval, k: i32) -> Interval {
         let mid = self.arena.pow(x.mid, k);
         let times = self.arena.scale(f64::from(k.abs()), x.radius);
@@ -243,14 +244,14 @@ impl<'a> Bounds<'a> {
         )
     }
 
-    /// `size − radius`, which has to be positive.
+    /// Returns `size − radius`, and records the condition that it is positive.
     pub(super) fn positive(&mut self, size: Expr, radius: Expr) -> Expr {
         let left = self.arena.sub(size, radius);
         self.conditions.push(left);
         left
     }
 
-    /// A function of one argument: by its largest slope near the midpoint.
+    /// Bounds a function of one argument by its largest slope near the midpoint.
     fn call(&mut self, function: Function, x: Expr, e: Expr) -> Option<Interval> {
         let Interval {
             mid: x_mid,
@@ -306,7 +307,7 @@ impl<'a> Bounds<'a> {
         Some(around(mid, radius))
     }
 
-    /// A function of two arguments: by its largest slope near the midpoints.
+    /// Bounds a function of two arguments by its largest slopes near the midpoints.
     fn call2(&mut self, function: Binary, x: Expr, y: Expr) -> Option<Interval> {
         let (x, y) = (self.done[&x], self.done[&y]);
         let reach = |arena: &mut Arena| arena.add(x.radius, y.radius);
@@ -326,7 +327,8 @@ impl<'a> Bounds<'a> {
         }
     }
 
-    /// `(constant + |value|)(e^r − 1)` at most, where r is below 1.7: `e^r − 1 ≤ r + r²` there.
+    /// Bounds a growing function by `(constant + |value|)(e^r − 1)`, where `e^r − 1 ≤ r + r²` for r
+    /// below 1.7.
     fn grown(&mut self, value: Expr, constant: f64, r: Expr) -> Expr {
         let bound = self.arena.constant(1.7);
         self.positive(bound, r);
@@ -336,7 +338,7 @@ impl<'a> Bounds<'a> {
         self.arena.product(&[(size, 1), (r, 1), (more, 1)])
     }
 
-    /// `scale ln(shift + x)`, within `scale r / (shift + x − r)`.
+    /// Bounds `scale ln(shift + x)`, which changes by at most `scale r / (shift + x − r)`.
     fn logarithm(&mut self, shift: f64, scale: f64, x: Expr, r: Expr) -> Expr {
         let shifted = self.arena.sum(shift, &[(1.0, x)]);
         let left = self.positive(shifted, r);
@@ -344,7 +346,7 @@ impl<'a> Bounds<'a> {
         self.arena.scale(scale, radius)
     }
 
-    /// `1 − (|x| + r)²`, which has to be positive.
+    /// Returns `1 − (|x| + r)²`, and records the condition that it is positive.
     fn left_of_one(&mut self, x: Expr, r: Expr) -> Expr {
         let size = self.arena.abs(x);
         let largest = self.arena.add(size, r);

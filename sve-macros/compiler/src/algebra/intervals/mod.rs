@@ -1,8 +1,9 @@
-//! Bounds of expressions between the limit of a small step without noise and the step.
+//! Bounds of expressions on the way from the limit of a small step without noise to the actual
+//! step.
 //!
 //! Interval arithmetic in the form of midpoint and radius. The step size and the increments go from
-//! 0 to their values together, and so do their products. Each function has its bound in its entry
-//! of the table of functions.
+//! 0 to their values together, and so do their products. The table of functions has a bound for
+//! each function.
 //!
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), section 1.6.
 
@@ -13,36 +14,36 @@ use std::collections::HashMap;
 use super::{Arena, Expr, Symbol};
 use bounds::{Bounds, Interval};
 
-/// Half the width of the box in each unknown, in distances of the solution from the limit. The box
-/// is centred between the two and contains as much as a quarter of their distance beyond each. A
-/// single unknown may go there by way of what one small quantity does and another one undoes; its
-/// box is wider by that.
+/// Half the width of the box in each unknown, as a multiple of the distance between the limit and
+/// the solution. The box is centred between the two and extends a quarter of their distance beyond
+/// each. If the effects of two small quantities on a single unknown cancel, its path may leave the
+/// segment; its box is wider by these effects.
 const BOX: f64 = 0.75;
 
-/// Exponents up to which powers are bounded.
+/// Largest exponent of a power that is bounded.
 const EXPONENT: u32 = 16;
 
-/// How wide the bounds are, and what they cost.
+/// The widths of bounds, and their costs.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Flavour {
-    /// Sines and cosines of what varies are anything between −1 and 1.
+    /// Sines and cosines of varying arguments are bounded by −1 and 1 only.
     Global,
-    /// Around the limit, where most of what is needed is at hand. What is proportional to a small
-    /// quantity is bounded by its size, with sines and cosines of at most 1.
+    /// Around the limit, where most subexpressions are already computed. A term proportional to a
+    /// small quantity is bounded by its magnitude, with sines and cosines of at most 1.
     Limit,
-    /// Around the middle between limit and solution: half as wide.
+    /// Around the midpoint between limit and solution: half as wide.
     Box,
 }
 
-/// What varies between the limit and the step.
+/// The range of a symbol between the limit and the step.
 #[derive(Clone, Copy)]
 pub(crate) enum Range {
     /// The step size or an increment, from 0 to its value.
     Small,
     /// A coordinate, within this radius of its value.
     Within(Symbol),
-    /// An unknown, with its limit, and how far each small quantity by itself moves it from there,
-    /// to first order.
+    /// An unknown, with its limit and its displacement by each small quantity alone, to first
+    /// order.
     Unknown { limit: Symbol, moved: Expr },
     /// An unknown, with its limit and the half width of the box around it.
     Around { limit: Symbol, reach: Expr },
@@ -50,15 +51,15 @@ pub(crate) enum Range {
 
 /// Bounds of expressions.
 pub(crate) struct Intervals {
-    /// Midpoints.
+    /// Midpoints of the intervals.
     pub(crate) middle: Vec<Expr>,
     pub(crate) radii: Vec<Expr>,
-    /// What has to be positive for the radii to hold.
+    /// Expressions that must be positive for the radii to hold.
     pub(crate) conditions: Vec<Expr>,
 }
 
-/// Bounds of expressions, while the values in `domain` stay positive. Nothing where a function has
-/// no bound here.
+/// Returns bounds of expressions that hold while the values in `domain` stay positive; `None` if a
+/// function has no bound.
 pub(crate) fn intervals(
     roots: &[Expr],
     domain: &[Expr],
@@ -81,8 +82,8 @@ pub(crate) fn intervals(
     })
 }
 
-/// The largest magnitudes of some expressions, and what has to be positive for these to hold.
-/// Nothing where a function has no bound here.
+/// Returns the largest magnitudes of some expressions, and the expressions that must be positive
+/// for these to hold; `None` if a function has no bound.
 pub(crate) fn largest(
     exprs: &[Expr],
     ranges: &HashMap<Symbol, Range>,

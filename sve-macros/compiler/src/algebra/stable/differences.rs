@@ -1,44 +1,44 @@
-//! Differences in sums: which terms make one that cancels by its form, and what is left of it.
+//! Differences in sums that cancel by their form, and the stable forms that replace them.
 //!
-//! Input: the terms of a sum. Output: the sum in stable form, or nothing where no difference of the
-//! table in [`super`] stands in it. A term is read as `c a f` beside another, `−c u a`, where f
-//! comes close to u.
+//! Input: the terms of a sum. Output: the sum in stable form, or `None` if it contains no
+//! difference of the table in [`super`]. A difference is a pair of terms `c a f` and `−c u a`,
+//! where f comes close to the constant u.
 
 use super::{Factors, Forms, divided};
 use crate::algebra::expr::{Expr, Function, Node};
 use crate::algebra::functions::Form;
 use crate::algebra::simplify::times_divisible;
 
-/// What the f in `a f − a` is.
+/// The form in which the factor f of `a f − a` is recognised.
 #[derive(Clone, Copy)]
 enum Reading {
     /// `√radicand^k`, k = ±1.
     Root(Expr, i32),
-    /// A function of an expression or its square, with the form of its difference from 1.
+    /// A function or its square, with the form of its difference from 1 and the argument.
     Form(Form, Expr),
     /// `exp(x)^k`, with the form of `exp(x) − 1`.
     Power(Form, Expr, i32),
     /// `sinh²/cosh²`, with the form of `tanh² − 1` and the call of cosh.
     QuotientSquare(Form, Expr),
-    /// The square of one leg over that of the hypotenuse: one over the constant factor of this leg,
-    /// and the other leg.
+    /// The square of one leg over the square of the hypotenuse. Holds the reciprocal of the
+    /// constant factor of this leg, and the other leg.
     Leg(f64, Expr),
 }
 
-/// A part of a sum.
+/// The part of a sum that a term cancels with.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Beside {
     Constant,
     Term(usize),
 }
 
-/// A term of a sum, `scale · a · f`, beside `−scale · value · a`.
+/// A term `scale · a · f` of a sum that cancels with a part `−scale · value · a`.
 struct Difference {
-    /// Which term it is.
+    /// The position of the term.
     at: usize,
-    /// Where the other is.
+    /// The part that it cancels with.
     beside: Beside,
-    /// `a`; nothing where it is 1.
+    /// The factors of `a`; empty if `a` is 1.
     common: Factors,
     /// `scale · value`.
     balance: f64,
@@ -48,7 +48,7 @@ struct Difference {
 }
 
 impl Forms<'_> {
-    /// A sum in which terms cancel.
+    /// Returns the stable form of a sum in which terms cancel.
     pub(super) fn sum(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Option<Expr> {
         let mut used = vec![false; terms.len()];
         let mut constant = constant;
@@ -90,8 +90,8 @@ impl Forms<'_> {
         Some(self.arena.sum(constant, &new))
     }
 
-    /// Where in a sum `common` stands: a term, or the constant. Looks only, for most terms are no
-    /// differences.
+    /// Finds the part of a sum that is a multiple of `common`: a term, or the constant. Creates no
+    /// expression, since most terms belong to no difference.
     fn beside(&self, common: &Factors, constant: f64, terms: &[(Expr, f64)]) -> Option<Beside> {
         let common = match common.as_slice() {
             [] => return (constant != 0.0).then_some(Beside::Constant),
@@ -101,7 +101,7 @@ impl Forms<'_> {
         terms.iter().position(|t| t.0 == common).map(Beside::Term)
     }
 
-    /// `a − a x²`, where x is exact.
+    /// Returns the stable form of `a − a x²` if x is a symbol and so without rounding error.
     fn square_from_one(&mut self, constant: f64, terms: &[(Expr, f64)]) -> Option<Expr> {
         let &[(term, c)] = terms else { return None };
         let Node::Product(factors) = self.arena.node(term) else {
@@ -119,7 +119,7 @@ impl Forms<'_> {
         Some(self.arena.scale(constant, both))
     }
 
-    /// The ways to read a term as part of one of the table's differences in a sum.
+    /// Returns all readings of a term as part of a difference of the table.
     fn differences(&mut self, at: usize, constant: f64, terms: &[(Expr, f64)]) -> Vec<Difference> {
         let (term, c) = terms[at];
         let factors = match self.arena.node(term) {
@@ -150,7 +150,8 @@ impl Forms<'_> {
         found
     }
 
-    /// What `base^k`, with other factors, may be read as, and the factors that this takes.
+    /// Returns the readings of `base^k` and other factors as f, each with the factors that f
+    /// consumes.
     fn readings(&mut self, factors: &[(Expr, i32)], base: Expr, k: i32) -> Vec<(Reading, Factors)> {
         let mut found = Vec::new();
         let square = vec![(base, 2)];
@@ -198,7 +199,8 @@ impl Forms<'_> {
         found
     }
 
-    /// `f − value`, as `value`, the scale of f in the term, and the rest.
+    /// Returns the constant `value` that f comes close to, the scale of f in the term, and
+    /// `f − value`.
     fn rest(&mut self, reading: Reading, base: Expr) -> Option<(f64, f64, Expr)> {
         Some(match reading {
             Reading::Root(radicand, k) => {
@@ -226,7 +228,7 @@ impl Forms<'_> {
         })
     }
 
-    /// A form of `call`, which is a function of the expression that became `x`.
+    /// Returns a form of `call`. The argument of `call` has the stable form `x`.
     pub(super) fn as_form(&mut self, form: Form, call: Expr, x: Expr) -> Option<Expr> {
         let argument = self.arena.scale(form.factor, x);
         let other = if form.is_further_call {
@@ -237,25 +239,25 @@ impl Forms<'_> {
         Some(self.power_of(form, other))
     }
 
-    /// A form, whose function is called already.
+    /// Returns a form whose function is called already.
     fn power_of(&mut self, form: Form, call: Expr) -> Expr {
         let power = self.arena.pow(call, form.power);
         self.arena.scale(form.scale, power)
     }
 
-    /// A call in the place of another, unless that one is kept.
+    /// Returns a call that replaces the call `old`; `None` if `old` is kept.
     fn instead(&mut self, old: Expr, function: Function, x: Expr) -> Option<Expr> {
         if self.kept.contains(&old) {
             return None;
         }
         let new = self.arena.call(function, x);
-        // an odd function may come with a sign
+        // a call of an odd function may have a negative sign in front
         let bare = self.arena.as_factors(new).1;
         self.replaced.extend(bare.first().map(|f| (old, f.0)));
         Some(new)
     }
 
-    /// `(u² + y)^(k/2) − u^k` with its u, for k = ±1.
+    /// Returns u and `(u² + y)^(k/2) − u^k` for k = ±1.
     fn root(&mut self, radicand: Expr, k: i32) -> Option<(f64, Expr)> {
         let Node::Sum(constant, terms) = self.arena.node(radicand).clone() else {
             return None;
@@ -268,7 +270,7 @@ impl Forms<'_> {
         let y = self.arena.sum(0.0, &terms);
         let root = self.arena.call(Function::Sqrt, self.of(radicand));
         let sum = self.arena.sum(u, &[(1.0, root)]);
-        // divided before any other factor can make the product overflow
+        // the quotient is formed before any other factor can make the product overflow
         let ratio = self.arena.div(y, sum);
         let ratio = self.arena.opaque(ratio);
         if k > 0 {
@@ -279,7 +281,8 @@ impl Forms<'_> {
     }
 }
 
-/// Those differences that cancel with `value`: all together, or else the first that does so alone.
+/// Returns the differences that cancel with `value`: all of them together, or else the first one
+/// that cancels alone.
 fn cancelling<'a>(value: f64, group: &[&'a Difference]) -> Vec<&'a Difference> {
     let mut all: Vec<&Difference> = Vec::new();
     for &difference in group {
@@ -288,7 +291,7 @@ fn cancelling<'a>(value: f64, group: &[&'a Difference]) -> Vec<&'a Difference> {
         }
     }
     let total: f64 = all.iter().map(|d| d.balance).sum();
-    // a sum of constants that was rounded when it was formed
+    // the sum of several constants was rounded when it was formed
     let rounding = if all.len() > 1 {
         f64::EPSILON * all.len() as f64 * value.abs()
     } else {

@@ -1,9 +1,8 @@
-//! Expressions → the same expressions in forms that do not cancel, for what is about to be
-//! computed.
+//! Forms of expressions that do not cancel, for expressions that are about to be computed.
 //!
-//! The constructors keep plain forms, which differentiation shares (sin and cos of one angle);
-//! here, in one walk over what is wanted, each difference that vanishes by its form is written as
-//! what is left of it. With any common factor a:
+//! The constructors keep plain forms, which derivatives share (sin and cos of one angle). One walk
+//! over the requested expressions replaces each difference that vanishes by its form with a stable
+//! expression. With any common factor a:
 //!
 //! | difference | becomes | cancels at |
 //! | --- | --- | --- |
@@ -18,13 +17,13 @@
 //! | ln(1 + y), ln cosh x | ln1p(y), ln1p(2 sinh²(x/2)) | y = 0, x = 0 |
 //! | a − a x², x a symbol | a (1 − x)(1 + x) | x = ±1 |
 //!
-//! Several differences may stand in one sum, as in `2 − cos x − cos y`. Two quotients are put so
+//! A sum may contain several differences, as in `2 − cos x − cos y`. Two quotients are written so
 //! that they do not overflow: `sinh x / cosh x` as tanh x, and powers of `x / hypot(x, y)` as
-//! powers of that ratio.
+//! powers of this ratio.
 //!
-//! Each form is as exact as the plain one everywhere, to a rounding or two, and costs about as
-//! much. The exceptions call `exp_m1`, sinh or cosh beside a function that is computed anyway; a
-//! step leaves those out.
+//! Each form is everywhere as accurate as the plain one, to a rounding or two, and costs about as
+//! much. The exceptions call `exp_m1`, sinh or cosh in addition to a function that is computed
+//! anyway; a step does not use these forms.
 
 mod differences;
 
@@ -33,25 +32,25 @@ use std::collections::{HashMap, HashSet};
 use super::expr::{Arena, Expr, Function, Node, each_operand};
 use super::simplify::times_divisible;
 
-/// What the forms are for.
+/// The use of the forms.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Purpose {
-    /// Energies and derivatives that users see: accuracy comes first.
+    /// Energies and derivatives that users see. Accuracy comes first.
     Values,
-    /// A step: no call of a function beside those that are made anyway, other than of an angle.
+    /// A step. Functions of angles aside, no function is called that is not called anyway.
     Step,
 }
 
 /// Powers of `base`, as factors.
 type Factors = Vec<(Expr, i32)>;
 
-/// A rewriting of some expressions.
+/// A rewriting of expressions into stable forms.
 struct Forms<'a> {
     arena: &'a mut Arena,
     done: HashMap<Expr, Expr>,
-    /// Calls that are not worth replacing.
+    /// Calls that are not replaced, since their replacement would cost more.
     kept: &'a HashSet<Expr>,
-    /// Calls replaced by calls of another function.
+    /// Calls that were replaced, each with the call that replaced it.
     replaced: Vec<(Expr, Expr)>,
 }
 
@@ -88,14 +87,15 @@ impl Arena {
             let form = forms.form(e);
             forms.done.insert(e, form);
         }
-        // a walk without budget finds nothing
+        // a walk without budget finds nothing, so the roots stay unchanged
         for &root in roots {
             forms.done.entry(root).or_insert(root);
         }
         (forms.done, forms.replaced)
     }
 
-    /// Calls that were replaced by others and yet are needed, while the others were not.
+    /// Returns the calls that were replaced but are still needed elsewhere, while their
+    /// replacements are new: these replacements cost an additional call.
     fn still_called(
         &self,
         roots: &[Expr],
@@ -133,7 +133,7 @@ impl Forms<'_> {
         special.unwrap_or_else(|| self.plain(expr, node))
     }
 
-    /// The node with its operands in their forms.
+    /// Rebuilds a node from the stable forms of its operands.
     fn plain(&mut self, expr: Expr, node: Node) -> Expr {
         let mut same = true;
         each_operand(&node, |x| same &= self.of(x) == x);
@@ -158,14 +158,14 @@ impl Forms<'_> {
         self.arena.product(&factors)
     }
 
-    /// `x / hypot`, with `hypot` plain.
+    /// Returns `x / hypot`, where `hypot` is in plain form.
     fn ratio(&mut self, x: Expr, hypot: Expr) -> Expr {
         let (x, hypot) = (self.of(x), self.of(hypot));
         let ratio = self.arena.div(x, hypot);
         self.arena.opaque(ratio)
     }
 
-    /// A product with quotients that overflow written otherwise.
+    /// Rewrites a product whose quotients may overflow.
     fn quotients(&mut self, factors: &[(Expr, i32)]) -> Option<Expr> {
         let mut left = factors.to_vec();
         let mut new: Factors = Vec::new();
@@ -206,14 +206,14 @@ impl Forms<'_> {
         Some(self.arena.scale(scale, product))
     }
 
-    /// `ln(1 + y)` and `ln cosh x`, where `shifted` is ln1p.
+    /// Returns the stable form of `ln(1 + y)` or `ln cosh x`. The function `shifted` is ln1p.
     fn logarithm(&mut self, shifted: Function, x: Expr) -> Option<Expr> {
         let y = match self.arena.node(x).clone() {
             Node::Sum(constant, terms) if constant.get() == 1.0 => {
                 let form = self.of(x);
                 let whole = match self.arena.node(form) {
                     Node::Sum(constant, _) if constant.get() == 1.0 => form,
-                    // 1 − x², of which the logarithm is small at x = 0
+                    // the logarithm of 1 − x² is small at x = 0
                     _ if terms.len() == 1 => x,
                     _ => return None,
                 };
@@ -229,7 +229,7 @@ impl Forms<'_> {
     }
 }
 
-/// `product / factors^n`.
+/// Returns `product / factors^n`.
 fn divided(product: &[(Expr, i32)], factors: &[(Expr, i32)], n: i32) -> Factors {
     let power = |base: Expr| factors.iter().find(|f| f.0 == base).map_or(0, |f| f.1);
     product

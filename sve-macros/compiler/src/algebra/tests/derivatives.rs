@@ -1,5 +1,5 @@
-//! Derivatives of random expressions, first and second, against forward-mode evaluation of their descriptions, and that against
-//! differences.
+//! Derivatives of random expressions, first and second, against forward-mode evaluation of their
+//! descriptions, and that against differences.
 
 use super::number::{Bounded, Dual, Number};
 use super::recipe::{Make, Random, build, evaluate, grow, values};
@@ -10,7 +10,7 @@ const SYMBOLS: usize = 3;
 
 const CASES: u64 = 1500;
 
-/// A random expression with a point.
+/// Returns a random expression with a point.
 fn case(seed: u64) -> (Vec<Make>, Vec<f64>) {
     let random = &mut Random(seed);
     let at: Vec<f64> = (0..SYMBOLS)
@@ -73,7 +73,8 @@ fn agree_with_forward_evaluation() {
     assert!(10 * sharp > 8 * compared, "{sharp} of {compared}");
 }
 
-/// Derivative by central differences with two Richardson extrapolations, and how far the last one moved it.
+/// Derivative by central differences with two Richardson extrapolations, and how far the last one
+/// moved it.
 fn richardson(f: impl Fn(f64) -> f64, x: f64) -> (f64, f64) {
     let central = |h: f64| (f(x + h) - f(x - h)) / (2.0 * h);
     let [a, b, c] = [1.0, 0.5, 0.25].map(|k| central(k * 2e-3));

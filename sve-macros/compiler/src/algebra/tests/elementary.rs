@@ -1,5 +1,6 @@
-//! Functions of 106 bits against values of 40 digits, made with mpmath: `elementary.csv` has a line for each value, the function,
-//! its arguments, the nearest `f64` of the value, and the nearest `f64` of what is left.
+//! Functions of 106 bits against values of 40 digits, made with mpmath: `elementary.csv` has a line
+//! for each value, the function, its arguments, the nearest `f64` of the value, and the nearest
+//! `f64` of what is left.
 
 use crate::algebra::elementary::{ARGUMENT, Double, ROUNDING, of};
 use crate::algebra::expr::Bits;
@@ -9,7 +10,8 @@ use super::recipe::FUNCTIONS;
 
 const VALUES: &str = include_str!("elementary.csv");
 
-/// The value of a function, and the size of its derivative in each argument times that argument, by differences.
+/// Returns the value of a function, and the size of its derivative in each argument times that
+/// argument, by differences.
 fn value(name: &str, arguments: &[f64]) -> (Double, f64) {
     let wiggle = |f: &dyn Fn(f64) -> f64, x: f64| {
         let dx = 1e-9 * x.abs();

@@ -62,7 +62,7 @@ pub(super) fn recipe() -> impl Strategy<Value = Vec<Make>> {
     prop::collection::vec(make(), 1..14)
 }
 
-/// The expressions of a recipe, and their values by plain evaluation.
+/// Returns the expressions of a recipe, and their values by plain evaluation.
 pub(super) fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr, f64)> {
     let symbols: Vec<Symbol> = (0..SYMBOLS as u32).map(Symbol).collect();
     let exprs = recipe::build(recipe, &symbols, arena);
@@ -72,20 +72,21 @@ pub(super) fn build(recipe: &[Make], at: &[f64], arena: &mut Arena) -> Vec<(Expr
         .collect()
 }
 
-/// Whether every intermediate value is moderate, so that rounding and conditioning are harmless.
+/// Returns whether every intermediate value is moderate, so that rounding and conditioning are
+/// harmless.
 pub(super) fn moderate(made: &[(Expr, f64)]) -> bool {
     made.iter()
         .all(|(_, x)| x.is_finite() && x.abs() < 30.0 && (*x == 0.0 || x.abs() > 1e-2))
 }
 
-/// Whether a difference is what rounding the argument makes of it: next to a singularity, as that of `atanh` at 1, the
-/// library's own values on the two sides differ by so much.
+/// Returns whether a difference is what rounding the argument makes of it: next to a singularity,
+/// as that of `atanh` at 1, the library's own values on the two sides differ by so much.
 fn rounded(f: Function, x: f64, difference: f64) -> bool {
     let slope = slope(|x| f.evaluate(x), x, 1e-9);
     difference.abs() <= 4.0 * f64::EPSILON * slope.abs() * x.abs().max(1.0)
 }
 
-/// The derivative by central differences of sixth order.
+/// Returns the derivative by central differences of sixth order.
 fn slope(f: impl Fn(f64) -> f64, x: f64, h: f64) -> f64 {
     let odd = |k: f64| f(x + k * h) - f(x - k * h);
     (45.0 * odd(1.0) - 9.0 * odd(2.0) + odd(3.0)) / (60.0 * h)

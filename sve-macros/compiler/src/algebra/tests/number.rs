@@ -1,14 +1,16 @@
-//! Numbers for oracles: forward-mode derivatives and running error bounds, written without the algebra under test.
+//! Numbers for oracles: forward-mode derivatives and running error bounds, written without the
+//! algebra under test.
 //!
-//! [`Dual`] is a value with a derivative in one direction; nested, it gives derivatives of any order. [`Bounded`] is a value with
-//! a first-order bound of its rounding error, underflow included.
+//! [`Dual`] is a value with a derivative in one direction; nested, it gives derivatives of any
+//! order. [`Bounded`] is a value with a first-order bound of its rounding error, underflow
+//! included.
 
 use crate::algebra::{Binary, Function};
 
 /// What expressions can be evaluated in.
 pub(crate) trait Number: Copy {
     fn of(value: f64) -> Self;
-    /// The plain value.
+    /// Returns the plain value.
     fn value(self) -> f64;
     fn plus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
@@ -61,7 +63,7 @@ impl Number for f64 {
     }
 }
 
-/// The derivative of a function, as in a table of derivatives.
+/// Returns the derivative of a function, as in a table of derivatives.
 fn slope<T: Number>(function: Function, x: T, value: T) -> T {
     let one = T::of(1.0);
     let root = |y: T| one.over(y.call(Function::Sqrt));
@@ -92,7 +94,7 @@ fn slope<T: Number>(function: Function, x: T, value: T) -> T {
     }
 }
 
-/// The derivatives of a function of two arguments.
+/// Returns the derivatives of a function of two arguments.
 fn slopes<T: Number>(function: Binary, x: T, y: T, value: T) -> (T, T) {
     match function {
         Binary::Atan2 => {
@@ -118,7 +120,7 @@ pub(crate) struct Dual<T> {
 }
 
 impl<T: Number> Dual<T> {
-    /// A variable: the direction of differentiation is `slope`.
+    /// Returns a variable: the direction of differentiation is `slope`.
     pub(crate) fn new(value: T, slope: f64) -> Self {
         let slope = T::of(slope);
         Self { value, slope }
@@ -175,9 +177,11 @@ pub(crate) struct Bounded {
 }
 
 impl Bounded {
-    /// Rounded, with what the operands' errors make of it; functions of the library are good to a unit in the last place.
+    /// Rounded, with what the operands' errors make of it; functions of the library are good to a
+    /// unit in the last place.
     fn rounded(value: f64, inherited: f64) -> Self {
-        // an exact zero of exact operands stays exact; else the least number is what underflow may lose
+        // an exact zero of exact operands stays exact; else the least number is what underflow may
+        // lose
         let exact = inherited == 0.0 && value == 0.0;
         let least = if exact { 0.0 } else { f64::from_bits(1) };
         Self {
@@ -186,12 +190,13 @@ impl Bounded {
         }
     }
 
-    /// Whether two values of one quantity differ by no more than their errors; `SLACK` is for the second order.
+    /// Returns whether two values of one quantity differ by no more than their errors; `SLACK` is
+    /// for the second order.
     pub(crate) fn agrees(self, other: Self) -> bool {
         (self.value - other.value).abs() <= SLACK * (self.error + other.error)
     }
 
-    /// Whether agreement says something: half of the digits at least.
+    /// Returns whether agreement says something: half of the digits at least.
     pub(crate) fn is_sharp(self) -> bool {
         self.value.is_finite() && self.error <= 1e-8 * (1e-3 + self.value.abs())
     }

@@ -1,4 +1,5 @@
-//! Descriptions of expressions, un-simplified: an oracle evaluates the description, the algebra builds it.
+//! Descriptions of expressions, un-simplified: an oracle evaluates the description, the algebra
+//! builds it.
 
 use super::number::Number;
 use crate::algebra::expr::{Bits, Node};
@@ -23,7 +24,7 @@ pub(crate) enum Make {
 }
 
 impl Make {
-    /// The value by plain evaluation.
+    /// Returns the value by plain evaluation.
     pub(crate) fn evaluate<T: Number>(&self, made: &[T]) -> T {
         let pick = |i: usize| made[i % made.len()];
         match self {
@@ -40,7 +41,7 @@ impl Make {
         }
     }
 
-    /// The expression.
+    /// Returns the expression.
     pub(crate) fn build(&self, made: &[Expr], arena: &mut Arena) -> Expr {
         let pick = |i: usize| made[i % made.len()];
         match self {
@@ -61,7 +62,7 @@ impl Make {
     }
 }
 
-/// The values of all entries, the variables' own first.
+/// Returns the values of all entries, the variables' own first.
 pub(crate) fn evaluate<T: Number>(recipe: &[Make], at: &[T]) -> Vec<T> {
     let mut made = at.to_vec();
     for make in recipe {
@@ -70,7 +71,7 @@ pub(crate) fn evaluate<T: Number>(recipe: &[Make], at: &[T]) -> Vec<T> {
     made
 }
 
-/// The expressions of all entries, the variables first.
+/// Returns the expressions of all entries, the variables first.
 pub(crate) fn build(recipe: &[Make], variables: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
     let mut made: Vec<Expr> = variables.iter().map(|&s| arena.symbol(s)).collect();
     for make in recipe {
@@ -79,7 +80,7 @@ pub(crate) fn build(recipe: &[Make], variables: &[Symbol], arena: &mut Arena) ->
     made
 }
 
-/// The values of expressions, each node of the arena evaluated as it stands.
+/// Returns the values of expressions, each node of the arena evaluated as it stands.
 pub(crate) fn values<T: Number>(arena: &Arena, exprs: &[Expr], at: impl Fn(Symbol) -> T) -> Vec<T> {
     let nodes = arena.reachable(exprs, |_| true);
     let mut done = std::collections::HashMap::with_capacity(nodes.len());
@@ -127,8 +128,9 @@ impl Random {
     }
 }
 
-/// A random recipe of `length` entries whose values at a point are all moderate, so that rounding and conditioning are harmless; half of
-/// the operands are among the latest entries, so that it is about as deep as long.
+/// Returns a random recipe of `length` entries whose values at a point are all moderate, so that
+/// rounding and conditioning are harmless; half of the operands are among the latest entries, so
+/// that it is about as deep as long.
 pub(crate) fn grow(random: &mut Random, at: &[f64], length: usize) -> Vec<Make> {
     let mut recipe: Vec<Make> = Vec::new();
     let mut made = at.to_vec();

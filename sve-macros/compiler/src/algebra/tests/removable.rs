@@ -1,5 +1,5 @@
-//! Derivatives at places where a plain formula is 0/0, 0·∞ or overflows, as emitted code computes them; and places where
-//! there is no derivative, which must show.
+//! Derivatives at places where a plain formula is 0/0, 0·∞ or overflows, as emitted code computes
+//! them; and places where there is no derivative, which must show.
 
 use super::stable::{computed, units};
 use crate::algebra::elementary::{self as exact, Double, of};
@@ -8,7 +8,8 @@ use crate::algebra::{Arena, Binary, Expr, Function, Purpose, Symbol};
 /// An expression of two variables.
 type Formula<'a> = &'a dyn Fn(&mut Arena, Expr, Expr) -> Expr;
 
-/// Makes an expression of two variables, differentiates it in the listed ones, and computes that at a point.
+/// Makes an expression of two variables, differentiates it in the listed ones, and computes that at
+/// a point.
 fn derivative(make: Formula<'_>, by: &[u32], at: [f64; 2]) -> f64 {
     let mut arena = Arena::new();
     let [x, y] = [0, 1].map(|i| arena.symbol(Symbol(i)));
@@ -25,7 +26,7 @@ fn close(found: f64, expected: f64) -> bool {
     (found - expected).abs() <= 4.0 * f64::EPSILON * expected.abs()
 }
 
-/// `x^k` as `powf` makes it.
+/// Returns `x^k` as `powf` makes it.
 fn power(k: f64) -> impl Fn(&mut Arena, Expr, Expr) -> Expr {
     move |a, x, _| {
         let k = a.constant(k);

@@ -1,8 +1,10 @@
-//! Every rewriting rule of the constructors, one row each, over signs, zeros of both signs, subnormal and huge numbers.
+//! Every rewriting rule of the constructors, one row each, over signs, zeros of both signs,
+//! subnormal and huge numbers.
 //!
-//! A row has the left side as plain arithmetic and the right side as the algebra builds it. The right side is equal to the left to
-//! rounding, underflow included, or it is not finite: no rule may give a wrong number. At moderate arguments it is finite where the
-//! left side is. Outside of the domain of the left side it is not a number, but for the rules marked as wider.
+//! A row has the left side as plain arithmetic and the right side as the algebra builds it. The
+//! right side is equal to the left to rounding, underflow included, or it is not finite: no rule
+//! may give a wrong number. At moderate arguments it is finite where the left side is. Outside of
+//! the domain of the left side it is not a number, but for the rules marked as wider.
 
 use super::number::{Bounded, Number};
 use super::recipe::{Random, values};
@@ -14,7 +16,7 @@ struct Rule {
     name: &'static str,
     left: fn([X; 3]) -> X,
     right: fn(&mut Arena, [Expr; 3]) -> Expr,
-    /// Whether the right side is defined in more places.
+    /// True if the right side is defined in more places.
     wider: bool,
 }
 
@@ -303,7 +305,7 @@ fn number(random: &mut Random) -> f64 {
     size * random.of(&[1.0, -1.0])
 }
 
-/// Whether a rule's intermediate results can neither overflow nor underflow.
+/// Returns whether a rule's intermediate results can neither overflow nor underflow.
 fn is_moderate(x: f64) -> bool {
     x == 0.0 || (1e-40..1e40).contains(&x.abs())
 }
@@ -356,8 +358,8 @@ fn parity_over_signs_zeros_and_ranges() {
         let mirrored = arena.call(function, minus);
         for _ in 0..1000 {
             let at = number(random);
-            // not every odd function of the standard library is odd: next to a singularity its value is that of an argument
-            // which is rounded otherwise
+            // not every odd function of the standard library is odd: next to a singularity its
+            // value is that of an argument which is rounded otherwise
             let mut argument = X::of(-at);
             argument.error = f64::EPSILON * at.abs();
             let left = argument.call(function);

@@ -1,7 +1,7 @@
 //! The stable forms: every rule against numbers of 106 bits, as what is emitted computes it.
 //!
-//! A form may be less exact than the plain expression by two units in the last place at most, three with hypot, anywhere, and has
-//! to be exact to a few where the plain one cancels.
+//! A form may be less exact than the plain expression by two units in the last place at most, three
+//! with hypot, anywhere, and has to be exact to a few where the plain one cancels.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,8 @@ use crate::algebra::{Arena, Expr, Function, Node, Purpose, Symbol};
 use crate::program::Scheduler;
 use crate::program::tests::{run, symbols};
 
-/// `c (a f − value a)` with `a` a product of powers of the two symbols, in the expanded form.
+/// Returns `c (a f − value a)` with `a` a product of powers of the two symbols, in the expanded
+/// form.
 fn difference(arena: &mut Arena, (f, value): (Expr, f64), c: f64, common: &[(Expr, i32)]) -> Expr {
     let common = arena.product(common);
     let product = arena.mul(common, f);
@@ -35,7 +36,8 @@ pub(super) fn computed(arena: &Arena, expr: Expr, at: &[f64; 4]) -> f64 {
     run(&program, &at)[&value]
 }
 
-/// Tiny, usual and large arguments of both signs, and, so marked, some next to where plain forms cancel.
+/// Tiny, usual and large arguments of both signs, and, so marked, some next to where plain forms
+/// cancel.
 fn arguments(random: &mut Random, cancels: &[(f64, f64)]) -> Vec<(f64, f64, bool)> {
     let mut found = vec![(0.0, 1.0, false), (-0.0, 1.0, false)];
     for k in 0..220 {
@@ -64,7 +66,7 @@ fn arguments(random: &mut Random, cancels: &[(f64, f64)]) -> Vec<(f64, f64, bool
     found
 }
 
-/// The error of a value in units of 2⁻⁵² of the exact one.
+/// Returns the error of a value in units of 2⁻⁵² of the exact one.
 pub(super) fn units(found: f64, exact: Double) -> f64 {
     let size = exact.nearest().abs();
     ((of(found) - exact).nearest() / size).abs() / f64::EPSILON
@@ -132,7 +134,8 @@ fn no_worse_anywhere_and_exact_where_plain_forms_cancel() {
     }
 }
 
-/// All differences at once, whose constants are one: `2 − cos x − cos y`, and with a constant that is rounded.
+/// All differences at once, whose constants are one: `2 − cos x − cos y`, and with a constant that
+/// is rounded.
 #[test]
 fn several_differences_in_one_sum() {
     for (c, d) in [(1.0, 1.0), (9.8, 9.8), (0.1, 0.2), (0.7, 0.1)] {

@@ -18,7 +18,7 @@ pub(super) fn call(arena: &mut Arena, function: Function, x: Expr, k: i32) -> Ex
     arena.pow(value, k)
 }
 
-/// `√(u² + xy)`.
+/// Returns `√(u² + xy)`.
 pub(super) fn root(arena: &mut Arena, u: f64, x: Expr, y: Expr) -> Expr {
     let product = arena.mul(x, y);
     let radicand = arena.sum(u * u, &[(1.0, product)]);

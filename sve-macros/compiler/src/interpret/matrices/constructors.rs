@@ -39,7 +39,7 @@ pub(super) struct PartialType {
 }
 
 impl PartialType {
-    /// The type, if both sizes are known.
+    /// Returns the type, if both sizes are known.
     fn ty(self) -> Option<MatrixType> {
         Some(MatrixType {
             kind: self.kind,

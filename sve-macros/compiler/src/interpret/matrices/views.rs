@@ -8,8 +8,8 @@ use crate::interpret::methods::{Call, refusal};
 use crate::interpret::value::Value;
 use crate::syntax::nalgebra::length;
 
-/// Whether a method gives a part of a vector or matrix, or runs a closure for each entry, and
-/// arrays have no such method. Those whose size is a generic argument have it written, if
+/// Returns whether a method gives a part of a vector or matrix, or runs a closure for each entry,
+/// and arrays have no such method. Those whose size is a generic argument have it written, if
 /// `has_generics`.
 pub(in crate::interpret) fn is_method(name: &str, has_generics: bool) -> bool {
     match name {
@@ -19,7 +19,7 @@ pub(in crate::interpret) fn is_method(name: &str, has_generics: bool) -> bool {
     }
 }
 
-/// Whether a method makes sense for matrices more than for vectors.
+/// Returns whether a method makes sense for matrices more than for vectors.
 pub(in crate::interpret) fn is_of_matrices(name: &str) -> bool {
     matches!(
         name,

@@ -9,7 +9,7 @@ use crate::interpret::matrices::Kind;
 /// Names separated by spaces, and a part of the message.
 type Refused = (&'static str, &'static str);
 
-/// The part of the message for a method in a list.
+/// Returns the part of the message for a method in a list.
 fn listed(list: &[Refused], name: &str) -> Option<&'static str> {
     let mut entries = list.iter();
     let found = entries.find(|(names, _)| names.split(' ').any(|own| own == name));

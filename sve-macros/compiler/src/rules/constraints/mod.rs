@@ -50,7 +50,7 @@ pub(crate) struct Enforced {
     pub(crate) scales: Vec<Expr>,
     /// `Dφ(t₀,q₀)ᵀ λ`.
     pub(crate) start_impulse: Vec<Expr>,
-    /// Whether the sign of the Jacobian's determinant is that of a small step, whatever the
+    /// True if the sign of the Jacobian's determinant is that of a small step, whatever the
     /// increments are: no noise is curved in p.
     pub(crate) has_sign: bool,
     /// That φ(t₀,q₀) vanishes to rounding.
@@ -253,7 +253,7 @@ fn end_value(
     arena.sum(0.0, &terms)
 }
 
-/// Whether φ depends on q alone, with constant second derivatives.
+/// Returns whether φ depends on q alone, with constant second derivatives.
 fn is_quadratic(value: Expr, model: &Model, arena: &mut Arena) -> bool {
     let depends = |arena: &Arena, e: Expr| {
         let mut moving = model.q.iter().chain([&model.time]);
@@ -274,7 +274,7 @@ fn is_quadratic(value: Expr, model: &Model, arena: &mut Arena) -> bool {
     true
 }
 
-/// The condition that φ is small beside its terms.
+/// Returns the condition that φ is small beside its terms.
 fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
     let size = arena.scale(INCONSISTENT, size);
     let rest = arena.abs(value);
@@ -286,9 +286,9 @@ fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
     }
 }
 
-/// The equation of a variation to leading order in the step size: with no step, displacement and
-/// velocity but in its `linear` part, and with p₀ in the place of the momentum. The noise keeps its
-/// place.
+/// Returns the equation of a variation to leading order in the step size: with no step,
+/// displacement and velocity but in its `linear` part, and with p₀ in the place of the momentum.
+/// The noise keeps its place.
 pub(crate) fn leading(
     residual: Expr,
     linear: Expr,

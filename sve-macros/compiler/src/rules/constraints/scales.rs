@@ -89,9 +89,9 @@ pub(super) fn velocity_scales(
     model.constraints.iter().map(scale).collect()
 }
 
-/// `Σ M_ii (d_i/h)² − ¼ Σ (p₀ − a)²_i / M_ii` for a system with noise. If this is negative, the
-/// noise undoes much of the motion: then the equations of the step say little of those of the step
-/// without noise, from which its solution is followed.
+/// Returns `Σ M_ii (d_i/h)² − ¼ Σ (p₀ − a)²_i / M_ii` for a system with noise. If this is negative,
+/// the noise undoes much of the motion: then the equations of the step say little of those of the
+/// step without noise, from which its solution is followed.
 pub(super) fn guard(
     action: &Action,
     model: &Model,
@@ -114,7 +114,7 @@ pub(super) fn guard(
     Some(arena.sum(0.0, &terms))
 }
 
-/// Whether some noise has second derivatives by the momentum.
+/// Returns whether some noise has second derivatives by the momentum.
 pub(super) fn is_curved(model: &Model, arena: &mut Arena) -> bool {
     model.noises.iter().any(|noise| {
         model.p.iter().any(|&a| {

@@ -58,7 +58,7 @@ struct Parts<'a> {
     lambda: Vec<Option<Symbol>>,
 }
 
-/// The action of a one-node rule at c, with what holds at the ends.
+/// Returns the action of a one-node rule at c, with what holds at the ends.
 pub(super) fn action(c: f64, degeneracy: &Degeneracy, x: &mut Variables<'_>) -> (Discrete, Ends) {
     let n = x.model.dof();
     let form = degeneracy.form(c == 0.5);
@@ -124,7 +124,7 @@ fn end(x: &mut Variables<'_>) -> HashMap<Symbol, Expr> {
 }
 
 impl Parts<'_> {
-    /// The distance of the node from q₀.
+    /// Returns the distance of the node from q₀.
     fn distance(&self, i: usize, x: &mut Variables<'_>) -> Expr {
         match (self.inner[i], self.lambda[i]) {
             (Some(inner), _) => x.arena.symbol(inner),
@@ -164,7 +164,7 @@ impl Parts<'_> {
         node
     }
 
-    /// The coordinates on which the one-form of the step lives, each with its component.
+    /// Returns the coordinates on which the one-form of the step lives, each with its component.
     fn one_form(&self) -> Vec<(usize, Expr)> {
         match self.internal {
             Some(form) => form.outer.iter().copied().zip(form.theta.clone()).collect(),
@@ -175,8 +175,8 @@ impl Parts<'_> {
         }
     }
 
-    /// A component of the one-form at a place. What is affine is its value at q₀ and a linear term,
-    /// so that differences do not cancel.
+    /// Returns a component of the one-form at a place. What is affine is its value at q₀ and a
+    /// linear term, so that differences do not cancel.
     fn one_form_at(
         &self,
         component: Expr,
@@ -201,7 +201,7 @@ impl Parts<'_> {
         x.arena.sum(0.0, &terms)
     }
 
-    /// The discrete action.
+    /// Returns the discrete action.
     fn value(
         &self,
         node: &HashMap<Symbol, Expr>,

@@ -33,7 +33,7 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// The value of a symbol.
+    /// Returns the value of a symbol.
     pub(super) fn value(&self, symbol: Symbol) -> f64 {
         let moved = self.moved.iter().find(|m| m.0 == symbol);
         moved.map_or_else(|| random_coordinate(self.attempt, symbol), |m| m.1)
@@ -169,7 +169,7 @@ impl Seek<'_> {
     }
 }
 
-/// `⟨a_k, b_l⟩`.
+/// Returns `⟨a_k, b_l⟩`.
 fn gram(a: &[&[f64]], b: &[&[f64]]) -> Vec<Vec<f64>> {
     let product = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum();
     a.iter()
@@ -177,8 +177,8 @@ fn gram(a: &[&[f64]], b: &[&[f64]]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// The pivots of an elimination without exchanges, relative to the diagonal entries. After a pivot
-/// that is too small its row is left out.
+/// Returns the pivots of an elimination without exchanges, relative to the diagonal entries. After
+/// a pivot that is too small its row is left out.
 fn pivots(matrix: Vec<Vec<f64>>) -> Vec<f64> {
     eliminated(matrix, None).0
 }

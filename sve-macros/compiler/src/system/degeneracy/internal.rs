@@ -22,7 +22,7 @@ pub(crate) struct Internal {
     pub(crate) inner: Vec<usize>,
     /// ϑ, for each coordinate of `outer`.
     pub(crate) theta: Vec<Expr>,
-    /// Whether ϑ is affine in q.
+    /// True if ϑ is affine in q.
     pub(crate) is_affine: bool,
     /// For each noise the vector w with `ϑ_yᵀ w = ∂G/∂y`, by which it moves x. `None` if it has no
     /// formula.
@@ -65,7 +65,7 @@ pub(super) fn find(
     None
 }
 
-/// The next set of indices below `of`, in the order of their words.
+/// Returns the next set of indices below `of`, in the order of their words.
 fn next(mut chosen: Vec<usize>, of: usize) -> Option<Vec<usize>> {
     let k = chosen.len();
     let at = (0..k).rev().find(|&at| chosen[at] + (k - at) < of)?;
@@ -76,7 +76,7 @@ fn next(mut chosen: Vec<usize>, of: usize) -> Option<Vec<usize>> {
     Some(chosen)
 }
 
-/// The form with these coordinates without velocities, if there is one.
+/// Returns the form with these coordinates without velocities, if there is one.
 fn with_inner(
     inner: Vec<usize>,
     alpha: &[Expr],

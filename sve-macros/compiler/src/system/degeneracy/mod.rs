@@ -54,7 +54,7 @@ pub(crate) struct Degeneracy {
     pub(crate) two_form: Vec<Vec<Expr>>,
     /// ∂L₀/∂q.
     pub(crate) rest_slopes: Vec<Expr>,
-    /// Whether α is affine in q.
+    /// True if α is affine in q.
     pub(crate) is_affine: bool,
     /// The form in which half of the velocities do not occur, if α has it and no coordinate is
     /// massive.
@@ -76,20 +76,20 @@ pub(crate) enum Form {
 }
 
 impl Degeneracy {
-    /// Whether a coordinate has this role.
+    /// Returns whether a coordinate has this role.
     pub(crate) fn is(&self, i: usize, role: Role) -> bool {
         self.roles[i] == role
     }
 
-    /// The coordinates of a role, ascending.
+    /// Returns the coordinates of a role, ascending.
     pub(crate) fn of(&self, role: Role) -> Vec<usize> {
         (0..self.roles.len())
             .filter(|&i| self.is(i, role))
             .collect()
     }
 
-    /// The form of the step of a one-node rule. Rules whose node is not in the middle need the
-    /// internal form.
+    /// Returns the form of the step of a one-node rule. Rules whose node is not in the middle need
+    /// the internal form.
     pub(crate) fn form(&self, is_midpoint: bool) -> Form {
         if self.of(Role::Massless).is_empty() {
             Form::Eliminated
@@ -102,8 +102,8 @@ impl Degeneracy {
         }
     }
 
-    /// Whether the step keeps the momentum of an affine symmetry to rounding: the action of the
-    /// step has to have the symmetry.
+    /// Returns whether the step keeps the momentum of an affine symmetry to rounding: the action of
+    /// the step has to have the symmetry.
     pub(crate) fn keeps_momentum(
         &self,
         generator: &[Expr],
@@ -326,7 +326,7 @@ fn part(matrix: &[Vec<Expr>], of: &[usize]) -> Vec<Vec<Expr>> {
     of.iter().map(row).collect()
 }
 
-/// Whether an expression does not change with the configuration.
+/// Returns whether an expression does not change with the configuration.
 fn is_constant(e: Expr, model: &Model, arena: &mut Arena) -> bool {
     model.q.iter().all(|&q| {
         !arena.contains(e, q) || {
@@ -336,12 +336,14 @@ fn is_constant(e: Expr, model: &Model, arena: &mut Arena) -> bool {
     })
 }
 
-/// Whether the matrix of some rows and columns is regular at some random point, or nowhere defined.
+/// Returns whether the matrix of some rows and columns is regular at some random point, or nowhere
+/// defined.
 fn is_regular(matrix: &[Vec<Expr>], of: &[usize], arena: &Arena) -> bool {
     null_columns(&part(matrix, of), arena).is_none()
 }
 
-/// The columns that occur in null vectors of a matrix, if it is singular at all random points.
+/// Returns the columns that occur in null vectors of a matrix, if it is singular at all random
+/// points.
 fn null_columns(matrix: &[Vec<Expr>], arena: &Arena) -> Option<Vec<usize>> {
     let n = matrix.len();
     if n == 0 {

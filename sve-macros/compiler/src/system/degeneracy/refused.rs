@@ -23,7 +23,7 @@ pub(super) enum Refused {
 }
 
 impl Refused {
-    /// The error at the Lagrangian, or at the noise.
+    /// Returns the error at the Lagrangian, or at the noise.
     pub(super) fn error(
         &self,
         block: &Annotated,
