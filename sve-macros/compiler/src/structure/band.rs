@@ -1,35 +1,36 @@
-//! The order of a block's equations and unknowns in which what is not zero in its Jacobian lies
+//! Orders the equations and unknowns of a block so that the nonzero entries of its Jacobian lie
 //! near the diagonal.
 //!
-//! Input: which unknowns each equation contains. Output: an order of both, where a banded solve is
-//! less work than a dense one. Unknowns are numbered along a breadth-first search from one far end
-//! of the graph of equations and unknowns (Cuthill and `McKee`, Reducing the bandwidth of sparse
-//! symmetric matrices, 1969; the end as George and Liu find it), equations by the middle of the
-//! unknowns they contain.
+//! Input: the unknowns in each equation. Output: an order of both, if a banded solve costs less
+//! than a dense one. Unknowns are numbered along a breadth-first search from one far end of the
+//! graph of equations and unknowns (Cuthill and `McKee`, Reducing the bandwidth of sparse symmetric
+//! matrices, 1969; the end is found as by George and Liu). Equations are ordered by the middle of
+//! their unknowns.
 
 use std::collections::VecDeque;
 
 use crate::algebra::Expr;
 
-/// Blocks smaller than this are solved as dense ones, whose loops the compiler writes out.
+/// Size of the smallest block that is solved as a banded one. The compiler unrolls the loops of
+/// smaller dense blocks.
 const SMALLEST: usize = 5;
 
-/// The entries of a matrix that may differ from zero: those from `lower` before the diagonal to
-/// `upper` behind it.
+/// The entries of a matrix that may differ from zero: from `lower` entries before the diagonal to
+/// `upper` entries behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Band {
     pub(crate) lower: usize,
     pub(crate) upper: usize,
 }
 
-/// Where equations and unknowns of a block are put.
+/// An order of the equations and unknowns of a block.
 pub(super) struct Order {
     pub(super) rows: Vec<usize>,
     pub(super) columns: Vec<usize>,
 }
 
 impl Band {
-    /// Returns the band of a matrix, where solving with it is less work than a dense solve.
+    /// Returns the band of a matrix, if solving with it costs less than a dense solve.
     pub(super) fn of(matrix: &[Vec<Expr>], is_zero: impl Fn(Expr) -> bool) -> Option<Self> {
         let columns = |row: &Vec<Expr>| {
             let present = row.iter().enumerate().filter(|x| !is_zero(*x.1));
@@ -52,17 +53,18 @@ impl Band {
         Self { lower, upper }
     }
 
-    /// Entries of a row.
+    /// Returns the number of entries of a row.
     pub(crate) fn width(self) -> usize {
         self.lower + 1 + self.upper
     }
 
-    /// Operations of a solve: each row is subtracted from `lower` others, all with `width` entries.
+    /// Returns the number of operations of a solve: each row is subtracted from `lower` others,
+    /// each with `width` entries.
     fn work(self, size: usize) -> usize {
         size * (self.lower + 1) * self.width()
     }
 
-    /// Returns whether a banded solve is less work than a dense one, K³/3.
+    /// Returns whether a banded solve costs less than a dense one, K³/3.
     fn pays(self, size: usize) -> bool {
         size >= SMALLEST && 3 * self.work(size) < size.pow(3)
     }
@@ -72,8 +74,8 @@ impl Band {
         row.saturating_sub(self.lower)
     }
 
-    /// Returns the rows of a matrix as the runtime's `Banded` has them: from the first column of
-    /// the band on, `width` entries.
+    /// Returns the rows of a matrix in the layout of the runtime's `Banded`: `width` entries from
+    /// the first column of the band on.
     pub(super) fn rows(self, matrix: &[Vec<Expr>], zero: Expr) -> Vec<Vec<Expr>> {
         let row = |(i, row): (usize, &Vec<Expr>)| {
             let begin = self.begin(i);
@@ -85,10 +87,10 @@ impl Band {
     }
 }
 
-/// Returns an order in which a banded solve pays; nothing where there is none, or where it is the
-/// order as it is.
+/// Returns an order in which a banded solve pays; `None` if there is none or if the present order
+/// is such an order.
 ///
-/// `depends` has the columns of each row's entries, ascending.
+/// `depends` has the columns of the entries of each row, ascending.
 pub(super) fn order(depends: &[Vec<usize>]) -> Option<Order> {
     let n = depends.len();
     if n < SMALLEST {
@@ -127,7 +129,8 @@ impl Order {
     }
 }
 
-/// Returns an order of unknowns, with the equations by the middle of what they contain.
+/// Returns an order with the given order of unknowns and the equations ordered by the middle of
+/// their unknowns.
 fn with_rows(columns: Vec<usize>, depends: &[Vec<usize>]) -> Order {
     let mut place = vec![0; columns.len()];
     for (at, &column) in columns.iter().enumerate() {
@@ -142,7 +145,7 @@ fn with_rows(columns: Vec<usize>, depends: &[Vec<usize>]) -> Order {
     Order { rows, columns }
 }
 
-/// Unknowns along breadth-first searches from far ends.
+/// Orders unknowns along breadth-first searches from far ends.
 fn cuthill_mckee(depends: &[Vec<usize>]) -> Vec<usize> {
     let n = depends.len();
     let mut rows_of: Vec<Vec<usize>> = vec![Vec::new(); n];
@@ -151,7 +154,7 @@ fn cuthill_mckee(depends: &[Vec<usize>]) -> Vec<usize> {
             rows_of[column].push(row);
         }
     }
-    // those in few equations first
+    // unknowns in few equations come first
     for columns in &mut rows_of {
         columns.sort_by_key(|&row| depends[row].len());
     }
@@ -162,7 +165,7 @@ fn cuthill_mckee(depends: &[Vec<usize>]) -> Vec<usize> {
             continue;
         }
         let (mut reached, mut depth) = search(start, depends, &rows_of);
-        // the far end of the far end, until it is no farther
+        // goes to the farthest unknown until the distance grows no more
         loop {
             let end = reached[reached.len() - 1];
             let (again, deeper) = search(end, depends, &rows_of);
@@ -179,8 +182,8 @@ fn cuthill_mckee(depends: &[Vec<usize>]) -> Vec<usize> {
     order
 }
 
-/// Returns the unknowns in the order in which a breadth-first search comes to them, and the
-/// distance of the last.
+/// Returns the unknowns in the order in which a breadth-first search reaches them, and the distance
+/// of the last one.
 fn search(start: usize, depends: &[Vec<usize>], rows_of: &[Vec<usize>]) -> (Vec<usize>, usize) {
     let mut seen_row = vec![false; depends.len()];
     let mut distance: Vec<Option<usize>> = vec![None; rows_of.len()];
@@ -213,12 +216,12 @@ fn search(start: usize, depends: &[Vec<usize>], rows_of: &[Vec<usize>]) -> (Vec<
 mod tests {
     use super::{Band, Order, order};
 
-    /// Returns the pattern of pairs of neighbours, `step` times renumbered modulo `n`.
+    /// Returns the pattern of pairs of neighbours, renumbered modulo `n` by the factor `step`.
     fn pattern(n: usize, step: usize, neighbours: impl Fn(usize) -> Vec<usize>) -> Vec<Vec<usize>> {
         let name = |i: usize| i * step % n;
         let mut depends = vec![Vec::new(); n];
         for i in 0..n {
-            // equations are numbered backwards, as unknowns are against them in a step
+            // equations are numbered backwards, against the order of the unknowns
             let row = &mut depends[n - 1 - name(i)];
             row.extend(neighbours(i).into_iter().map(name));
             row.sort_unstable();

@@ -1,4 +1,4 @@
-//! One block: what kind it is, and what solves it.
+//! One block of equations: its kind, and the method that solves it.
 
 use std::collections::HashMap;
 
@@ -17,7 +17,7 @@ use crate::rules::constraints::MeanValue;
 /// Expressions that take the place of symbols.
 pub(super) type Replacement = HashMap<Symbol, Expr>;
 
-/// Rows of a matrix, and a right-hand side.
+/// The rows of a matrix, and a right-hand side.
 type Rows = (Vec<Vec<Expr>>, Vec<Expr>);
 
 /// The equations of a block to leading order.
@@ -30,14 +30,15 @@ struct LeadingRows {
     has_sign: bool,
 }
 
-/// How an iteration starts, and what judges its solution.
+/// The start of an iteration, and the test of its solution.
 struct Start {
     judge: Option<Judge<Expr>>,
     path: Option<PathJudge>,
-    /// The guess with its refinements; without it the iteration starts from the linearly implicit
+    /// The guess with its refinements. If absent, the iteration starts from the linearly implicit
     /// step.
     explicit: Option<(Linear<Expr>, Vec<Refinement<Expr>>)>,
-    /// True if the matrix of the guess has the sign of the determinant in the limit.
+    /// True if the determinant of the matrix of the guess has the sign of the determinant in the
+    /// limit.
     has_sign: bool,
 }
 
@@ -107,7 +108,7 @@ impl Reduced<'_> {
         }
     }
 
-    /// Solves a linear equation in one unknown: its formula takes the place of the unknown.
+    /// Solves a linear equation in one unknown. The formula replaces the unknown in later blocks.
     fn formula(
         &mut self,
         (matrix, rhs): &Rows,
@@ -126,7 +127,7 @@ impl Reduced<'_> {
         (kind, Solution::Formula(formula))
     }
 
-    /// Newton's method for equations with their Jacobian; `at_zero` is its step from zero.
+    /// Sets up Newton's method for equations with their Jacobian; `at_zero` is its step from zero.
     fn iteration(
         &mut self,
         (residual, jacobian): (Vec<Expr>, Vec<Vec<Expr>>),
@@ -171,8 +172,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Finds the guess of an iteration and what judges its solution. The guess of a block with
-    /// multipliers is solved from its equations to leading order.
+    /// Returns the guess of an iteration and the test of its solution. The guess of a block with
+    /// multipliers is the solution of its equations to leading order.
     fn start(
         &mut self,
         leading: Option<&LeadingRows>,
@@ -206,8 +207,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// All equations as one block that is iterated from the Newton step from zero, with dense
-    /// matrices; `known` gets what its unknowns are called afterwards.
+    /// Makes all equations one block, solved by Newton's method with dense matrices from the Newton
+    /// step from zero. Adds to `known` the symbols that stand for its solution.
     pub(super) fn unstructured(&mut self, known: &mut Replacement) -> Block<Expr> {
         let (residual, unknowns) = (self.residuals.clone(), self.unknowns.clone());
         let jacobian = self.jacobian(&residual, &unknowns);
@@ -249,7 +250,7 @@ impl Reduced<'_> {
         }
     }
 
-    /// Equations and unknowns in an order that makes their Jacobian banded, if there is one.
+    /// Orders equations and unknowns so that their Jacobian is banded, if such an order exists.
     fn ordered(
         &self,
         residual: Vec<Expr>,
@@ -271,8 +272,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Returns the equations of a block to leading order, where its guess is solved from these, and
-    /// whether they have the sign of its determinant.
+    /// Returns the equations of a block to leading order, from which its guess is solved; `None`
+    /// for a block without multipliers of constraints.
     fn leading_of(
         &mut self,
         rows: &[usize],
@@ -340,7 +341,7 @@ impl Reduced<'_> {
         (matrix, rhs)
     }
 
-    /// Names for the solution of a block, which `known` puts in the place of its unknowns.
+    /// Declares symbols for the solution of a block. Adds them to `known` in place of the unknowns.
     fn solved(&mut self, unknowns: &[Symbol], known: &mut Replacement) -> Vec<Symbol> {
         let mut solved = Vec::new();
         for &unknown in unknowns {
@@ -351,7 +352,7 @@ impl Reduced<'_> {
         solved
     }
 
-    /// Returns whether the unknowns are those of the three directions of a rotation.
+    /// Returns whether the unknowns are the three directions of one rotation.
     pub(super) fn is_rotation(&self, unknowns: &[Symbol]) -> bool {
         let mut directions: Vec<usize> = unknowns
             .iter()
@@ -366,7 +367,7 @@ impl Reduced<'_> {
         rotations.any(|rotation| rotation.directions.clone().eq(directions.iter().copied()))
     }
 
-    /// Returns whether no entry of the Jacobian changes with the unknowns.
+    /// Returns whether no entry of the Jacobian depends on the unknowns.
     fn is_linear(&mut self, jacobian: &[Vec<Expr>], unknowns: &[Symbol]) -> bool {
         for &entry in jacobian.iter().flatten() {
             for &u in unknowns {
@@ -382,8 +383,8 @@ impl Reduced<'_> {
         true
     }
 
-    /// Returns whether only parameters occur: with the step size in it, a coefficient comes from an
-    /// implicit equation.
+    /// Returns whether an expression contains parameters only. A coefficient that contains the step
+    /// size comes from an implicit equation.
     pub(super) fn is_parameter(&self, expr: Expr) -> bool {
         self.arena
             .symbols_of(expr)

@@ -2,8 +2,8 @@
 //! with `d_i = h v_i + …`.
 //!
 //! Input: expressions with negative powers of h. Output: the same expressions without such powers,
-//! as far as h is a factor of what they divide, also a factor of each term of a sum. Displacements
-//! by noise are divided by the whole step size: on the path from the limit to a step there is noise
+//! if h is a factor of each dividend or of each term of a dividend that is a sum. Displacements by
+//! noise are divided by the whole step size: on the path from the limit to a step, noise occurs
 //! only at the whole step size.
 
 use std::collections::HashMap;
@@ -13,16 +13,16 @@ use crate::algebra::{Arena, Expr, Node, Symbol};
 /// Cancels the step size in expressions.
 pub(super) struct Cancellation<'a> {
     pub(super) arena: &'a mut Arena,
-    /// The step size, and the whole one.
+    /// The step size.
     pub(super) h: Expr,
     pub(super) whole: Expr,
-    /// The increments, each with zero.
+    /// The increments of the noise, each mapped to zero.
     pub(super) still: &'a HashMap<Symbol, Expr>,
     pub(super) done: HashMap<Expr, Expr>,
 }
 
 impl Cancellation<'_> {
-    /// Returns the expressions without negative powers of the step size; nothing if one has no
+    /// Returns the expressions without negative powers of the step size; `None` if one has no
     /// limit.
     pub(super) fn all(&mut self, exprs: &[Expr]) -> Option<Vec<Expr>> {
         exprs.iter().map(|&e| self.of(e)).collect()
@@ -77,7 +77,7 @@ impl Cancellation<'_> {
         if power < 0 && self.is_zero_without_noise(rest) {
             product.push((self.whole, power));
         } else if power < 0 {
-            // a displacement with a part of the step and one of noise
+            // a displacement that consists of a part proportional to the step and a part of noise
             let at = (0..factors.len()).find(|&i| self.is_displacement(factors[i]))?;
             let mut parts = Vec::new();
             for (c, x) in self.terms(factors[at].0)? {
@@ -127,7 +127,7 @@ impl Cancellation<'_> {
     }
 }
 
-/// Returns the quotient by the step size, if it is a factor.
+/// Returns the quotient by the step size, if the step size is a factor.
 fn divided(e: Expr, h: Expr, arena: &mut Arena) -> Option<Expr> {
     if e == h {
         return Some(arena.constant(1.0));
@@ -144,7 +144,7 @@ fn divided(e: Expr, h: Expr, arena: &mut Arena) -> Option<Expr> {
         }
         Node::Product(factors) => {
             let mut factors: Vec<(Expr, i32)> = factors.clone();
-            // the step size itself first
+            // the step size itself comes first
             factors.sort_by_key(|f| f.0 != h);
             for at in 0..factors.len() {
                 let (base, k) = factors[at];

@@ -1,5 +1,5 @@
 //! Elimination of unknowns that some equation gives with a numeric coefficient, and the blocks of
-//! the equations that are left.
+//! the remaining equations.
 
 use std::collections::{HashMap, HashSet};
 
@@ -13,9 +13,9 @@ use crate::model::{Family, Meaning, Symbols, Unknown};
 /// Equations and the unknowns that they determine.
 type RowsAndColumns = (Vec<usize>, Vec<usize>);
 
-/// Equations that unknowns are eliminated from.
+/// The equations after the eliminations so far.
 pub(super) struct Reduced<'a> {
-    /// For each residual the unknowns that it may not eliminate.
+    /// For each residual, the unknowns that it may not eliminate.
     pub(super) kept: Vec<HashSet<Symbol>>,
     pub(super) arena: &'a mut Arena,
     pub(super) symbols: &'a mut Symbols,
@@ -24,13 +24,14 @@ pub(super) struct Reduced<'a> {
     pub(super) dq: Vec<Expr>,
     pub(super) dp: Vec<Vec<Expr>>,
     pub(super) domain: Vec<Condition<Expr>>,
-    /// The equations to leading order, where the first guess is solved from these.
+    /// The equations to leading order, if the first guess is solved from these.
     pub(super) leading: Option<Leading>,
-    /// Unknowns that are taken as known where this makes the others explicit.
+    /// Unknowns that are taken as known if this makes other unknowns explicit.
     pub(super) torn: Vec<Symbol>,
-    /// What must not be negative where a solution is accepted by contraction.
+    /// Expressions that must not be negative if a solution is accepted because its iteration
+    /// contracts.
     pub(super) guards: Vec<Expr>,
-    /// What a step can tell beside its result.
+    /// Additional results of a step.
     pub(super) reported: Vec<Expr>,
 }
 
@@ -41,9 +42,9 @@ struct Pivot {
     coefficient: f64,
 }
 
-/// An equation that may give an unknown: looked at again only when it has changed.
+/// An equation that may give an unknown. It is examined again only when it has changed.
 struct Candidate {
-    /// Unknowns in it, in the order of `unknowns`.
+    /// Unknowns in the equation, in the order of `unknowns`.
     present: Vec<Symbol>,
     /// True if `pivot` was sought.
     asked: bool,
@@ -121,7 +122,8 @@ impl Reduced<'_> {
     }
 
     /// Keeps displacements in the equations that couple several of them in the limit of no noise
-    /// and h → 0: there the two-form couples them, and which of its entries is large is not known.
+    /// and h → 0. The two-form couples them there, and which of its entries is large is unknown at
+    /// compile time.
     pub(super) fn keep_coupled(&mut self) {
         for row in 0..self.residuals.len() {
             let residual = self.residuals[row];
@@ -145,8 +147,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Returns the equation with the fewest unknowns that has one with a numeric coefficient; of
-    /// equations with equally many the first.
+    /// Returns the equation with the fewest unknowns among the equations that give one with a
+    /// numeric coefficient, and its pivot. Ties go to the first equation.
     fn best(&mut self, candidates: &mut [Candidate]) -> Option<(usize, Pivot)> {
         let mut best: Option<(usize, usize, Pivot)> = None;
         for (row, candidate) in candidates.iter_mut().enumerate() {
@@ -177,8 +179,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Of an equation's unknowns the first, in the order of `unknowns`, with a numeric coefficient;
-    /// so the momentum balance stays, and the velocity in it.
+    /// Returns the first unknown of an equation, in the order of `unknowns`, that has a numeric
+    /// coefficient. With this order the momentum balance stays, and the velocity in it.
     fn pivot(&mut self, row: usize, present: &[Symbol]) -> Option<Pivot> {
         let residual = self.residuals[row];
         for &unknown in present {
@@ -198,9 +200,9 @@ impl Reduced<'_> {
         None
     }
 
-    /// Returns whether an unknown occurs within a named intermediate result, `q₀ + c d`. There it
-    /// stands beside something much larger when the step is small, so that the equation gives it
-    /// with the rounding of that: `m v − B (q₀ + d) = p₀` is no equation for d.
+    /// Returns whether an unknown occurs within a named intermediate result, `q₀ + c d`. In a small
+    /// step the unknown is added to a much larger q₀, so solving the equation for it loses the
+    /// digits of q₀: `m v − B (q₀ + d) = p₀` is not used as an equation for d.
     pub(super) fn moves_node(&self, residual: Expr, unknown: Symbol) -> bool {
         let mut nodes = self
             .arena
@@ -209,7 +211,7 @@ impl Reduced<'_> {
         nodes.any(|e| matches!(self.arena.node(e), Node::Opaque(..)))
     }
 
-    /// Rows and columns of each block, in the order of solution.
+    /// Returns the rows and columns of each block, in the order of solution.
     pub(super) fn blocks(&mut self) -> Result<Vec<RowsAndColumns>, Degenerate> {
         let n = self.unknowns.len();
         let depends: Vec<Vec<usize>> = self
@@ -224,7 +226,7 @@ impl Reduced<'_> {
         let row_of = match_columns(&depends, n).map_err(|free| Degenerate {
             unknowns: free.into_iter().map(|c| self.unknowns[c]).collect(),
         })?;
-        // unknown c is given by equation row_of[c], which needs the unknowns in it
+        // equation row_of[c] gives unknown c and needs the other unknowns in it
         let needs: Vec<Vec<usize>> = (0..n).map(|c| depends[row_of[c]].clone()).collect();
         Ok(strong_components(&needs)
             .into_iter()
@@ -238,13 +240,13 @@ impl Reduced<'_> {
     }
 }
 
-/// For each equation the unknowns that it may not give, although it has them with a numeric
-/// coefficient: such a coefficient may be small beside the masses, as that of a weak coupling or of
-/// friction is. A velocity, an acceleration or its multiplier may come from the equation of its own
-/// coordinate, and a velocity not from the equation of motion: elimination along the diagonal of a
-/// mass matrix, which is positive definite, needs no pivoting (Higham, Accuracy and Stability of
-/// Numerical Algorithms, section 10.1). The equations of constraints eliminate nothing, and their
-/// multipliers stay.
+/// Returns, for each equation, the unknowns that it may not eliminate although they have numeric
+/// coefficients. Such a coefficient may be small compared with the masses, for example the
+/// coefficient of a weak coupling or of friction. A velocity, an acceleration or its multiplier may
+/// come from the equation of its own coordinate, and a velocity never from the equation of motion:
+/// elimination along the diagonal of a mass matrix, which is positive definite, needs no pivoting
+/// (Higham, Accuracy and Stability of Numerical Algorithms, section 10.1). The equations of
+/// constraints eliminate nothing, and their multipliers stay.
 pub(super) fn kept_unknowns(equations: &Equations, symbols: &Symbols) -> Vec<HashSet<Symbol>> {
     let as_unknown = |symbol: Symbol| match symbols.meaning(symbol) {
         Meaning::Unknown(unknown) => Some(*unknown),

@@ -1,12 +1,12 @@
-//! Bounds of the Jacobian of a block between the limit of a small step without noise and the step:
-//! the judge of a root.
+//! Bounds of the Jacobian of a block between the limit of a small step without noise and the step.
+//! They decide whether a root is accepted.
 //!
 //! Input: the residuals and the Jacobian of a block at its solution. Output: expressions of the
 //! midpoints and radii of intervals that contain every entry of the Jacobian while the step size
 //! goes from 0 to h, the increments from 0 to ΔW, and the unknowns stay within a box around the
-//! solution that contains the limit. Where every matrix within these intervals is regular, the
-//! equations have one solution in the box for each of those steps, so the solution is the one that
-//! is connected with the limit.
+//! solution that contains the limit. If every matrix within these intervals is regular, the
+//! equations have one solution in the box for each of these steps, so the solution is connected
+//! with the limit.
 //!
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 1.6 and 4.1.
 
@@ -22,15 +22,15 @@ use crate::algebra::{Arena, Expr, Symbol};
 pub(crate) struct Enclosure<T> {
     /// Midpoints of the entries.
     pub(crate) middle: Matrix<T>,
-    /// Radii of all entries, or of those in the band of a banded matrix.
+    /// Radii of all entries, or of the entries in the band of a banded matrix.
     pub(crate) radii: Vec<Vec<T>>,
-    /// What has to be positive for the radii to hold: distances to poles and to the borders of
-    /// domains.
+    /// Expressions that must be positive for the radii to hold: distances to poles and to the
+    /// borders of domains.
     pub(crate) conditions: Vec<T>,
 }
 
 impl<T> Enclosure<T> {
-    /// All that is to be computed.
+    /// Returns all expressions to be computed.
     pub(crate) fn entries(&self) -> impl Iterator<Item = &T> {
         let Self {
             middle,
@@ -43,7 +43,7 @@ impl<T> Enclosure<T> {
 }
 
 impl Enclosure<Expr> {
-    /// All that is to be computed.
+    /// Returns all expressions to be computed.
     pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
         let Self {
             middle,
@@ -54,7 +54,7 @@ impl Enclosure<Expr> {
         middle.iter_mut().chain(radii).flatten().chain(conditions)
     }
 
-    /// Returns whether it holds wherever the unknowns are.
+    /// Returns whether the bounds hold for all values of the unknowns.
     pub(super) fn is_free_of(&self, ranges: &HashMap<Symbol, Range>, arena: &Arena) -> bool {
         let contains = |e: &Expr| {
             let mut unknowns = ranges.iter().filter(|r| !matches!(r.1, Range::Small));
@@ -64,8 +64,8 @@ impl Enclosure<Expr> {
     }
 }
 
-/// Bounds of the entries of a matrix, while the values in `domain` stay positive. Nothing where a
-/// function has no bound here.
+/// Returns bounds of the entries of a matrix that hold while the values in `domain` stay positive.
+/// `None` if a function has no bound.
 pub(super) fn enclose(
     matrix: &[Vec<Expr>],
     domain: &[Expr],
@@ -89,7 +89,8 @@ pub(super) fn enclose(
     })
 }
 
-/// Midpoints and radii in the storage of both. A midpoint may be zero where the radius is not.
+/// Returns midpoints and radii in the storage that suits both. A midpoint may be zero even if its
+/// radius is not.
 fn stored(
     middle: Vec<Vec<Expr>>,
     radii: Vec<Vec<Expr>>,

@@ -1,7 +1,8 @@
-//! Graphs of equations against unknowns: which equation gives which unknown, and what has to be
-//! solved together.
+//! Graphs of equations against unknowns: the equation that gives each unknown, and the unknowns
+//! that must be solved together.
 
-/// Returns an equation for each unknown, by augmenting paths; or the unknowns left without one.
+/// Returns an equation for each unknown, found by augmenting paths. If there is no such matching,
+/// returns the unknowns left without an equation.
 pub(super) fn match_columns(depends: &[Vec<usize>], n: usize) -> Result<Vec<usize>, Vec<usize>> {
     let mut row_of: Vec<Option<usize>> = vec![None; n];
     for row in 0..depends.len() {
@@ -45,7 +46,8 @@ fn augment(start: usize, depends: &[Vec<usize>], row_of: &mut [Option<usize>]) {
     }
 }
 
-/// Strongly connected components, each after those it needs (Tarjan 1972, with an explicit stack).
+/// Returns the strongly connected components, each after those that it needs (Tarjan 1972, with an
+/// explicit stack).
 pub(super) fn strong_components(needs: &[Vec<usize>]) -> Vec<Vec<usize>> {
     const UNSEEN: usize = usize::MAX;
     let n = needs.len();

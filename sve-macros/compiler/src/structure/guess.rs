@@ -1,7 +1,7 @@
 //! The first guess of an iteration.
 //!
-//! Input: the residuals of a block with their Jacobian. Output: a linear system of which the guess
-//! is the solution, and the stages that refine it with the same matrix.
+//! Input: the residuals of a block with their Jacobian. Output: a linear system whose solution is
+//! the guess, and the stages that refine the guess with the same matrix.
 
 use super::block::Replacement;
 use super::elimination::Reduced;
@@ -19,11 +19,12 @@ impl Reduced<'_> {
         self.linear(step)
     }
 
-    /// Returns a guess that costs little, from the limit of h = 0 and no noise, where the equations
-    /// are linear in most systems: the explicit velocity. One unknown that noise kicks takes the
-    /// kick too; several unknowns are refined to first order in h and the increments, with the same
-    /// matrix. Those of a rotation, whose residuals are short polynomials, are refined by two of
-    /// Newton's steps with that matrix, to second order. Nothing where the matrix does not exist.
+    /// Returns a cheap guess from the limit of h = 0 and no noise, where the equations of most
+    /// systems are linear: the explicit velocity. The guess of a single unknown that noise kicks
+    /// includes the kick. The guess of several unknowns is refined to first order in h and the
+    /// increments, with the same matrix. The equations of a rotation are short polynomials; their
+    /// guess is refined to second order by two steps of Newton's method with this matrix. `None` if
+    /// the matrix does not exist.
     pub(super) fn guess(
         &mut self,
         residual: &[Expr],
@@ -65,13 +66,13 @@ impl Reduced<'_> {
         (regular && self.is_defined(&all)).then(|| (self.linear((matrix, rhs)), refinements))
     }
 
-    /// Returns whether no constant in some expressions is infinite or NaN.
+    /// Returns whether all constants in some expressions are finite.
     pub(super) fn is_defined(&self, exprs: &[Expr]) -> bool {
         let mut nodes = self.arena.reachable(exprs, |_| true).into_iter();
         nodes.all(|e| self.arena.constant_value(e).is_none_or(f64::is_finite))
     }
 
-    /// Returns the step size and the increments of the noise, as far as they occur.
+    /// Returns the step size and the increments of the noise that occur in the residuals.
     pub(super) fn small(&self, residual: &[Expr]) -> Vec<Symbol> {
         let is_small = |s: &Symbol| {
             matches!(
@@ -89,7 +90,7 @@ impl Reduced<'_> {
         small
     }
 
-    /// Returns `−Σ s ∂R/∂s` at the first stage, over the small quantities s.
+    /// Returns `−Σ s ∂R/∂s` at the first stage, summed over the small quantities s.
     fn refinement(
         &mut self,
         residual: &[Expr],
@@ -115,7 +116,7 @@ impl Reduced<'_> {
         Refinement { first, rhs }
     }
 
-    /// Returns `−R` at the stage before.
+    /// Returns `−R` at the previous stage.
     fn chord_step(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Refinement<Expr> {
         let (first, point) = self.stage_names(unknowns);
         let residual = self.arena.substitute_all(residual, &point).into_iter();
@@ -123,7 +124,7 @@ impl Reduced<'_> {
         Refinement { first, rhs }
     }
 
-    /// Names for what a stage of a guess found, in the place of the unknowns.
+    /// Declares names for the result of a stage of a guess, which replace the unknowns.
     fn stage_names(&mut self, unknowns: &[Symbol]) -> (Vec<Symbol>, Replacement) {
         let (mut names, mut point) = (Vec::new(), Replacement::new());
         for &unknown in unknowns {

@@ -1,10 +1,10 @@
-//! What decides whether a solution of a block is the one that is connected with no noise and h → 0.
+//! The test whether a solution of a block is connected with the limit of no noise and h → 0.
 //!
 //! Input: a block. Output: its limit, and bounds of its Jacobian between the limit and the solution
-//! ([`enclosure`](super::enclosure)). Where every matrix within them is regular the solution is
-//! accepted. `structure/path.rs` has the bounds of blocks with multipliers of constraints. There
-//! are two sets of bounds: quick ones for the fast path of a single step, and full ones for what
-//! these do not accept, and for lanes.
+//! ([`enclosure`](super::enclosure)). A solution is accepted if every matrix within the bounds is
+//! regular. A single step tests quick bounds first and full bounds if the quick ones reject. Lanes
+//! test full bounds only, since they have no second attempt. `structure/path.rs` has the bounds of
+//! blocks with multipliers of constraints.
 
 use std::collections::HashMap;
 
@@ -15,26 +15,27 @@ use crate::algebra::intervals::{Flavour, Range};
 use crate::algebra::{Expr, Node, Symbol};
 use crate::model::Meaning;
 
-/// Unknowns of a block up to which its solutions are judged by bounds of its Jacobian, which take
-/// about as long to compute as the Jacobian itself, and a product of matrices.
+/// Largest number of unknowns of a block whose solutions are tested by bounds of its Jacobian. The
+/// bounds take about as long to compute as the Jacobian itself and a product of matrices.
 const JUDGED: usize = 4;
 
-/// What decides whether a solution of a block is connected with its limit.
+/// The test whether a solution of a block is connected with its limit.
 #[derive(Clone)]
 pub(crate) struct Judge<T> {
     /// Names of the limit in the bounds.
     pub(crate) limit: Vec<Symbol>,
-    /// Right-hand side of the linear system of the limit, whose matrix is the Jacobian there.
+    /// Right-hand side of the linear system whose solution is the limit. Its matrix is the Jacobian
+    /// there.
     pub(crate) limit_rhs: Vec<T>,
-    /// The bounds that are looked at first.
+    /// The bounds that are tested first.
     pub(crate) bounds: Enclosure<T>,
-    /// The best bounds, for what the first ones do not accept. Nothing where the first ones are the
-    /// best: they hold wherever the unknowns are.
+    /// The full bounds, tested if the first bounds reject. `None` if the first bounds are the full
+    /// ones: then they hold for all values of the unknowns.
     pub(crate) full: Option<Enclosure<Expr>>,
 }
 
 impl Judge<Expr> {
-    /// All that is to be computed.
+    /// Returns all expressions to be computed.
     pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
         let Self {
             limit: _,
@@ -48,9 +49,9 @@ impl Judge<Expr> {
 }
 
 impl Reduced<'_> {
-    /// What judges a solution of a block, where its equations without noise and step are affine, so
-    /// that their solution is at hand, and where all that they contain has bounds. `known` has the
-    /// names of its solution.
+    /// Returns the test of a solution of a block. It exists if the equations without noise and step
+    /// are affine, so that their solution is known, and if all functions in the block have bounds.
+    /// `known` has the names of the solution.
     pub(super) fn judge(
         &mut self,
         residual: &[Expr],
@@ -64,7 +65,7 @@ impl Reduced<'_> {
         let zero = self.arena.constant(0.0);
         let small = self.small(residual);
         let still: Replacement = small.iter().map(|&s| (s, zero)).collect();
-        // a displacement vanishes in the limit, whatever it is multiplied by
+        // a displacement vanishes in the limit, whatever its factor
         let mut resting = still.clone();
         let displacements = unknowns.iter().filter(|&&u| self.is_displacement(u));
         resting.extend(displacements.map(|&u| (u, zero)));
@@ -132,7 +133,7 @@ impl Reduced<'_> {
         Some((limits, ranges))
     }
 
-    /// Returns the bounds that are looked at first, and the best ones where these are others.
+    /// Returns the bounds that are tested first, and the full bounds if they differ from these.
     fn bounds(
         &mut self,
         matrix: &[Vec<Expr>],
@@ -154,9 +155,9 @@ impl Reduced<'_> {
         matches!(meaning, Meaning::Unknown(u) if u.family.is_displacement())
     }
 
-    /// What several small quantities do to a single unknown beyond their common effect, to first
-    /// order: the sum of the sizes of what each does. Zero where there is one small quantity, or
-    /// where there are more unknowns.
+    /// Returns how far several small quantities may move a single unknown beyond their common
+    /// effect, to first order: the sum of the magnitudes of their separate effects. Zero if there
+    /// is one small quantity or more than one unknown.
     fn moved(
         &mut self,
         residual: &[Expr],

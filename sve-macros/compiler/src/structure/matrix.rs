@@ -1,22 +1,22 @@
-//! Matrices with their storage, which is chosen once: emission, counts of operations and the plan
-//! read it from the matrix.
+//! Matrices with their storage, which is chosen once. Code generation, the counts of operations and
+//! the plan read the storage from the matrix.
 
 use super::band::Band;
 use crate::algebra::{Arena, Expr};
 
-/// Smallest diagonal matrix that is stored and solved as one. Smaller ones keep the formulas of one
-/// and two unknowns: Cramer's rule multiplies by the inverse of the determinant, which rounds
-/// otherwise than a division per unknown.
+/// Size of the smallest matrix that is stored and solved as a diagonal one. Smaller matrices keep
+/// the formulas of one and two unknowns: Cramer's rule multiplies by the inverse of the
+/// determinant, which rounds differently from a division for each unknown.
 const SMALLEST_DIAGONAL: usize = 3;
 
-/// Which entries of a matrix are stored, and so how the runtime solves with it.
+/// The stored entries of a matrix, and so the method by which the runtime solves with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Storage {
     /// All entries; solved by Gaussian elimination with pivoting.
     Dense,
     /// All entries of three rows in one unit; solved by Cramer's rule.
     Cofactors,
-    /// The diagonal; solved by a division per unknown.
+    /// The diagonal; solved by a division for each unknown.
     Diagonal,
     /// The entries near the diagonal; solved by banded elimination.
     Banded(Band),
@@ -32,7 +32,7 @@ pub(crate) struct Matrix<T> {
 }
 
 impl Matrix<Expr> {
-    /// Returns a matrix in the storage in which solving with it is the least work.
+    /// Returns a matrix in the storage in which a solve costs the least work.
     pub(crate) fn new(entries: Vec<Vec<Expr>>, arena: &mut Arena) -> Self {
         let zero = arena.constant(0.0);
         let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
@@ -57,8 +57,8 @@ impl Matrix<Expr> {
         }
     }
 
-    /// Returns the Jacobian of the equations of a rotation, whose unknowns have one unit, and its
-    /// equations another.
+    /// Returns the Jacobian of the equations of a rotation. Its unknowns share one unit, and so do
+    /// its equations.
     pub(crate) fn of_rotation(entries: Vec<Vec<Expr>>, arena: &mut Arena) -> Self {
         let matrix = Self::new(entries, arena);
         match matrix.storage {
@@ -70,7 +70,7 @@ impl Matrix<Expr> {
         }
     }
 
-    /// Returns a matrix of which all entries are stored, zeros too.
+    /// Returns a matrix of which all entries are stored, including zeros.
     pub(crate) fn dense(entries: Vec<Vec<Expr>>) -> Self {
         Self {
             storage: Storage::Dense,
@@ -80,7 +80,7 @@ impl Matrix<Expr> {
 }
 
 impl<T: Copy> Matrix<T> {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub(crate) fn size(&self) -> usize {
         self.rows.len()
     }
@@ -102,7 +102,7 @@ impl<T: Copy> Matrix<T> {
         entries.filter(move |x| x.0 < size)
     }
 
-    /// All entries of a row; `None` for those that are not stored, which are zero.
+    /// Returns all entries of a row; `None` for an entry that is not stored, which is zero.
     pub(crate) fn all_entries(&self, row: usize) -> Vec<Option<T>> {
         let mut entries = vec![None; self.size()];
         for (column, entry) in self.row(row) {
@@ -111,12 +111,13 @@ impl<T: Copy> Matrix<T> {
         entries
     }
 
-    /// All that is stored, row by row, with the padding.
+    /// Returns all stored entries row by row, including the padding.
     pub(crate) fn stored(&self) -> impl Iterator<Item = T> + '_ {
         self.rows.iter().flatten().copied()
     }
 
-    /// Returns the number of entries before and behind the diagonal, if not all are stored.
+    /// Returns the numbers of stored entries before and behind the diagonal, if not all entries are
+    /// stored.
     pub(crate) fn bandwidths(&self) -> Option<(usize, usize)> {
         match self.storage {
             Storage::Dense | Storage::Cofactors => None,
@@ -125,7 +126,7 @@ impl<T: Copy> Matrix<T> {
         }
     }
 
-    /// Returns the same matrix of other entries.
+    /// Returns a matrix with the same storage whose entries are mapped by `entry`.
     pub(crate) fn map<U>(&self, mut entry: impl FnMut(T) -> U) -> Matrix<U> {
         let rows = self.rows.iter();
         Matrix {

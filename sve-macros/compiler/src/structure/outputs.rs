@@ -1,5 +1,5 @@
-//! The increments of q and p: in the form that is computed with the least work and the shortest
-//! chain of operations.
+//! The increments of q and p, in the form that costs the least work and has the shortest chain of
+//! operations.
 
 use std::collections::HashMap;
 
@@ -8,16 +8,16 @@ use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::model::{Meaning, Symbols};
 use crate::rules::action::Action;
 
-/// Degrees of freedom up to which a linear step is written as a matrix.
+/// Largest number of degrees of freedom for which a linear step is written as a matrix.
 const MATRIX: usize = 2;
 
-/// Returns a step that is solved by linear formulas and affine in the state becomes a matrix,
-/// `z₁ − z₀ = A z₀ + b`, whose entries are known before the state: the shortest chain of operations
-/// from one state to the next.
+/// Writes a step that is affine in the state and solved by linear formulas as a matrix,
+/// `z₁ − z₀ = A z₀ + b`. Its entries are known before the state, so the chain of operations from
+/// one state to the next is as short as possible.
 ///
-/// Where A depends on the increments of the noise, `z₁ = (1 + A) z₀ + b` is shorter still; the
-/// rounding of `1 + A` is another one in each step, so it does not add up, as it would where A is
-/// the same in all steps.
+/// If A depends on the increments of the noise, `z₁ = (1 + A) z₀ + b` is shorter still. The
+/// rounding of `1 + A` then differs from step to step and does not accumulate, as it would if A
+/// were the same in all steps.
 pub(super) fn linear_map(
     scheme: Scheme<Expr>,
     action: &Action,
@@ -87,14 +87,15 @@ pub(super) fn linear_map(
     }
 }
 
-/// Operations that a call of a function is worth.
+/// Cost of a call of a function, in operations.
 const CALL: usize = 20;
 
-/// Operations that have to be saved before a momentum increment is written other than as the kick
-/// itself, which rounds least.
+/// Number of operations that must be saved before a momentum increment is written in another form
+/// than as the kick itself, which rounds least.
 const WORTH: usize = 10;
 
-/// For each momentum increment the form that adds least to what is computed anyway.
+/// Returns, for each momentum increment, the form that adds the least to the operations that are
+/// computed anyway.
 pub(super) fn cheapest(
     arena: &Arena,
     candidates: &[Vec<Expr>],

@@ -1,5 +1,5 @@
-//! What decides whether a solution of a block with multipliers of constraints is the one that is
-//! connected with no noise and h → 0.
+//! The test whether a solution of a block with multipliers of constraints is connected with the
+//! limit of no noise and h → 0.
 //!
 //! Input: a block. Output: a [`PathJudge`] whose bounds contain the path of solutions from the
 //! limit to the step. The equation φ(t₁, q₀ + d)/h has no value at h = 0, but its Jacobian has one,
@@ -7,9 +7,9 @@
 //!
 //! Let x₀ be the limit, `|x − x₀| ≤ r` a box, F the largest residuals at x₀ and A the Jacobians in
 //! the box, all over every smaller step and increment. If every A is regular and `|A⁻¹ F| ≤ r` for
-//! all of them, then the path of solutions that starts at x₀ exists for the whole step, does not
-//! leave the box, and ends at the only solution in the box. So it is not assumed that the path
-//! stays in the bounds.
+//! each of them, then the path of solutions that starts at x₀ exists for the whole step, does not
+//! leave the box, and ends at the only solution in the box. The test therefore does not assume that
+//! the path stays in the box.
 //!
 //! Source: Neumaier, *Interval Methods for Systems of Equations* (1990), sections 5.1 and 5.4.
 
@@ -27,24 +27,25 @@ use crate::algebra::{Expr, Node, Symbol};
 use crate::model::Meaning;
 use crate::rules::constraints::MeanValue;
 
-/// Unknowns of a block up to which its solutions are judged by bounds: the test inverts a matrix.
+/// Largest number of unknowns of a block whose solutions are tested by bounds; the test inverts a
+/// matrix.
 const JUDGED: usize = 4;
 
-/// Multipliers of a block without other unknowns up to which its solutions are judged, if its
-/// Jacobian is not banded.
+/// Largest number of multipliers of a block without other unknowns whose solutions are tested, if
+/// its Jacobian is not banded.
 const JUDGED_MULTIPLIERS: usize = 8;
 
-/// Half the width of the box, in units of the distance of the solution from the limit and of the
-/// solution of the equations at the limit with one unknown each. Steps that are short beside the
-/// curvature of the constraints pass with any number; the bounds of the residuals exceed the
-/// residuals, most where forces cancel.
+/// Half the width of the box in each unknown, as a multiple of two lengths: the distance of the
+/// solution from the limit, and the displacement that solves the equations at the limit with one
+/// unknown each. Steps that are short compared with the curvature of the constraints pass with any
+/// factor. The bounds of the residuals exceed the residuals, most where forces cancel.
 const REACH: f64 = 8.0;
 
-/// What decides whether a solution of a block is connected with its limit, and whether the limit is
+/// The test whether a solution of a block is connected with its limit, and whether the limit is
 /// connected with any solution.
 #[derive(Clone)]
 pub(crate) struct PathJudge {
-    /// Names of the limit in the bounds, and the system that it solves.
+    /// Names of the limit in the bounds.
     pub(crate) limit: Vec<Symbol>,
     pub(crate) of_limit: Linear<Expr>,
     /// The bounds in a box around the limit.
@@ -56,7 +57,7 @@ pub(crate) struct PathJudge {
 }
 
 impl PathJudge {
-    /// All that is to be computed.
+    /// Returns all expressions to be computed.
     pub(super) fn exprs_mut(&mut self) -> impl Iterator<Item = &mut Expr> {
         let Self {
             limit: _,
@@ -75,34 +76,34 @@ pub(super) struct Constrained<'a> {
     pub(super) residual: &'a [Expr],
     /// The equations to leading order.
     pub(super) leading: &'a [Expr],
-    /// Those of the constraints in a form that has a limit.
+    /// The equations of the constraints in a form that has a limit.
     pub(super) mean_values: &'a [Option<MeanValue>],
     pub(super) jacobian: &'a [Vec<Expr>],
     pub(super) variations: &'a [Symbol],
     pub(super) unknowns: &'a [Symbol],
 }
 
-/// A block in the names of its solution, with its limit.
+/// A block in terms of its solution, with its limit.
 struct NamedBlock<'a> {
-    /// The Jacobian, and that in the limit.
+    /// The Jacobian.
     matrix: Vec<Vec<Expr>>,
     at_limit: Vec<Vec<Expr>>,
     /// The equations at the limit.
     defects: Vec<Expr>,
-    /// The constraints at the start of the step, divided by h: rounding errors, which join the
-    /// equations.
+    /// The constraints at the start of the step, divided by h. They are rounding errors, which are
+    /// added to the equations.
     starts: Vec<Option<Expr>>,
     /// Names of the solution and of the limit.
     solution: Vec<Symbol>,
     limit: Vec<Symbol>,
     small: &'a [Symbol],
-    /// The row and column of each pivot, with those of constraints behind the others.
+    /// The row and column of each pivot. The pivots of constraints stand behind the others.
     pivots: Vec<(usize, usize)>,
 }
 
 impl Reduced<'_> {
-    /// What judges a solution of a block, where all that it contains has bounds. `known` has the
-    /// names of its solution.
+    /// Returns the test of a solution of a block, if all functions in the block have bounds.
+    /// `known` has the names of the solution.
     pub(super) fn judge_path(
         &mut self,
         block: &Constrained<'_>,
@@ -205,7 +206,8 @@ impl Reduced<'_> {
         })
     }
 
-    /// Returns the bounds, with the half widths of the box and the residuals at the limit.
+    /// Returns the bounds of the Jacobian, half the widths of the box and the residuals at the
+    /// limit.
     fn path(&mut self, block: &NamedBlock<'_>) -> Option<(Enclosure<Expr>, Vec<Expr>, Vec<Expr>)> {
         let flavour = Flavour::Box;
         let mut ranges: HashMap<Symbol, Range> = HashMap::new();
@@ -239,8 +241,9 @@ impl Reduced<'_> {
         Some((bounds, reach, defects))
     }
 
-    /// How far each unknown is moved by residuals of these sizes, roughly: each equation is solved
-    /// for the unknown of its pivot, those of the constraints after elimination of the others.
+    /// Estimates how far residuals of these magnitudes move each unknown: each equation is solved
+    /// for the unknown of its pivot, and the equations of constraints after elimination of the
+    /// other unknowns.
     fn single_steps(&mut self, block: &NamedBlock<'_>, defects: &[Expr]) -> Vec<Expr> {
         let zero = self.arena.constant(0.0);
         let a = &block.at_limit;
@@ -281,7 +284,7 @@ impl Reduced<'_> {
         self.arena.div(size, divisor)
     }
 
-    /// Returns the number of unknowns up to which a block is judged.
+    /// Returns the largest number of unknowns up to which a block is tested.
     fn largest_judged(&self, block: &Constrained<'_>) -> usize {
         let is_multiplier = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::Unknown(u) if u.family.is_multiplier_of_constraint());
         if !block.unknowns.iter().all(is_multiplier) {

@@ -1,10 +1,11 @@
 //! The order of pivots of a block with multipliers of constraints, for solves in lanes, where an
 //! exchange of rows would cost as much as the elimination.
 //!
-//! Input: the block's equations to leading order, in which Newton's method starts. Output: pivots
-//! that do not vanish for a small step: first those of the equations of motion, whose matrix is as
-//! regular as the masses, then those of the constraints, whose Schur complement is as regular as
-//! `Dφ M⁻¹ Dφᵀ`. The zeros of the matrix stay zeros as far as this order fills none in.
+//! Input: the equations of the block to leading order, from which Newton's method starts. Output:
+//! pivots that do not vanish for a small step. The pivots of the equations of motion come first,
+//! whose matrix is as regular as the masses; then the pivots of the constraints, whose Schur
+//! complement is as regular as `Dφ M⁻¹ Dφᵀ`. Zeros of the matrix that this order does not fill in
+//! stay zeros.
 //!
 //! Source: Benzi, Golub, Liesen, *Numerical solution of saddle point problems*, Acta Numerica 14
 //! (2005), section 7.
@@ -21,14 +22,14 @@ pub(crate) struct Pivots(pub(crate) Vec<(usize, usize)>);
 /// An equation or an unknown of a block.
 #[derive(Clone, Copy)]
 struct Line {
-    /// Its coordinate or its constraint.
+    /// The number of its coordinate or constraint.
     index: usize,
     /// True if it belongs to a constraint.
     is_of_constraint: bool,
 }
 
 impl Reduced<'_> {
-    /// Returns the pivots of a matrix, whose equations belong to these variations. `None` if the
+    /// Returns the pivots of a matrix whose equations belong to these variations. `None` if the
     /// equations of motion do not determine the unknowns of motion one by one.
     pub(super) fn pivots(
         &self,
@@ -63,7 +64,7 @@ impl Reduced<'_> {
     }
 }
 
-/// Returns the pivots of the equations of motion: again and again an equation with the fewest
+/// Returns the pivots of the equations of motion. Each step takes an equation with the fewest
 /// unknowns that have no pivot yet.
 fn motion(rows: &[Line], columns: &[Line], pattern: &[Vec<bool>]) -> Option<Vec<(usize, usize)>> {
     let of_motion = |lines: &[Line]| -> Vec<usize> {
@@ -93,7 +94,7 @@ fn motion(rows: &[Line], columns: &[Line], pattern: &[Vec<bool>]) -> Option<Vec<
     Some(pivots)
 }
 
-/// Which entries of a matrix are not zero.
+/// Returns, for each entry of a matrix, whether it is nonzero.
 fn pattern(matrix: &Matrix<Expr>, arena: &Arena) -> Vec<Vec<bool>> {
     let is_entry = |e: Option<Expr>| e.is_some_and(|e| arena.constant_value(e) != Some(0.0));
     let rows = (0..matrix.size()).map(|row| matrix.all_entries(row).into_iter().map(is_entry));
@@ -101,7 +102,7 @@ fn pattern(matrix: &Matrix<Expr>, arena: &Arena) -> Vec<Vec<bool>> {
 }
 
 impl Pivots {
-    /// Returns whether no pivot of a matrix is an entry that is always zero.
+    /// Returns whether no pivot is an entry of the matrix that is always zero.
     pub(crate) fn suit(&self, matrix: &Matrix<Expr>, arena: &Arena) -> bool {
         let mut pattern = pattern(matrix, arena);
         if self.0.len() != pattern.len() {

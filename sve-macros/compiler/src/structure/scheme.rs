@@ -1,9 +1,9 @@
 //! A step as blocks that are solved in order.
 //!
-//! One tree for all later stages, generic in what stands for its quantities: expressions after this
-//! stage, values of a program after scheduling ([`Lower`]). `R` is what stands for a residual,
-//! which has a magnitude beside its value once it is scheduled. What a step computes only where its
-//! fast path fails stays an expression; it is computed where it stands.
+//! One tree for all later stages. Its leaves `T` are expressions after this stage and values of a
+//! program after scheduling ([`Lower`]). `R` is a residual, which has a magnitude beside its value
+//! once it is scheduled. Quantities that a step computes only if its fast path fails stay
+//! expressions; they are computed at their place of use.
 
 use super::enclosure::Enclosure;
 use super::judge::Judge;
@@ -18,33 +18,36 @@ use crate::model::domain::Condition;
 pub(crate) struct Scheme<T, R = T> {
     pub(crate) blocks: Vec<Block<T, R>>,
     pub(crate) returns: Returns,
-    /// What the step returns of the configuration and of the momenta, see [`Returns`].
+    /// The results for configuration and momenta, see [`Returns`].
     pub(crate) dq: Vec<T>,
     pub(crate) dp: Vec<T>,
-    /// What has to hold at the solution, so that L is defined there.
+    /// Conditions at the solution under which L is defined there.
     pub(crate) domain: Vec<Condition<T>>,
-    /// What must not be negative where a solution is accepted by the contraction of its iteration.
+    /// Expressions that must not be negative if a solution is accepted because its iteration
+    /// contracts.
     pub(crate) guards: Vec<T>,
-    /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for readers.
+    /// `q₁ − q₀` and `p₁ − p₀` as the equations give them, for the printed plan.
     pub(crate) increments: [Vec<Expr>; 2],
-    /// What a step can tell beside its result, in the names of the solution: the multipliers of
-    /// constraints, at the start and at the end.
+    /// Additional results of a step, in terms of the solution: the multipliers of constraints, at
+    /// the start and at the end.
     pub(crate) reported: Vec<Expr>,
 }
 
-/// What a step returns.
+/// The results of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Returns {
     /// `q₁ − q₀` and `p₁ − p₀`.
     Increment,
-    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, and an offset.
+    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, plus an offset.
     State,
-    /// `q₁ − q₀` and `p₁ − p₀` as a matrix, the same in all steps, times the state, and an offset.
+    /// `q₁ − q₀` and `p₁ − p₀`: a matrix that is the same in all steps times the state, plus an
+    /// offset.
     MatrixTimesState,
 }
 
 impl Returns {
-    /// Returns whether the entries of a matrix are known before the state that it is applied to.
+    /// Returns whether the step multiplies the state by a matrix whose entries are known before the
+    /// state.
     pub(crate) fn is_matrix(self) -> bool {
         self != Self::Increment
     }
@@ -54,12 +57,11 @@ impl Returns {
 #[derive(Clone)]
 pub(crate) struct Block<T, R = T> {
     pub(crate) kind: Kind,
-    /// Unknowns, as the equations name them.
+    /// Unknowns, under their names in the equations.
     pub(crate) unknowns: Vec<Symbol>,
-    /// Entries of the Jacobian that are not zero.
+    /// Number of nonzero entries of the Jacobian.
     pub(crate) nonzeros: usize,
-    /// The order of pivots, if the block has multipliers of constraints and such an order was
-    /// found.
+    /// The order of pivots, if the block has multipliers of constraints and such an order exists.
     pub(crate) pivots: Option<Pivots>,
     pub(crate) solution: Solution<T, R>,
 }
@@ -72,13 +74,13 @@ pub(crate) enum Kind {
     Newton,
 }
 
-/// What there is to compute.
+/// How a block is computed: by a formula, a linear solve or an iteration.
 #[derive(Clone)]
 pub(crate) enum Solution<T, R = T> {
-    /// A single unknown by a formula, which has taken its place in everything that follows and is
-    /// computed there.
+    /// A single unknown by a formula. The formula has replaced the unknown in all later
+    /// expressions, where it is computed.
     Formula(Expr),
-    /// A linear system; `solved` are the names of the solution in everything that follows.
+    /// A linear system. Later expressions name its solution `solved`.
     System {
         linear: Linear<T>,
         solved: Vec<Symbol>,
@@ -94,10 +96,10 @@ pub(crate) struct Linear<T> {
     pub(crate) rhs: Vec<T>,
 }
 
-/// A later stage of a guess, with the same matrix as the first.
+/// A later stage of a guess, with the same matrix as the first stage.
 #[derive(Clone)]
 pub(crate) struct Refinement<T> {
-    /// Names in `rhs` of what the stages before found.
+    /// Names in `rhs` of the sum of the previous stages.
     pub(crate) first: Vec<Symbol>,
     pub(crate) rhs: Vec<T>,
 }
@@ -107,40 +109,40 @@ pub(crate) struct Refinement<T> {
 pub(crate) struct Iteration<T, R = T> {
     /// First guess.
     pub(crate) guess: Linear<T>,
-    /// The Jacobian in the limit of no noise and h → 0, whose determinant has the sign of that of
-    /// the solution. Nothing where it does not exist, wherever the system is: the mass vanishes at
-    /// rest, as for L = v⁴/4.
+    /// The Jacobian in the limit of no noise and h → 0. Its determinant has the same sign as the
+    /// determinant at the solution. `None` if the limit never exists: for L = v⁴/4 the mass
+    /// vanishes at rest.
     pub(crate) limit: Option<Matrix<T>>,
-    /// What is added to the guess, stage by stage.
+    /// The corrections that are added to the guess, stage by stage.
     pub(crate) refinements: Vec<Refinement<T>>,
     pub(crate) jacobian: Matrix<T>,
     pub(crate) residual: Vec<R>,
-    /// What joins the magnitude of each residual, where its own terms may all be small. Empty if no
-    /// equation has it.
+    /// An expression added to the magnitude of each residual, for equations all of whose terms may
+    /// be small; empty if there are none.
     pub(crate) scales: Vec<Option<Expr>>,
-    /// Second derivative of a single equation in a single unknown.
+    /// The second derivative of a single equation in a single unknown.
     pub(crate) curvature: Option<T>,
-    /// What decides whether a solution is connected with its limit, where that can be bounded.
+    /// The test whether a solution is connected with its limit, if the Jacobian has bounds.
     pub(crate) judge: Option<Judge<T>>,
-    /// The same for a block with multipliers of constraints. Its bounds are computed where the
-    /// iteration does not contract enough.
+    /// The same test for a block with multipliers of constraints. Its bounds are computed only if
+    /// the iteration does not contract enough.
     pub(crate) path: Option<PathJudge>,
     /// The guess after a failure: the Newton step from zero, which is the linearly implicit step.
     pub(crate) fallback: Linear<Expr>,
-    /// True if the step fails where the matrix of the guess is singular: no other guess replaces
-    /// it.
+    /// True if a step fails when the matrix of the guess is singular, since no other guess exists.
     pub(crate) needs_guess: bool,
     /// Names of the iterates in `residual`, `jacobian` and `curvature`.
     pub(crate) iterates: Vec<Symbol>,
     pub(crate) solved: Vec<Symbol>,
 }
 
-/// Turns the expressions of a scheme into something else, in the order of the calls.
+/// Translates the expressions of a scheme, in the order of the calls.
 pub(crate) trait Lower {
     type Value;
     type Residual;
     fn value(&mut self, expr: Expr) -> Self::Value;
-    /// Returns a residual, and what joins the sum of the magnitudes of its terms.
+    /// Translates a residual, and the expression that is added to the sum of the magnitudes of its
+    /// terms.
     fn residual(&mut self, expr: Expr, scale: Option<Expr>) -> Self::Residual;
 
     fn values(&mut self, exprs: &[Expr]) -> Vec<Self::Value> {
@@ -173,7 +175,7 @@ impl Scheme<Expr> {
         }
     }
 
-    /// All that the fast path computes.
+    /// Returns all expressions that the fast path computes.
     pub(crate) fn roots(&self) -> Vec<Expr> {
         struct Roots(Vec<Expr>);
         impl Lower for Roots {
@@ -192,7 +194,7 @@ impl Scheme<Expr> {
         roots.0
     }
 
-    /// All that is computed, where the fast path fails too.
+    /// Returns all expressions that are computed, also those computed only if the fast path fails.
     pub(super) fn exprs_mut(&mut self) -> Vec<&mut Expr> {
         let Self {
             blocks,
@@ -248,7 +250,7 @@ impl Solution<Expr> {
 }
 
 impl<T, R> Block<T, R> {
-    /// Returns the band of its Jacobian, where not all entries are stored.
+    /// Returns the widths of the band of the Jacobian, if it is banded.
     pub(crate) fn bandwidths(&self) -> Option<(usize, usize)>
     where
         T: Copy,
@@ -262,8 +264,7 @@ impl<T, R> Block<T, R> {
 }
 
 impl<T, R> Solution<T, R> {
-    /// Names of the solution in everything that follows; none where formulas have taken their
-    /// place.
+    /// Returns the names of the solution in later expressions; empty for a formula.
     pub(crate) fn solved(&self) -> &[Symbol] {
         match self {
             Self::Formula(_) => &[],
@@ -274,14 +275,14 @@ impl<T, R> Solution<T, R> {
 }
 
 impl<T: PartialEq, R> Iteration<T, R> {
-    /// Returns whether the limit is the solution that the first stage of the guess finds.
+    /// Returns whether the limit equals the solution of the first stage of the guess.
     pub(crate) fn limit_is_guess(&self, judge: &Judge<T>) -> bool {
         judge.limit_rhs == self.guess.rhs
     }
 }
 
 impl Linear<Expr> {
-    /// Returns the stored entries of the matrix, and the right-hand side.
+    /// Returns the stored entries of the matrix and the right-hand side.
     pub(crate) fn entries(&self) -> Vec<Expr> {
         self.matrix
             .stored()

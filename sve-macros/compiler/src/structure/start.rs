@@ -1,11 +1,12 @@
-//! What a step has to test of its start: whether one velocity has the momentum there, and no other
-//! one near it.
+//! Tests of the start of a step: whether a velocity has the given momentum there, and no other
+//! velocity near it has.
 //!
 //! Input: the derivatives of L. Output: the parts of the mass matrix ∂²L/∂v² that may be singular.
-//! If ∂L/∂v is affine in v, a velocity exists and is isolated exactly where the mass matrix is
-//! regular. The matrix falls apart into diagonal blocks, each of which has to be regular: a block
-//! of numbers was tested when the system was classified, a block of parameters is tested once for
-//! all steps of a size, a block with the configuration or the time in each step.
+//! If ∂L/∂v is affine in v, a velocity exists and is isolated exactly if the mass matrix is
+//! regular. The matrix decomposes into diagonal blocks, each of which must be regular. A block of
+//! numbers was tested when the system was classified, a block of parameters is tested once for all
+//! steps of one size, and a block that depends on the configuration or the time is tested in each
+//! step.
 //!
 //! Constraints and degenerate Lagrangians define starts of their own.
 
@@ -16,20 +17,19 @@ use crate::algebra::{Arena, Expr, Symbol};
 use crate::system::classify::Classified;
 use crate::system::mechanics::Mechanics;
 
-/// What is tested of the start of a step.
+/// The tests of the start of a step.
 #[derive(Default)]
 pub(crate) struct StartTest {
     /// Blocks of the mass matrix that depend on parameters alone.
     pub(crate) of_parameters: Vec<Matrix<Expr>>,
     /// Blocks of the mass matrix that depend on configuration or time.
     pub(crate) of_state: Vec<Matrix<Expr>>,
-    /// True if ∂L/∂v is not affine in v, so that a velocity has to be found.
+    /// True if ∂L/∂v is not affine in v, so that the velocity must be found by iteration.
     pub(crate) needs_velocity: bool,
 }
 
 impl StartTest {
-    /// Finds out what has to be tested. The mass matrix has its stable form already, so that no
-    /// step changes.
+    /// Determines the tests. The mass matrix is already in its stable form, so no step changes.
     pub(crate) fn new(system: &Classified, mechanics: &Mechanics, arena: &mut Arena) -> Self {
         let model = &system.model;
         let mut test = Self::default();
@@ -65,8 +65,7 @@ impl StartTest {
     }
 }
 
-/// Returns the smallest diagonal blocks into which a symmetric matrix falls apart, whatever the
-/// order of its rows.
+/// Returns the smallest diagonal blocks into which a symmetric matrix decomposes under reordering.
 fn diagonal_blocks(matrix: &[Vec<Expr>], arena: &Arena) -> Vec<Vec<Vec<Expr>>> {
     let n = matrix.len();
     let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);

@@ -1,9 +1,10 @@
-//! Tearing: a block in few unknowns, of which the others are explicit functions.
+//! Tearing: a block becomes a system in a few unknowns, and the other unknowns are explicit
+//! functions of these.
 //!
-//! Input: a block, and unknowns that are torn from it: taken as known. Output: formulas of those
-//! unknowns that some equation then gives with a coefficient of parameters alone, and the equations
-//! and unknowns that are left. The multipliers of constraints are torn: where the masses are
-//! constant and the forces explicit, Newton's method has one unknown for each constraint (SHAKE).
+//! Input: a block, and the unknowns that are torn, that is, taken as known. Output: formulas of the
+//! unknowns that some equation then gives with a coefficient of parameters alone, and the remaining
+//! equations and unknowns. The multipliers of constraints are torn: if the masses are constant and
+//! the forces explicit, Newton's method has one unknown for each constraint (SHAKE).
 //!
 //! Source: Duff, Erisman, Reid, *Direct Methods for Sparse Matrices* (2017), section 7.6.
 
@@ -18,8 +19,8 @@ use crate::algebra::{Expr, Symbol};
 pub(super) struct Torn {
     pub(super) rows: Vec<usize>,
     pub(super) columns: Vec<usize>,
-    /// Unknowns with their formulas in the unknowns that are left, in the order in which they were
-    /// found.
+    /// The explicit unknowns with their formulas in the remaining unknowns, in the order in which
+    /// they were found.
     pub(super) formulas: Vec<(Symbol, Expr)>,
 }
 
@@ -57,8 +58,8 @@ impl Reduced<'_> {
         }
     }
 
-    /// Returns the explicit unknowns of a block, after the others are solved; `known` gets their
-    /// formulas.
+    /// Returns the explicit unknowns of a block as blocks to be solved after the remaining
+    /// unknowns. Adds their formulas to `known`.
     pub(super) fn explicit_blocks(
         &mut self,
         formulas: Vec<(Symbol, Expr)>,
@@ -78,7 +79,7 @@ impl Reduced<'_> {
         blocks.collect()
     }
 
-    /// Puts expressions in the place of symbols of an equation.
+    /// Replaces symbols of an equation by expressions.
     fn replace(&mut self, row: usize, by: &Replacement) {
         self.residuals[row] = self.arena.substitute(self.residuals[row], by);
         if let Some(leading) = &mut self.leading {
@@ -89,7 +90,7 @@ impl Reduced<'_> {
         }
     }
 
-    /// Returns an equation with a single unknown that is not torn, and the formula that it gives.
+    /// Returns an equation with a single unknown that is not torn, this unknown and its formula.
     fn explicit(&mut self, rows: &[usize], columns: &[usize]) -> Option<(usize, usize, Expr)> {
         for &row in rows {
             let residual = self.residuals[row];
