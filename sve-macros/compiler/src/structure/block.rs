@@ -24,7 +24,7 @@ type Rows = (Vec<Vec<Expr>>, Vec<Expr>);
 struct LeadingRows {
     residuals: Vec<Expr>,
     variations: Vec<Symbol>,
-    /// As in [`Leading`](crate::discretise::equations::Leading).
+    /// See [`Leading`](crate::discretise::equations::Leading).
     mean_values: Vec<Option<MeanValue>>,
     scales: Vec<Option<Expr>>,
     has_sign: bool,

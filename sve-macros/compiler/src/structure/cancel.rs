@@ -13,7 +13,7 @@ use crate::algebra::{Arena, Expr, Node, Symbol};
 /// Cancels the step size in expressions.
 pub(super) struct Cancellation<'a> {
     pub(super) arena: &'a mut Arena,
-    /// The step size.
+    /// The step size on the path from the limit to the step; `whole` is the whole step size.
     pub(super) h: Expr,
     pub(super) whole: Expr,
     /// The increments of the noise, each mapped to zero.

@@ -14,7 +14,7 @@ const SMALLEST_DIAGONAL: usize = 3;
 pub(crate) enum Storage {
     /// All entries; solved by Gaussian elimination with pivoting.
     Dense,
-    /// All entries of three rows in one unit; solved by Cramer's rule.
+    /// All entries of a 3×3 matrix whose entries share a unit; solved by Cramer's rule.
     Cofactors,
     /// The diagonal; solved by a division for each unknown.
     Diagonal,

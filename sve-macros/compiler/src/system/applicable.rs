@@ -1,5 +1,5 @@
-//! Which rules are for a system: errors for those that take no noise, no force, no constraint or no
-//! rotations, and for options that need noise.
+//! Checks that rules apply to a system. Rules that take no noise, force, constraint or rotations
+//! are reported, and options that need noise.
 
 use crate::catalogue::{Rule, RuleOption, names};
 use crate::errors::Errors;
@@ -10,7 +10,7 @@ use crate::syntax::roles::Role as FunctionRole;
 use crate::system::classify::Classified;
 use crate::system::degeneracy::{Degeneracy, Role};
 
-/// Returns an error for each rule that is not for this system.
+/// Returns an error for each rule that does not apply to this system.
 pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     let mut errors = Errors::new();
     if model.configuration().has_rotations()
@@ -59,7 +59,7 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     errors.finish(())
 }
 
-/// Returns whether a rule without options is for a system whose Lagrangian determines every
+/// Returns whether a rule without options applies to a system. The Lagrangian must determine every
 /// velocity.
 pub(crate) fn is_for(rule: Rule, system: &Classified) -> bool {
     let model = &system.model;
@@ -76,7 +76,7 @@ pub(crate) fn is_for(rule: Rule, system: &Classified) -> bool {
     is_regular && is_taken.iter().all(|&(has, takes)| !has || takes)
 }
 
-/// Reports a rule or an option that is not for systems with constraints.
+/// Reports a rule or an option that does not apply to systems with constraints.
 fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
     let (rule, name) = (listed.rule, listed.rule.name());
     if rule.takes.constraints {
@@ -102,7 +102,8 @@ fn check_constrained(listed: &ListedRule, errors: &mut Errors) {
     errors.push(listed.place, message);
 }
 
-/// Returns an error for each rule, option and function that is not for a degenerate Lagrangian.
+/// Returns an error for each rule, option and function that does not apply to a degenerate
+/// Lagrangian.
 pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> syn::Result<()> {
     let mut errors = Errors::new();
     let is_linear = !degeneracy.of(Role::Massless).is_empty();

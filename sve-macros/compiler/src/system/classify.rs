@@ -1,4 +1,4 @@
-//! Model → the model with its derivatives and all that is found out about it before a rule is
+//! Model → the model with its derivatives and all properties that are determined before a rule is
 //! derived; or errors of the user's functions and rules.
 
 use super::applicable;
@@ -16,14 +16,14 @@ use crate::syntax::parse::Annotated;
 pub(crate) struct Classified {
     pub(crate) model: Model,
     pub(crate) mechanics: Mechanics,
-    /// Whether the noises commute, where the system moves.
+    /// The result of the test whether the noises commute.
     pub(crate) commutation: Commutation,
-    /// What L is if it does not determine every velocity.
+    /// The parts of L, if it does not determine every velocity.
     pub(crate) degeneracy: Option<Degeneracy>,
     pub(crate) momenta: Vec<MomentumMap>,
 }
 
-/// Classifies a model. The noises of the result are along the constraints.
+/// Classifies a model. The noises of the result are tangent to the constraints.
 pub(crate) fn classify(
     block: &Annotated,
     model: Model,

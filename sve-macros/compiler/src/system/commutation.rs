@@ -1,21 +1,21 @@
-//! Whether the noises of a system commute, which decides the strong order of the rules.
+//! The test whether the noises of a system commute, which decides the strong order of the rules.
 
 use super::degeneracy::{Degeneracy, Role, brackets as of_two_form};
 use super::mechanics::{Mechanics, NoiseJet};
 use crate::algebra::{Arena, Expr, Vanishing};
 use crate::model::Model;
 
-/// Whether the noises of a model commute.
+/// The result of the test whether the noises of a model commute.
 #[derive(Clone)]
 pub(crate) enum Commutation {
-    /// All pairs of noises commute, as proved or as found at random points.
+    /// All pairs of noises commute: proved, or found at random points.
     All(Vanishing),
     /// The source names of the first pair of noises that does not commute.
     NonCommuting(String, String),
 }
 
 impl Commutation {
-    /// Returns the commutation where constraints hold, if all brackets vanish there.
+    /// Returns the result for a system in which all brackets vanish where the constraints hold.
     pub(crate) fn on_constraints(self) -> Self {
         match self {
             Self::NonCommuting(..) => Self::All(Vanishing::Evaluated),
@@ -24,8 +24,8 @@ impl Commutation {
     }
 }
 
-/// Returns whether the noises commute: by the bracket of the two-form where L leaves velocities
-/// undetermined, else by the Poisson bracket.
+/// Tests whether the noises commute. If L leaves velocities undetermined, the bracket of the
+/// two-form decides, otherwise the Poisson bracket.
 pub(crate) fn commutation(
     model: &Model,
     mechanics: &Mechanics,
@@ -33,7 +33,7 @@ pub(crate) fn commutation(
     arena: &mut Arena,
 ) -> Commutation {
     match degeneracy {
-        // γ's of the coordinates that are left commute as they always do
+        // γ's of the remaining coordinates always commute
         Some(degeneracy) if !degeneracy.of(Role::Massless).is_empty() => {
             of_two_form::commutation(degeneracy, model, mechanics, arena)
         }
@@ -41,9 +41,9 @@ pub(crate) fn commutation(
     }
 }
 
-/// Checks whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩`
+/// Tests whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩`
 /// vanishes for all pairs. Each rotation adds `− Π·(∂G_a/∂Π × ∂G_b/∂Π)`, with left-trivialised
-/// derivatives by R.
+/// derivatives in R.
 fn brackets(model: &Model, noises: &[NoiseJet], arena: &mut Arena) -> Commutation {
     let jets: Vec<[Vec<Expr>; 2]> = noises.iter().map(|jet| scaled(jet, arena)).collect();
     let mut evidence = Vanishing::Proved;
@@ -55,7 +55,7 @@ fn brackets(model: &Model, noises: &[NoiseJet], arena: &mut Arena) -> Commutatio
             let mut terms = Vec::new();
             for k in 0..model.dof() {
                 for (sign, x, y) in [(1.0, a_q[k], b_p[k]), (-1.0, a_p[k], b_q[k])] {
-                    // most noises depend on few coordinates
+                    // most noises depend on few coordinates, so most products vanish
                     if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
                         terms.push((sign, arena.mul(x, y)));
                     }
@@ -80,8 +80,8 @@ fn brackets(model: &Model, noises: &[NoiseJet], arena: &mut Arena) -> Commutatio
     Commutation::All(evidence)
 }
 
-/// Returns the gradients of a noise by q and p. If a product of two components might underflow or
-/// overflow, the gradients are multiplied with a power of two that brings them to the order of 1.
+/// Returns the gradients of a noise in q and p. If a product of two components might underflow or
+/// overflow, a power of two scales the gradients to the order of 1.
 fn scaled(jet: &NoiseJet, arena: &mut Arena) -> [Vec<Expr>; 2] {
     let factor = arena.scale_of(&[jet.dq.as_slice(), &jet.dp].concat());
     [&jet.dq, &jet.dp].map(|gradient| {

@@ -1,15 +1,16 @@
-//! What has to hold of constraints and of the noises beside them, decided at points where the
+//! Checks of constraints, and of the noises of a system with constraints, at points where the
 //! constraints hold.
 //!
-//! Input: the model with its derivatives. Output: nothing, or errors. Invariant: an identity that
-//! is needed on φ = 0 alone is tested there: at random points that are moved onto φ = 0 by
-//! Gauss–Newton steps, with velocities along it.
+//! Input: the model with its derivatives. Output: errors, if any. Invariant: an identity that must
+//! hold only where φ = 0 is tested there, at random points that Gauss–Newton steps move onto φ = 0,
+//! with velocities along the constraints. The checks are:
 //!
-//! - The gradients of the constraints are independent.
-//! - A noise moves the position along the constraints, `⟨∂φ/∂q, ∂G/∂p⟩ = 0`: otherwise the
+//! - The gradients of the constraints are linearly independent.
+//! - A noise moves the position along the constraints, `⟨∂φ/∂q, ∂G/∂p⟩ = 0`. Otherwise the
 //!   equations of motion have no solution.
-//! - For rules with one node at an end, the Stratonovich correction moves along the constraints
-//!   too, or the noise is tangent everywhere: otherwise the multiplier is divided by `h + c ΔW`.
+//! - For rules with one node at an end, either the Stratonovich correction also moves along the
+//!   constraints, or the noise is tangent everywhere. Otherwise the multiplier is divided by
+//!   `h + c ΔW`.
 
 mod points;
 mod tangent;
@@ -25,19 +26,20 @@ use crate::model::Model;
 use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::mechanics::Mechanics;
 
-/// Size of a sum beside the magnitudes of its terms from which on it does not vanish. The points
-/// lie on φ = 0 to rounding, which is amplified where gradients are nearly dependent.
+/// Smallest sum, relative to the magnitudes of its terms, that counts as nonzero. The points lie on
+/// φ = 0 to rounding, which is amplified if gradients are nearly dependent.
 const NOT_ZERO: f64 = 1e-7;
 
 /// Smallest pivot of independent gradients, relative to the diagonal entry. Rounding errors of a
 /// repeated constraint are some 1e-15.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// Largest gradient of φ where it vanishes, relative to that where it does not, that counts as
-/// zero: the gradient of a squared constraint has the size of the root of rounding.
+/// Largest gradient of φ at a point where φ = 0, relative to the gradient at a random point, that
+/// counts as zero. The gradient of a squared constraint has the size of the square root of
+/// rounding.
 const NO_GRADIENT: f64 = 1e-5;
 
-/// Checks the constraints of a block. Returns whether there are constraints, and its noises commute
+/// Checks the constraints of a block. Returns true if there are constraints and the noises commute
 /// where they hold.
 pub(crate) fn check(
     block: &Annotated,
@@ -52,7 +54,7 @@ pub(crate) fn check(
     let points = points(model, mechanics, arena);
     let mut errors = Errors::new();
     if points.is_empty() {
-        // what cannot be tested is not accepted
+        // noises and gradients that cannot be tested are not accepted
         let message = "no configuration that satisfies the constraints was found for any of the random parameters that were tried, so that noises and gradients cannot be tested there: write them such that small positive parameters have a configuration";
         errors.push(block.constraints[0].name.span(), message);
         return errors.finish(false);
@@ -68,7 +70,7 @@ pub(crate) fn check(
     Ok(brackets.all(Sum::vanishes))
 }
 
-/// Checks that the momentum of a system with constraints is affine in the velocity: then the
+/// Checks that the momentum of a system with constraints is affine in the velocity. Then the
 /// projection of the momentum is a linear equation.
 pub(crate) fn check_momentum(
     block: &Annotated,
@@ -82,7 +84,7 @@ pub(crate) fn check_momentum(
     Err(syn::Error::new(block.lagrangian.name.span(), message))
 }
 
-/// Sums that have to vanish, as lists of terms.
+/// Sums that must vanish, as lists of terms.
 struct Quantities {
     /// `⟨∂φ/∂q, ∂G/∂p⟩` of each noise and constraint.
     drift: Vec<Vec<Vec<Expr>>>,
@@ -93,7 +95,7 @@ struct Quantities {
     brackets: Vec<Vec<Expr>>,
 }
 
-/// The value of a sum beside the magnitudes of its terms.
+/// The value of a sum, and the sum of the magnitudes of its terms.
 struct Sum {
     value: f64,
     magnitude: f64,
@@ -101,13 +103,13 @@ struct Sum {
 
 impl Sum {
     fn vanishes(&self) -> bool {
-        // an undefined value says nothing
+        // an undefined value is no evidence against the identity
         let is_undefined = self.value.is_nan() || self.magnitude.is_nan();
         is_undefined || self.value.abs() <= NOT_ZERO * self.magnitude
     }
 }
 
-/// The sums at a point, in the order of [`Quantities`].
+/// The sums of [`Quantities`] at a point, in the same order.
 struct Values {
     drift: Vec<Vec<Sum>>,
     correction: Vec<Vec<Sum>>,
@@ -175,7 +177,7 @@ impl Quantities {
     }
 }
 
-/// Reports constraints that depend on those before them at every point.
+/// Reports constraints that depend on earlier ones at every point. Returns whether there are none.
 fn check_gradients(
     block: &Annotated,
     model: &Model,
@@ -203,7 +205,7 @@ fn check_gradients(
     true
 }
 
-/// Reports noises that leave the constraints.
+/// Reports noises that move the position off the constraints.
 fn check_tangency(block: &Annotated, model: &Model, values: &[Values], errors: &mut Errors) {
     for (a, noise) in model.noises.iter().enumerate() {
         let leaves = |k: &usize| values.iter().any(|at| !at.drift[a][*k].vanishes());
@@ -235,7 +237,7 @@ fn check_correction(
         if !leaves {
             continue;
         }
-        // a noise that is tangent everywhere keeps the multiplier at the factor h
+        // with a noise that is tangent everywhere, the multiplier keeps the factor h
         let mut terms = [a, b].into_iter().flat_map(|g| &quantities.drift[g]);
         let is_tangent_everywhere = terms.all(|terms| {
             let terms: Vec<(f64, Expr)> = terms.iter().map(|&e| (1.0, e)).collect();
@@ -263,7 +265,7 @@ fn check_correction(
     errors.finish(())
 }
 
-/// Returns the function that returns a term of this name, `f` or `f[2]`.
+/// Finds the function of a term by the name of the term, `f` or `f[2]`.
 fn function<'a>(functions: &'a [RoleFunction], term: &str) -> &'a RoleFunction {
     let name = term.split('[').next().unwrap_or(term);
     let found = functions.iter().find(|f| f.name == name);

@@ -1,8 +1,8 @@
-//! What the energy as a function of q and p needs beside L: the mass matrix and the momentum at
-//! rest.
+//! The energy as a function of q and p, which needs the mass matrix and the momentum at rest in
+//! addition to L.
 //!
-//! Input: the derivatives of L. Output: expressions for v = M⁻¹ (p − ∂L/∂v(q, 0)), the velocity of
-//! a momentum.
+//! Input: the derivatives of L. Output: expressions for the velocity of a momentum, v = M⁻¹ (p −
+//! ∂L/∂v(q, 0)).
 
 use std::collections::HashMap;
 
@@ -26,8 +26,8 @@ pub(crate) struct Energy {
     pub(crate) at_rest: Vec<Expr>,
 }
 
-/// Returns the energy of a system whose L determines every velocity, unless a velocity has to be
-/// searched for or the system is too large.
+/// Returns the energy of a system whose L determines every velocity. `None` if the velocity must be
+/// found by iteration or the system is too large.
 pub(crate) fn energy(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Energy> {
     let is_plain = mechanics.affine_momentum && !model.configuration().has_rotations();
     let jet = &mechanics.lagrangian;

@@ -3,9 +3,9 @@
 //! explicit baselines consist of such increments.
 //!
 //! Input: the derivatives of L, the noises and the force. Output: expressions in t, q, p, h and ΔW.
-//! If the mass matrix is diagonal the velocity is a formula in them, `v = (p − ∂L/∂v(q, 0))/M`;
-//! otherwise it is a symbol, for which the code solves. The expressions are made last, so that they
-//! change the order of terms in no step.
+//! If the mass matrix is diagonal, the velocity is the formula `v = (p − ∂L/∂v(q, 0))/M`; otherwise
+//! it is a symbol, and the code solves a linear system for it. The expressions are created last, so
+//! they change the order of terms in no step.
 
 use std::collections::HashMap;
 
@@ -23,7 +23,7 @@ const MAX_COORDINATES: usize = 32;
 pub(crate) struct Euler {
     /// The symbols of the model, with the step size and the increments of the noises.
     pub(crate) symbols: Symbols,
-    /// What the velocity is solved from, unless it is a formula.
+    /// The linear system for the velocity, unless the velocity is a formula.
     pub(crate) solved: Option<Solved>,
     /// The increment of q.
     pub(crate) dq: Vec<Expr>,
@@ -43,8 +43,8 @@ pub(crate) struct Solved {
     pub(crate) rhs: Vec<Expr>,
 }
 
-/// Returns the increment of a system whose L determines every velocity, unless its velocity has to
-/// be searched for, its motion is not that of the first-order form in a vector space, or it is too
+/// Returns the increment of a system whose L determines every velocity. `None` if the velocity must
+/// be found by iteration, if the first-order form is not in a vector space, or if the system is too
 /// large.
 pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Euler> {
     let is_plain = mechanics.affine_momentum
@@ -80,7 +80,7 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
         for i in 0..n {
             v[i] = arena.div(rhs[i], mass[i][i]);
             if depends(mass[i][i], arena) {
-                // the force takes the velocity, and not a formula that divides once more
+                // the force refers to the velocity, not to a formula that divides once more
                 v[i] = arena.opaque(v[i]);
             }
         }
@@ -123,8 +123,8 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     })
 }
 
-/// The terms of an entry of the Itô correction: signed products of two derivatives of a noise, for
-/// two coordinates.
+/// The terms of an entry of the Itô correction: for two coordinates, signed products of two
+/// derivatives of a noise.
 type Terms<'a> = &'a dyn Fn(&NoiseJet, usize, usize) -> [(f64, Expr, Expr); 2];
 
 /// Returns `½ h Σ (Dg_a) g_a`, unless it vanishes.
@@ -135,7 +135,7 @@ fn correction(noises: &[NoiseJet], h: Expr, n: usize, arena: &mut Arena) -> Opti
             for noise in noises {
                 for j in 0..n {
                     for (sign, a, b) in entry(noise, i, j) {
-                        // most noises depend on few coordinates
+                        // most noises depend on few coordinates, so most products vanish
                         if [a, b].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
                             terms.push((0.5 * sign, arena.mul(a, b)));
                         }

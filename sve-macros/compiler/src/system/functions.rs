@@ -1,7 +1,7 @@
 //! The functions of a system that no step needs, in the forms in which they are computed.
 //!
-//! Input: the model with its derivatives. Output: what `impl System` prints, made in the arena of
-//! the derivatives.
+//! Input: the model with its derivatives. Output: the expressions that `impl System` prints. They
+//! are created in the arena of the derivatives.
 
 use super::classify::Classified;
 use super::energy::{self, Energy};
@@ -9,20 +9,20 @@ use super::euler::{self, Euler};
 use super::mechanics::Mechanics;
 use crate::algebra::{Arena, Expr, Purpose};
 
-/// What `impl System` computes.
+/// The expressions that `impl System` computes.
 pub(crate) struct Functions {
     /// The derivatives, in stable forms.
     pub(crate) mechanics: Mechanics,
     /// The second time derivative of each constraint in motion without acceleration,
     /// `∂²φ/∂t² + 2 ⟨∂²φ/∂t∂q, v⟩ + ⟨v, ∂²φ/∂q² v⟩`.
     pub(crate) constraint_curvatures: Vec<Expr>,
-    /// Energies of many states at once.
+    /// The energies of many states at once.
     pub(crate) energy: Option<Energy>,
-    /// Increments of the first-order form.
+    /// The increments of the first-order form.
     pub(crate) euler: Option<Euler>,
 }
 
-/// Makes the functions. `has_lanes` says whether there are functions of many states at once.
+/// Derives the functions. `has_lanes` says whether functions of many states at once are wanted.
 pub(crate) fn functions(system: &Classified, has_lanes: bool, arena: &mut Arena) -> Functions {
     let model = &system.model;
     let twice = model.constraints.iter().map(|constraint| {

@@ -1,29 +1,29 @@
 //! Solves with the mass matrix M = ∂²L/∂v² in the algebra, M w = b.
 //!
-//! The matrix `ϑ_yᵀ` of a degenerate Lagrangian, which need not be symmetric, is solved with in the
-//! same way. Coordinates that M couples form a block; each block is solved alone. A block of up to
-//! three coordinates is solved by Cramer's rule, whose only denominator is the block's determinant.
-//! A larger block is eliminated, if its entries do not depend on the configuration. Otherwise it is
-//! refused: the derivatives of the elimination enter each iteration, and for four coupled
+//! The same algorithm solves with the matrix `ϑ_yᵀ` of a degenerate Lagrangian, which need not be
+//! symmetric. Coordinates that M couples form a block; each block is solved alone. A block of up to
+//! three coordinates is solved by Cramer's rule, whose only denominator is the determinant of the
+//! block. A larger block is eliminated if its entries do not depend on the configuration. Otherwise
+//! it is refused: the derivatives of the elimination enter each iteration, and for four coupled
 //! coordinates the straight-line code is so long that rustc overflows its stack when it writes
 //! debug information.
 
 use crate::algebra::{Arena, Expr, Symbol};
 
-/// Coordinates in a block that Cramer's rule solves.
+/// Largest number of coordinates in a block that Cramer's rule solves.
 const CRAMER: usize = 3;
 
-/// Why M w = b has no solution as a formula.
+/// The reason why M w = b has no solution as a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum NoFormula {
-    /// So many coordinates are coupled, with entries that depend on the configuration.
+    /// This many coordinates are coupled, with entries that depend on the configuration.
     TooManyCoupled(usize),
-    /// The elimination of a block of so many coordinates finds no pivot on the diagonal.
+    /// The elimination of a block of this many coordinates finds no pivot on the diagonal.
     NoPivot(usize),
 }
 
-/// Returns w = M⁻¹ b, each entry an intermediate result. `moving` are the symbols on which the
-/// entries of large blocks must not depend.
+/// Returns w = M⁻¹ b, each entry an intermediate result. The entries of large blocks must not
+/// depend on the symbols `moving`.
 pub(crate) fn solve(
     mass: &[Vec<Expr>],
     b: &[Expr],
@@ -83,7 +83,8 @@ fn blocks(mass: &[Vec<Expr>], arena: &Arena) -> Vec<Vec<usize>> {
         .collect()
 }
 
-/// Cramer's rule: the solution is the adjugate matrix times b, divided by the determinant.
+/// Solves by Cramer's rule: the solution is the adjugate matrix times b, divided by the
+/// determinant.
 fn cramer(matrix: &[Vec<Expr>], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     let n = b.len();
     let all: Vec<usize> = (0..n).collect();
@@ -119,7 +120,7 @@ fn determinant(matrix: &[Vec<Expr>], rows: &[usize], columns: &[usize], arena: &
     arena.sum(0.0, &terms)
 }
 
-/// Gaussian elimination, with pivots on the diagonal that do not vanish identically.
+/// Solves by Gaussian elimination with pivots on the diagonal that do not vanish identically.
 fn eliminated(
     mut matrix: Vec<Vec<Expr>>,
     mut b: Vec<Expr>,

@@ -1,4 +1,5 @@
-//! Model → the derivatives of L, the noises and the force. The runtime needs them beside the steps.
+//! Model → the derivatives of L, the noises and the force, which the runtime needs beside the
+//! steps.
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::{Constraint, Model, NoiseTerm};
@@ -39,7 +40,7 @@ pub(crate) struct ForceJet {
 #[derive(Clone)]
 pub(crate) struct ConstraintJet {
     pub(crate) value: Expr,
-    /// What rounding errors of φ are relative to.
+    /// The magnitude to which rounding errors of φ are relative.
     pub(crate) magnitude: Expr,
     pub(crate) dt: Expr,
     pub(crate) dq: Vec<Expr>,
@@ -111,7 +112,7 @@ pub(crate) struct Mechanics {
     pub(crate) affine_momentum: bool,
     /// True if L = T(v) − V(t, q).
     pub(crate) is_separable: bool,
-    /// True if the noises are additive: γ's that are linear in q, with constant masses. They may
+    /// True if the noises are additive: γ's that are linear in q, with constant masses. The γ's may
     /// depend on time.
     pub(crate) is_additive: bool,
 }
@@ -186,7 +187,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
 }
 
 impl Mechanics {
-    /// Returns the derivatives with those of one more noise Hamiltonian.
+    /// Returns the derivatives with one more noise Hamiltonian.
     pub(crate) fn with_noise(&self, noise: NoiseJet) -> Self {
         let mut mechanics = self.clone();
         mechanics.noises.push(noise);

@@ -1,9 +1,10 @@
-//! Whether the Lagrangian determines every velocity: `det ∂²L/∂v²` must not vanish identically.
+//! The test whether the Lagrangian determines every velocity: `det ∂²L/∂v²` must not vanish
+//! identically.
 //!
-//! Input: the model with its derivatives. Output: nothing, or the velocities in question. The rank
-//! is found by elimination at random points; one point of full rank is enough. Plain `f64` finds
-//! most regular matrices; only a matrix that it takes for singular is eliminated again in 106 bits,
-//! with bounds of the errors.
+//! Input: the model with its derivatives. Output: the undetermined velocities as an error, if there
+//! are any. The rank is found by elimination at random points; one point of full rank is enough.
+//! Plain `f64` recognises most regular matrices; a matrix that it takes for singular is eliminated
+//! again in 106 bits, with bounds of the errors.
 
 use syn::{Pat, Type};
 
@@ -16,7 +17,7 @@ use crate::system::mechanics::Mechanics;
 /// errors are about 1e-15.
 const SMALLEST_PIVOT: f64 = 1e-11;
 
-/// Components of a null vector below this size count as rounding errors of the elimination.
+/// Size below which a component of a null vector counts as a rounding error of the elimination.
 const SMALLEST_COMPONENT: f64 = 1e-6;
 
 /// Checks that the mass matrix ∂²L/∂v² is regular.
@@ -45,7 +46,7 @@ pub(super) fn check(
     undetermined.sort_unstable();
     undetermined.dedup();
     if undetermined.is_empty() {
-        // L is not defined at any of the points; the step reports the domain
+        // if L is defined at none of the points, the step reports the domain
         return Ok(());
     }
     Err(Undetermined {
@@ -58,12 +59,14 @@ pub(super) fn check(
 pub(super) struct Undetermined {
     /// The coordinates in null vectors of ∂²L/∂v², ascending; at least one.
     pub(super) velocities: Vec<usize>,
-    /// True if ∂²L/∂v² is singular, and not just too near to a singular matrix to tell.
+    /// True if ∂²L/∂v² is certainly singular. False if it is only too near to a singular matrix to
+    /// decide.
     pub(super) is_certain: bool,
 }
 
 impl Undetermined {
-    /// Returns the error, with a remedy beside that of giving each velocity a kinetic term.
+    /// Returns the error. The message names a remedy in addition to giving each velocity a kinetic
+    /// term.
     pub(super) fn error(&self, block: &Annotated, n: usize, remedy: &str) -> syn::Error {
         let reason = if self.is_certain {
             "since ∂²L/∂v² is singular everywhere"
@@ -146,8 +149,8 @@ fn largest_from(row: &[f64], first: usize) -> usize {
 pub(super) fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
     let n = matrix.len();
     scale_rows(&mut matrix);
-    // the column of each row's largest entry right of the eliminated columns; most rows of a large
-    // matrix do not change in a step
+    // the column of the largest entry of each row right of the eliminated columns; most rows of a
+    // large matrix do not change in one step of the elimination
     let mut largest: Vec<usize> = matrix.iter().map(|row| largest_from(row, 0)).collect();
     for rank in 0..n {
         let size = |i: usize| matrix[i][largest[i]].abs();
@@ -183,12 +186,12 @@ pub(super) fn is_regular(mut matrix: Vec<Vec<f64>>) -> bool {
 pub(super) struct Nullity {
     /// Columns that occur in a null vector; empty if the matrix is regular.
     pub(super) columns: Vec<usize>,
-    /// True if all entries that remain are zero. Otherwise they are as small as the uncertainty of
+    /// True if all remaining entries are zero. Otherwise they are as small as the uncertainty of
     /// constants.
     is_singular: bool,
 }
 
-/// Returns the columns that occur in a null vector of a matrix whose entries have error bounds.
+/// Returns the columns that occur in a null vector of a matrix. Its entries have error bounds.
 pub(super) fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
     let n = matrix.len();
     for row in &mut matrix {
@@ -239,7 +242,7 @@ pub(super) fn null_columns(mut matrix: Vec<Vec<Sharp>>) -> Nullity {
     }
 }
 
-/// Returns row and column of the largest entry that is certainly not zero, among the rows and
+/// Returns the row and column of the largest entry that is certainly nonzero, among the rows and
 /// columns that are not eliminated.
 fn pivot(matrix: &[Vec<Sharp>], rank: usize) -> Option<(usize, usize)> {
     let row = |i: usize| (rank..matrix.len()).map(move |j| (i, j));
@@ -277,8 +280,8 @@ mod tests {
         ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 
-    /// Returns a random matrix in which the fraction `filled` of the entries is not zero, plus a
-    /// cyclic permutation.
+    /// Returns a random matrix with a cyclic permutation added, in which the fraction `filled` of
+    /// the entries is nonzero.
     fn random(n: usize, filled: f64, state: &mut u64) -> Vec<Vec<f64>> {
         let mut matrix = vec![vec![0.0; n]; n];
         for i in 0..n {
@@ -315,7 +318,7 @@ mod tests {
                 let [a, b] = [n / 3, n - 1];
                 for row in &mut matrix {
                     for x in row.iter_mut() {
-                        // few bits, so that the combination is exact
+                        // with few bits, so that the combination is exact
                         *x = (*x * 1024.0).round() / 1024.0;
                     }
                     row[0] = 2.0 * row[b] - 0.5 * row[a];

@@ -1,5 +1,5 @@
-//! How large a system may be: the work that its derivatives and each of its rules may take, and the
-//! errors of systems that are larger.
+//! Limits of the size of a system: the work that its derivatives and each of its rules may take,
+//! and the errors of larger systems.
 
 use proc_macro2::Span;
 
@@ -7,28 +7,28 @@ use crate::algebra::Arena;
 use crate::model::Model;
 use crate::syntax::parse::Annotated;
 
-/// Work that the derivatives may take, and then each rule, in the units of the arena's budget; a
+/// Work granted to the derivatives, and then to each rule, in the units of the arena's budget. A
 /// unit is some 20 nanoseconds of an optimised build. A dense system of 48 coordinates takes five
-/// sixths of it.
+/// sixths of this work.
 pub(crate) const WORK: usize = 200_000_000;
 
-/// Second derivatives of L and of the noises that are written down, zeros included.
+/// Largest number of second derivatives of L and of the noises, zeros included.
 const ENTRIES: usize = 200_000;
 
-/// The work that is granted to the derivatives, and then to each rule, of a system of some size.
+/// The work granted to the derivatives, and then to each rule, of a system.
 #[derive(Clone, Copy)]
 pub(crate) struct Budget {
     pub(crate) work: usize,
     degrees_of_freedom: usize,
     noises: usize,
-    /// Where errors stand: at the name of the Lagrangian.
+    /// The place of errors: the name of the Lagrangian.
     place: Span,
 }
 
-/// The work that was granted is used up.
+/// The error of a stage that has used up its work.
 pub(crate) struct Exhausted;
 
-/// Runs a stage. Returns [`Exhausted`] if the work that was granted is used up.
+/// Runs a stage. Returns [`Exhausted`] if the granted work is used up.
 pub(crate) fn within_budget<T>(
     arena: &mut Arena,
     run: impl FnOnce(&mut Arena) -> T,
@@ -61,7 +61,7 @@ impl Budget {
         })
     }
 
-    /// Runs a stage that all rules share. Returns an error if the work that was granted is used up.
+    /// Runs a stage that all rules share. Returns an error if the granted work is used up.
     pub(crate) fn stage<T>(
         &self,
         arena: &mut Arena,
@@ -71,7 +71,7 @@ impl Budget {
             .map_err(|Exhausted| self.too_large("the derivatives that every rule needs take", ""))
     }
 
-    /// Returns the error of a system of which `what` takes too much work, with what to do
+    /// Returns the error of a system in which `what` takes too much work. The message advises
     /// `instead`.
     pub(crate) fn too_large(&self, what: &str, instead: &str) -> syn::Error {
         let message = format!(

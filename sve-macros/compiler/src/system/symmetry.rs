@@ -12,8 +12,8 @@
 //! H₁:  ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩        F:   ⟨F, ξ⟩, the work of the force
 //! ```
 //!
-//! A rotation moves by δR = R ξ̂ and its body velocity by Dξ v + v × ξ, which takes the place of Dξ
-//! v; likewise for ∂H₁/∂p.
+//! A rotation moves by δR = R ξ̂ and its body velocity by Dξ v + v × ξ, which replaces Dξ v. The
+//! same holds for ∂H₁/∂p.
 
 use proc_macro2::Ident;
 use quote::format_ident;
@@ -93,8 +93,8 @@ pub(crate) fn check(
     errors.finish(maps)
 }
 
-/// Returns whether the nodes of all rules keep the momentum of a generator, if it is affine. A
-/// regular Lagrangian lets every node keep it.
+/// Returns whether the nodes of all rules conserve the momentum of an affine generator. If the
+/// Lagrangian is regular, every node conserves it.
 fn is_kept(
     generator: &Generator,
     block: &Annotated,
@@ -134,9 +134,9 @@ fn broken(
 
 /// A quantity that must not change along a generator.
 enum Changed {
-    /// A function of the block, as it is called in a message.
+    /// A function of the block, under its name in messages.
     Function(String),
-    /// The work of the forces of these names.
+    /// The work of the forces with these names.
     Work(String),
 }
 
@@ -260,8 +260,8 @@ fn dot(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Expr {
     arena.sum(0.0, &terms)
 }
 
-/// Returns the change of a velocity `direction` along a generator, `Dξ · direction`; that of a
-/// rotation has the commutator `direction × ξ` too.
+/// Returns the change of a velocity `direction` along a generator, `Dξ · direction`. For a rotation
+/// the commutator `direction × ξ` is added.
 fn carried(xi: &[Expr], direction: &[Expr], model: &Model, arena: &mut Arena) -> Vec<Expr> {
     let mut change: Vec<Expr> = xi
         .iter()
@@ -291,11 +291,12 @@ fn is_affine_in_coordinates(field: &[Expr], model: &Model, arena: &mut Arena) ->
     is_affine
 }
 
-/// Returns whether a generator turns a rotation by `ξ = Rᵀa + c` with constant vectors: by a
-/// rotation of space and one of the body. Steps are symmetric under both.
+/// Returns whether a generator turns a rotation by `ξ = Rᵀa + c` with constant vectors, that is, by
+/// a rotation of space and one of the body. Steps are symmetric under both.
 ///
-/// The derivative of Rᵀa in the direction e is − e × Rᵀa. With η in place of Rᵀa this gives η, and
-/// it must hold for ξ and for η.
+/// The derivative of Rᵀa in the direction e is − e × Rᵀa. The code computes η, which equals Rᵀa for
+/// such a generator, from the derivatives of ξ, and requires that both ξ and η have this
+/// derivative.
 fn turns_uniformly(field: &[Expr], block: &Block, model: &Model, arena: &mut Arena) -> bool {
     let zero = arena.constant(0.0);
     let derivatives = |field: &[Expr], arena: &mut Arena| -> Vec<Vec<Expr>> {

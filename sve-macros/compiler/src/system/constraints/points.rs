@@ -4,31 +4,32 @@ use crate::algebra::{Arena, Expr, Symbol, random_coordinate};
 use crate::model::Model;
 use crate::system::mechanics::Mechanics;
 
-/// Points that are sought.
+/// Number of points that are sought.
 const POINTS: usize = 6;
 
-/// Random starts.
+/// Largest number of random starts.
 const ATTEMPTS: u64 = 60;
 
-/// Gauss–Newton steps from a start.
+/// Largest number of Gauss–Newton steps from a start.
 const ITERATIONS: usize = 60;
 
 /// Largest φ, relative to its terms, at a point.
 const ON_CONSTRAINTS: f64 = 1e-13;
 
-/// Pivots below this part of their diagonal entry are those of dependent gradients.
+/// Pivot, relative to its diagonal entry, below which gradients count as dependent.
 const DEPENDENT: f64 = 1e-9;
 
 /// A point on the constraints.
 pub(super) struct Point {
     attempt: u64,
-    /// The values of time, positions, velocities and momenta that are not those of the attempt.
+    /// The values of time, positions, velocities and momenta that differ from the values of the
+    /// attempt.
     moved: Vec<(Symbol, f64)>,
-    /// For each constraint, its pivot in the elimination of `∂φ/∂q M⁻¹ ∂φ/∂qᵀ` in the order of the
-    /// source, relative to the diagonal entry.
+    /// For each constraint its pivot, relative to the diagonal entry, in the elimination of
+    /// `∂φ/∂q M⁻¹ ∂φ/∂qᵀ` in the order of the source.
     pivots: Vec<f64>,
-    /// For each constraint, the size of its gradient relative to that at the random start, where it
-    /// does not hold.
+    /// For each constraint the size of its gradient, relative to the size at the random start,
+    /// where the constraint does not hold.
     gradients: Vec<f64>,
 }
 
@@ -130,7 +131,7 @@ impl Seek<'_> {
         Some(point)
     }
 
-    /// Gives a point a velocity along the constraints, its momentum, and the pivots of its
+    /// Computes for a point a velocity along the constraints, its momentum, and the pivots of its
     /// gradients.
     fn move_along(&self, point: &mut Point, rows: &[&[f64]], rates: &[f64]) -> Option<()> {
         let (model, mechanics) = (self.model, self.mechanics);
@@ -177,14 +178,14 @@ fn gram(a: &[&[f64]], b: &[&[f64]]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Returns the pivots of an elimination without exchanges, relative to the diagonal entries. After
-/// a pivot that is too small its row is left out.
+/// Returns the pivots of an elimination without exchanges, relative to the diagonal entries. A row
+/// whose pivot is too small is skipped.
 fn pivots(matrix: Vec<Vec<f64>>) -> Vec<f64> {
     eliminated(matrix, None).0
 }
 
-/// Solves a positive definite system; unknowns whose pivots are too small are zero. `None` where a
-/// number is not finite.
+/// Solves a positive definite system. Unknowns whose pivots are too small become zero. Returns
+/// `None` if a number is not finite.
 fn solve(matrix: Vec<Vec<f64>>, b: Vec<f64>) -> Option<Vec<f64>> {
     let solution = eliminated(matrix, Some(b)).1;
     solution.iter().all(|x| x.is_finite()).then_some(solution)

@@ -1,10 +1,10 @@
-//! Noises with the momentum along the constraints in the place of p, `#[h1(tangent)]`:
+//! Noises of the option `#[h1(tangent)]`, in which the momentum along the constraints replaces p:
 //!
 //! ```text
 //! Πp = p − Dφᵀ (Dφ M⁻¹ Dφᵀ)⁻¹ (Dφ M⁻¹ (p − a) + ∂φ/∂t)        ∂L/∂v = M v + a
 //! ```
 //!
-//! The motion is that of the noise restricted to the constraints, where Πp = p.
+//! The motion is the motion of the noise restricted to the constraints, where Πp = p.
 
 use std::collections::HashMap;
 
@@ -16,8 +16,8 @@ use crate::syntax::roles::Role;
 use crate::system::inverse_mass::{self, NoFormula};
 use crate::system::mechanics::Mechanics;
 
-/// Returns the noises with the momentum along the constraints in the place of p in those that ask
-/// for it; nothing if none does.
+/// Returns the noises. In noises with the option, the momentum along the constraints replaces p.
+/// Returns `None` if no noise has the option.
 pub(crate) fn tangent_noises(
     block: &Annotated,
     model: &Model,
@@ -56,7 +56,7 @@ pub(crate) fn tangent_noises(
     errors.finish(Some(noises))
 }
 
-/// What stands for each momentum.
+/// Returns the expression that replaces each momentum.
 fn projected(
     model: &Model,
     mechanics: &Mechanics,

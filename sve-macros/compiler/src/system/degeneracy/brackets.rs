@@ -1,4 +1,4 @@
-//! Whether the noises of a degenerate system commute, with the bracket of its two-form,
+//! The test whether the noises of a degenerate system commute, with the bracket of its two-form,
 //! `{G_a, G_b} = ∇G_aᵀ ω⁻¹ ∇G_b`.
 //!
 //! A γ moves massless coordinates, so γ's need not commute. On the extended phase space of a
@@ -60,7 +60,7 @@ pub(crate) fn commutation(
     }
     match evidence {
         Some(found) => Commutation::All(found),
-        // defined at no point: nothing is known, and the lower order is claimed
+        // if the brackets are defined at no point, the lower order is claimed
         None => {
             let [a, b] = [0, 1].map(|at| model.noises[at].name.clone());
             Commutation::NonCommuting(a, b)

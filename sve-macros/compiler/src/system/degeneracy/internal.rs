@@ -1,16 +1,16 @@
 //! The internal form of a one-form: half of the velocities do not occur, up to a quadratic gauge.
 //!
-//! Input: α. Output: coordinates y, as many as others x, and a function ϑ with α = (ϑ(x, y), 0) +
-//! ∇f, f quadratic. In (x, ϑ) the two-form is the canonical one, so y can be a variable of the node
-//! (degenerate variational integrators: Ellison et al., 2018). A gauge f changes neither the
-//! equations of motion nor, since it is quadratic, the step.
+//! Input: α. Output: a splitting of the coordinates into equally many x and y, and a function ϑ
+//! with α = (ϑ(x, y), 0) + ∇f, f quadratic. In (x, ϑ) the two-form is canonical, so y can be a
+//! variable of the node (degenerate variational integrators: Ellison et al., 2018). A gauge f does
+//! not change the equations of motion; since it is quadratic, it does not change the step either.
 
 use super::{is_constant, is_regular};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::Model;
 use crate::system::inverse_mass;
 
-/// Sets of coordinates that are tried for y.
+/// Largest number of sets of coordinates that are tried for y.
 const TRIED: usize = 500;
 
 /// The form in which half of the velocities do not occur.
@@ -24,12 +24,12 @@ pub(crate) struct Internal {
     pub(crate) theta: Vec<Expr>,
     /// True if ϑ is affine in q.
     pub(crate) is_affine: bool,
-    /// For each noise the vector w with `ϑ_yᵀ w = ∂G/∂y`, by which it moves x. `None` if it has no
-    /// formula.
+    /// For each noise the vector w with `ϑ_yᵀ w = ∂G/∂y`, by which the noise moves x. `None` if w
+    /// has no formula.
     pub(crate) shifts: Option<Vec<Vec<Expr>>>,
 }
 
-/// Looks for the form among these coordinates.
+/// Finds the internal form among these coordinates.
 pub(super) fn find(
     alpha: &[Expr],
     paired: &[usize],
@@ -47,7 +47,7 @@ pub(super) fn find(
             candidates.push(i);
         }
     }
-    // those without velocity first, then the last
+    // coordinates without velocity come first, and otherwise the later ones
     let has_velocity = |i: &usize| arena.constant_value(alpha[*i]) != Some(0.0);
     candidates.sort_by_key(|i| (has_velocity(i), std::cmp::Reverse(*i)));
     let mut chosen: Vec<usize> = (0..half).collect();
@@ -65,7 +65,7 @@ pub(super) fn find(
     None
 }
 
-/// Returns the next set of indices below `of`, in the order of their words.
+/// Returns the next set of indices below `of`, in lexicographic order.
 fn next(mut chosen: Vec<usize>, of: usize) -> Option<Vec<usize>> {
     let k = chosen.len();
     let at = (0..k).rev().find(|&at| chosen[at] + (k - at) < of)?;
@@ -76,7 +76,7 @@ fn next(mut chosen: Vec<usize>, of: usize) -> Option<Vec<usize>> {
     Some(chosen)
 }
 
-/// Returns the form with these coordinates without velocities, if there is one.
+/// Returns the form in which these coordinates have no velocities, if it exists.
 fn with_inner(
     inner: Vec<usize>,
     alpha: &[Expr],
@@ -110,7 +110,7 @@ fn with_inner(
         }
         theta.push(arena.sum(0.0, &terms));
     }
-    // ϑ_yᵀ, rows by y
+    // ϑ_yᵀ; y counts the rows
     let mut by_inner = Vec::new();
     for &j in &inner {
         by_inner.push(gradient(&theta, q(j), arena));
@@ -139,7 +139,7 @@ fn gradient(of: &[Expr], symbol: Symbol, arena: &mut Arena) -> Vec<Expr> {
     of.iter().map(|&e| arena.diff(e, symbol)).collect()
 }
 
-/// For each noise the solution of `ϑ_yᵀ w = ∂G/∂y`.
+/// Returns, for each noise, the solution of `ϑ_yᵀ w = ∂G/∂y`.
 fn shifts(
     by_inner: &[Vec<Expr>],
     inner: &[usize],

@@ -1,17 +1,17 @@
-//! What ∂L/∂v determines, where it does not determine every velocity.
+//! Classification of Lagrangians whose momenta ∂L/∂v do not determine every velocity.
 //!
-//! Input: the model with its derivatives. Output: nothing for a regular L; for a degenerate one the
-//! role of each coordinate and the one-form α of those whose velocities are linear in L; or an
-//! error that says why L does not determine the motion.
+//! Input: the model with its derivatives. Output: `None` for a regular L; for a degenerate one the
+//! role of each coordinate, and the one-form α of the coordinates whose velocities are linear in L;
+//! or an error that says why L does not determine the motion.
 //!
 //! ```text
 //! L = L₀(t, q, v_massive) + ⟨α(q), v_massless⟩        ω = Dαᵀ − Dα,  ω_ij = ∂_iα_j − ∂_jα_i
 //! ```
 //!
-//! A massless coordinate is part of a pair where ω is regular; its momentum is a function of the
-//! configuration, p = α(q). A coordinate whose velocity is absent and on which α does not depend is
-//! algebraic: it follows from 0 = ∂L/∂q. Vanishing of derivatives and regularity of matrices are
-//! tested as everywhere else, by the algebra and at random points.
+//! A massless coordinate is part of a pair on which ω is regular; its momentum is a function of the
+//! configuration, p = α(q). A coordinate is algebraic if its velocity is absent and α does not
+//! depend on it; it follows from 0 = ∂L/∂q. As elsewhere, the algebra and evaluations at random
+//! points decide whether derivatives vanish and matrices are regular.
 
 pub(crate) mod brackets;
 mod internal;
@@ -27,28 +27,29 @@ use crate::system::regular;
 pub(crate) use internal::Internal;
 use refused::Refused;
 
-/// How a coordinate's velocity occurs in L.
+/// The way in which the velocity of a coordinate occurs in L.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// The momentum determines the velocity.
+    /// Quadratically or in another way in which the momentum determines the velocity.
     Massive,
-    /// Linearly: the momentum is a function of the configuration, and the coordinate one of those
-    /// on which ω is regular.
+    /// Linearly. The momentum is a function of the configuration, and ω is regular on the massless
+    /// coordinates.
     Massless,
-    /// Not at all: the coordinate follows from the others by 0 = ∂L/∂q.
+    /// Not at all. The coordinate follows from the others by 0 = ∂L/∂q.
     Algebraic,
 }
 
-/// A degenerate Lagrangian, taken apart.
+/// The parts of a degenerate Lagrangian.
 #[derive(Clone)]
 pub(crate) struct Degeneracy {
     /// The role of each coordinate.
     pub(crate) roles: Vec<Role>,
-    /// L₀: the Lagrangian with the velocities of all coordinates at rest that are not massive.
+    /// L₀: the Lagrangian in which the velocities of massless and algebraic coordinates are zero.
     pub(crate) rest: Expr,
-    /// The one-form: for each massless coordinate its momentum, a function of q; 0 for the others.
+    /// The one-form α: the momentum of each massless coordinate as a function of q, and 0 for the
+    /// other coordinates.
     pub(crate) alpha: Vec<Expr>,
-    /// `∂_iα_j`, rows by i.
+    /// `∂_iα_j`; i counts the rows.
     pub(crate) slopes: Vec<Vec<Expr>>,
     /// ω, `ω_ij = ∂_iα_j − ∂_jα_i`, on all coordinates.
     pub(crate) two_form: Vec<Vec<Expr>>,
@@ -61,11 +62,11 @@ pub(crate) struct Degeneracy {
     pub(crate) internal: Option<Internal>,
 }
 
-/// What a midpoint step of a degenerate system is.
+/// The form of a step of a degenerate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// All degenerate coordinates are algebraic: the step of the Lagrangian that is left when they
-    /// are eliminated.
+    /// All degenerate coordinates are algebraic. The step is a step of the Lagrangian from which
+    /// they are eliminated.
     Eliminated,
     /// α is affine: the discrete Euler–Lagrange equations keep p = α(q).
     Plain,
@@ -102,8 +103,8 @@ impl Degeneracy {
         }
     }
 
-    /// Returns whether the step keeps the momentum of an affine symmetry to rounding: the action of
-    /// the step has to have the symmetry.
+    /// Returns whether the step conserves the momentum of an affine symmetry to rounding. The
+    /// action of the step must have the symmetry.
     pub(crate) fn keeps_momentum(
         &self,
         generator: &[Expr],
@@ -111,7 +112,7 @@ impl Degeneracy {
         model: &Model,
         arena: &Arena,
     ) -> bool {
-        // the node of an inner coordinate moves apart from those of the others
+        // the node of an inner coordinate moves independently of the nodes of the other coordinates
         let is_free = |i: usize, inner: &[usize]| {
             let mut inner = inner.iter();
             inner.all(|&j| !arena.contains(generator[i], model.q[j]))
@@ -129,7 +130,8 @@ impl Degeneracy {
                 let (massive, inner) = (self.of(Role::Massive), self.of(Role::Algebraic));
                 massive.into_iter().all(|i| is_free(i, &inner))
             }
-            // a translation moves the node and both ends by the same, whatever the multiplier is
+            // a translation moves the node and both ends by the same amount, whatever the
+            // multiplier
             _ => {
                 let all: Vec<usize> = (0..generator.len()).collect();
                 all.iter().all(|&i| is_free(i, &all))
@@ -148,7 +150,7 @@ pub(crate) fn classify(
     let Err(undetermined) = regular::check(model, mechanics, arena) else {
         return Ok(None);
     };
-    // the velocities of a rotation have kinetic energy, all of them
+    // all velocities of a rotation have kinetic energy
     if !undetermined.is_certain || model.configuration().has_rotations() {
         return Err(undetermined.error(block, model.dof(), ""));
     }
@@ -247,7 +249,8 @@ fn taken_apart(
     })
 }
 
-/// Checks that the algebraic coordinates follow from the others, without their velocities.
+/// Checks that the equations 0 = ∂L/∂q determine the algebraic coordinates and contain no
+/// velocities.
 fn check_algebraic(
     algebraic: &[usize],
     massive: &[usize],
@@ -286,7 +289,7 @@ fn check_algebraic(
 }
 
 /// Returns the algebraic coordinates in which L is linear, with a factor that depends on massive
-/// coordinates. `hessian` is that of L by the algebraic coordinates.
+/// coordinates. `hessian` is the Hessian of L in the algebraic coordinates.
 fn multipliers(
     algebraic: &[usize],
     massive: &[usize],
@@ -326,7 +329,7 @@ fn part(matrix: &[Vec<Expr>], of: &[usize]) -> Vec<Vec<Expr>> {
     of.iter().map(row).collect()
 }
 
-/// Returns whether an expression does not change with the configuration.
+/// Returns whether an expression is independent of the configuration.
 fn is_constant(e: Expr, model: &Model, arena: &mut Arena) -> bool {
     model.q.iter().all(|&q| {
         !arena.contains(e, q) || {
@@ -336,8 +339,8 @@ fn is_constant(e: Expr, model: &Model, arena: &mut Arena) -> bool {
     })
 }
 
-/// Returns whether the matrix of some rows and columns is regular at some random point, or nowhere
-/// defined.
+/// Returns whether the matrix of some rows and columns is regular at some random point, or defined
+/// nowhere.
 fn is_regular(matrix: &[Vec<Expr>], of: &[usize], arena: &Arena) -> bool {
     null_columns(&part(matrix, of), arena).is_none()
 }

@@ -1,20 +1,21 @@
-//! Why a degenerate Lagrangian is refused, and what to write instead.
+//! Degenerate Lagrangians that are refused, with the reasons and the advice of the messages.
 
 use crate::syntax::parse::Annotated;
 use crate::system::regular::{self, Undetermined, kinetic_term, names};
 
-/// Why a Lagrangian does not determine the motion, or not in a form for which steps are derived.
+/// The reason why a Lagrangian is refused: it does not determine the motion, or not in a form for
+/// which steps are derived.
 pub(super) enum Refused {
-    /// These velocities, which nothing determines.
+    /// Nothing determines these velocities.
     Undetermined(Vec<usize>),
     /// ∂²L/∂v² is singular, and the null directions are not coordinates.
     NoSplit,
     /// The momentum of this coordinate depends on time.
     TimeDependent(usize),
-    /// ω is singular everywhere; its null vectors have these coordinates.
+    /// ω is singular everywhere. Its null vectors contain these coordinates.
     SingularForm(Vec<usize>),
-    /// L is linear in these algebraic coordinates: their equations are constraints on others, 0 =
-    /// φ(q).
+    /// L is linear in these algebraic coordinates, so their equations are constraints on other
+    /// coordinates, 0 = φ(q).
     Multipliers(Vec<usize>),
     /// ∂L/∂q of this algebraic coordinate depends on velocities.
     WithVelocity(usize),
@@ -23,7 +24,7 @@ pub(super) enum Refused {
 }
 
 impl Refused {
-    /// Returns the error at the Lagrangian, or at the noise.
+    /// Returns the error. It stands at the Lagrangian or at the noise.
     pub(super) fn error(
         &self,
         block: &Annotated,
