@@ -1,9 +1,9 @@
-//! Rule → discrete action: what all rules share.
+//! Rule → discrete action: the parts that all rules share.
 //!
 //! Input: the model. Output: `S_d` as an expression in the start `q₀`, the displacement
 //! `d = q₁ − q₀`, the internal variables of the rule, the step size and the Wiener increments
-//! (`docs/mathematics.md`, section 2). The displacement is the variable, not q₁, so that a small
-//! step does not cancel: `∂S_d/∂q₁ = ∂S/∂d` and `∂S_d/∂q₀ = ∂S/∂q₀ − ∂S/∂d`.
+//! (`docs/mathematics.md`, section 2). The displacement is the variable instead of q₁, so that a
+//! small step does not cancel: `∂S_d/∂q₁ = ∂S/∂d` and `∂S_d/∂q₀ = ∂S/∂q₀ − ∂S/∂d`.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -21,8 +21,8 @@ use crate::system::degeneracy::Degeneracy;
 /// A discrete action with its variables.
 pub(crate) struct Action {
     pub(crate) value: Expr,
-    /// The action as it is differentiated: a function of the entries of rotations at the nodes too,
-    /// for which `value` has their values.
+    /// The action in the form that is differentiated. It also depends on the entries of rotations
+    /// at the nodes, for which `value` has their values.
     pub(crate) varied: Expr,
     /// The rotations at the nodes.
     pub(crate) rotations: Vec<RotationAtNode>,
@@ -33,12 +33,12 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
-    /// What the entries of the start and the components of the displacement are.
+    /// The kinds of the entries of the start and of the components of the displacement.
     pub(crate) configuration: Configuration,
     pub(crate) ends: Ends,
     /// `½ κ` of the option `weak2`, if the action has its term.
     pub(crate) half_factor: Option<f64>,
-    /// What constraints added, if there are some.
+    /// The contributions of constraints, if there are any.
     pub(crate) enforced: Option<Enforced>,
 }
 
@@ -52,39 +52,41 @@ pub(crate) struct RotationAtNode {
     pub(crate) half: Vec<Expr>,
 }
 
-/// Virtual work of a component of the force, Lagrange–d'Alembert: `impulse · δ place` joins δS.
+/// Virtual work of a component of the force (Lagrange–d'Alembert): `impulse · δ place` is added to
+/// δS.
 pub(crate) struct Work {
     /// A component of F at a node, times its weight in time.
     pub(crate) impulse: Expr,
     pub(crate) place: Place,
 }
 
-/// What a component of the force moves.
+/// The quantity that a component of the force moves.
 #[derive(Clone, Copy)]
 pub(crate) enum Place {
     /// A coordinate of the node.
     Coordinate(Expr),
-    /// The rotation at the node turns in this direction of the configuration, about an axis of the
-    /// body.
+    /// The rotation at the node, which turns in this direction of the configuration, about an axis
+    /// of the body.
     Turn(usize),
 }
 
-/// What holds at the two ends of a step beside the momentum balance of each coordinate,
-/// `p₀ = −∂S_d/∂q₀`. Empty for regular Lagrangians.
+/// Conditions and equations at the two ends of a step beside the momentum balance of each
+/// coordinate, `p₀ = −∂S_d/∂q₀`. Empty for regular Lagrangians.
 #[derive(Default)]
 pub(crate) struct Ends {
-    /// For each coordinate whether its momentum balance is left out: the action does not contain
-    /// its displacement.
+    /// For each coordinate, true if its momentum balance is left out since the action does not
+    /// contain its displacement.
     pub(crate) unbalanced: Vec<bool>,
-    /// For each coordinate p₀ as its balance has it, if that is not the state's: a function of q₀.
+    /// For each coordinate, the p₀ in its momentum balance if this is a function of q₀ instead of
+    /// the momentum of the state.
     pub(crate) start: Vec<Option<Expr>>,
-    /// For each coordinate p₁, if it is a function of q₁.
+    /// For each coordinate, p₁ if it is a function of q₁.
     pub(crate) end: Vec<Option<Expr>>,
     /// The symbols in `closures` that stand for `∂S_d/∂q₁`.
     pub(crate) momentum: Vec<Symbol>,
-    /// Further equations.
+    /// Additional equations.
     pub(crate) closures: Vec<Closure>,
-    /// What must not be negative at the start of the step.
+    /// Expressions that must not be negative at the start of the step.
     pub(crate) conditions: Vec<Expr>,
 }
 
@@ -99,13 +101,13 @@ impl Ends {
     }
 }
 
-/// An equation at the end of the step, with the unknown that it is there for.
+/// An equation at the end of the step, and the additional unknown that it determines.
 pub(crate) struct Closure {
     pub(crate) unknown: Symbol,
     pub(crate) residual: Expr,
 }
 
-/// What a rule makes of the variables.
+/// The discrete action of a rule, with its internal variables and the work of the force.
 pub(crate) struct Discrete {
     pub(super) value: Expr,
     /// Variables in which the action is stationary.
@@ -114,7 +116,7 @@ pub(crate) struct Discrete {
     pub(super) rotations: Vec<RotationAtNode>,
 }
 
-/// The variables that every rule has.
+/// The variables that all rules share.
 pub(crate) struct Variables<'a> {
     pub(super) arena: &'a mut Arena,
     pub(super) model: &'a Model,
@@ -128,8 +130,9 @@ pub(crate) struct Variables<'a> {
     potential: Option<(f64, &'a Potential)>,
 }
 
-/// Returns the discrete action of `rule`: that of `degeneracy` if L does not determine every
-/// velocity, with the potential that the option `weak2` adds (`weak2::potential`).
+/// Returns the discrete action of `rule`. If L does not determine every velocity, the action is the
+/// one of `degeneracy`. With the option `weak2` the action contains the potential
+/// (`weak2::potential`).
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
@@ -203,14 +206,14 @@ impl Variables<'_> {
         }
     }
 
-    /// Returns an intermediate result that stands for a quantity at a node.
+    /// Returns an intermediate result for a quantity at a node.
     pub(super) fn at_node(&mut self, node: usize, quantity: NodeQuantity, value: Expr) -> Expr {
         let identity = AtNode { node, quantity }.identity();
         self.arena.intermediate(value, Some(identity))
     }
 
-    /// Returns `h L` at a node, less `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums
-    /// it over its nodes.
+    /// Returns `h L` at a node, minus `½ κ h |h| Σ_a K_a` with the option `weak2`. Every rule sums
+    /// this term over its nodes.
     pub(super) fn lagrangian(&mut self, node: &HashMap<Symbol, Expr>) -> Expr {
         let h = self.arena.symbol(self.h);
         let lagrangian = self.arena.substitute(self.model.lagrangian, node);
@@ -260,7 +263,7 @@ impl Variables<'_> {
         value
     }
 
-    /// Returns the term `p (d − h v)` of a coordinate, which makes its displacement that of the
+    /// Returns the term `p (d − h v)` of a coordinate, by which its displacement is h times its
     /// velocity.
     pub(super) fn displaced(&mut self, i: usize, v: Symbol, p: Symbol) -> (f64, Expr) {
         let [h, d, v, p] = [self.h, self.displacement[i], v, p].map(|s| self.arena.symbol(s));
@@ -281,7 +284,7 @@ impl Variables<'_> {
     }
 
     /// Returns the Stratonovich correction `Σ_a Σ_b ⟨shift by G_a, slope of G_b⟩ ΔW_a ΔW_b` at a
-    /// node. `fields` has for each noise its shift and its slope along each coordinate.
+    /// node. For each noise, `fields` has the shift and the slope along each coordinate.
     pub(super) fn stratonovich(
         &mut self,
         fields: &[Vec<[Expr; 2]>],
@@ -305,7 +308,7 @@ impl Variables<'_> {
         self.arena.sum(0.0, &terms)
     }
 
-    /// Shift and slope of a noise along each of the coordinates.
+    /// Returns the shift and the slope of a noise along each of the coordinates.
     pub(super) fn field(
         &mut self,
         noise: usize,

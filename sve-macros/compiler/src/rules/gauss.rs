@@ -6,13 +6,14 @@
 //! Q_i = q₀ + h Σ_j a_ij U_j        t_i = t₀ + c_i h
 //! ```
 //!
-//! U are the velocities of the path at the nodes, V the arguments of L; both are internal, with P
-//! and λ. Order 2S, symmetric, no Stratonovich correction, since the weighted mean of the nodes is
-//! ½. A force does the work `h b_i ⟨F(t_i, Q_i, V_i), δQ_i⟩` at each node.
+//! U are the velocities of the path at the nodes, V the arguments of L; both are internal, and so
+//! are P and λ. The order is 2S, the rule is symmetric, and there is no Stratonovich correction,
+//! since the weighted mean of the nodes is ½. A force does the work
+//! `h b_i ⟨F(t_i, Q_i, V_i), δQ_i⟩` at each node.
 //!
-//! The step is not derived by unrolling this action but from its equations for any L
-//! (`sve-runtime/src/gauss/`), with the derivatives at one node. The unrolled action stays the
-//! definition: `structure = both` derives it too, for comparison.
+//! The step is not derived from this unrolled action. It solves the equations of the rule for any L
+//! (`sve-runtime/src/gauss/`), with the derivatives at one node. The unrolled action remains the
+//! definition; `structure = both` derives its step too, for comparison.
 //!
 //! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10
 //! (2001), section 2.6; Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), sections
@@ -26,12 +27,12 @@ use super::textbook::{self, Features, Point, Textbook, sum};
 use crate::algebra::{Expr, Symbol};
 use crate::model::{Family, NodeQuantity, Unknown};
 
-/// The rule with so many stages.
+/// The rule with `stages` stages.
 pub(super) struct Gauss {
     pub(super) stages: usize,
 }
 
-/// How any stage is written.
+/// The notation of a stage.
 const STAGE: Point = Point {
     time: "tᵢ",
     position: "Qᵢ",
@@ -143,7 +144,7 @@ impl Discretisation for Gauss {
     }
 }
 
-/// What the model's variables are at node `i`.
+/// Returns the values of the model's variables at node `i`.
 fn node(
     x: &mut Variables<'_>,
     i: usize,
@@ -179,8 +180,8 @@ pub(crate) struct Quadrature {
 }
 
 impl Quadrature {
-    /// Returns the coefficients for so many nodes. The roots of the Legendre polynomial are found
-    /// by Newton's method from Chebyshev's.
+    /// Returns the coefficients for this number of nodes. Newton's method finds the roots of the
+    /// Legendre polynomial, starting near the roots of Chebyshev's polynomial.
     pub(crate) fn new(stages: usize) -> Self {
         let last = stages as f64 + 0.5;
         let roots = (0..stages).map(|i| {

@@ -1,7 +1,7 @@
-//! The discretisation rules as discrete actions, a file each, with their textbook forms. Their
-//! names, orders and what they take are in the catalogue.
+//! The discretisation rules as discrete actions, one file each, with their textbook forms. The
+//! catalogue has their names, orders and the systems that they take.
 //!
-//! A new rule is a row of the catalogue, its action here, and its type in the runtime.
+//! To add a rule, add a row to the catalogue, its action here, and its type in the runtime.
 
 pub(crate) mod action;
 pub(crate) mod constraints;
@@ -22,9 +22,10 @@ pub(crate) trait Discretisation {
     /// Returns the discrete action, with the variables in which it is stationary and the work of
     /// the force.
     fn action(&self, variables: &mut Variables<'_>) -> Discrete;
-    /// How a node of the rule is written.
+    /// Returns the notation of a node of the rule.
     fn point(&self, node: usize) -> Point;
-    /// Letters of the rule's own variables, which parameters of the same name do not get.
+    /// Returns the letters of the rule's own variables. Parameters of the same name are printed
+    /// with other letters.
     fn letters(&self) -> &'static [&'static str] {
         &[]
     }

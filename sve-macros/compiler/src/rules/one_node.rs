@@ -56,7 +56,7 @@ impl Discretisation for OneNode {
         let mut terms = vec![(1.0, x.lagrangian(&node))];
         terms.extend((0..n).map(|i| x.displaced(i, v[i], p[i])));
         terms.extend(x.noises(1.0, &node));
-        // in the middle of the step the factor is zero
+        // the factor of the correction is zero in the middle of the step
         if c != 0.5 {
             let noises = 0..x.model.noises.len();
             let fields: Vec<_> = noises.map(|a| x.field(a, 0..n)).collect();
@@ -115,8 +115,8 @@ impl OneNode {
     }
 }
 
-/// Adds the entries of a rotation at the node of the midpoint rule, half of the way along the
-/// geodesic. The other rules are not for rotations ([`applicable`](super::applicable)).
+/// Adds the entries of a rotation at the node of the midpoint rule, halfway along the geodesic. The
+/// other rules do not apply to rotations ([`applicable`](super::applicable)).
 fn rotation_at_midpoint(
     x: &mut Variables<'_>,
     block: &Block,

@@ -20,8 +20,7 @@ use crate::model::{Family, NodeQuantity, Unknown};
 
 pub(super) struct StormerVerlet;
 
-/// The node at the end of the step. The other one is the start, whose quantities are those of the
-/// state.
+/// The node at the end of the step. The other node is the start, whose quantities are the state.
 const END: usize = 0;
 
 impl Discretisation for StormerVerlet {
@@ -56,7 +55,7 @@ impl Discretisation for StormerVerlet {
     }
 }
 
-/// What the model's variables are at the start and at the end.
+/// Returns the values of the model's variables at the start and at the end.
 fn ends(x: &mut Variables<'_>, v: &[Symbol], p: &[Symbol]) -> [HashMap<Symbol, Expr>; 2] {
     let (mut start, mut end) = (HashMap::new(), HashMap::new());
     let (t, h) = (x.arena.symbol(x.model.time), x.arena.symbol(x.h));

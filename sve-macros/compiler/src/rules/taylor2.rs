@@ -5,9 +5,9 @@
 //! S_d = ½h [ L(q₀,v) + L(q₀+hv, v+ha) ] + ⟨μ, d − hv − ½h²a⟩ + ½h² ⟨ν, L_vv a + L_vq v + L_vt − L_q⟩
 //! ```
 //!
-//! `v` and `a` are defined by equations, so they join the action with the multipliers μ and ν; the
-//! second is scaled by ½h² to be of the size of a momentum. A force F joins the flow, `… − F` in
-//! the last bracket, and does half of its work at each end.
+//! `v` and `a` are defined by equations, so the action contains them with the multipliers μ and ν.
+//! The multiplier ν is scaled by ½h² to have the size of a momentum. A force F enters the flow, as
+//! `… − F` in the last bracket, and does half of its work at each end.
 
 use std::collections::HashMap;
 
@@ -19,11 +19,11 @@ use crate::model::{Family, NodeQuantity, Unknown};
 
 pub(super) struct Taylor2;
 
-/// The node at the predicted end of the step. The other one is the start, whose quantities are
-/// those of the state.
+/// The node at the predicted end of the step. The other node is the start, whose quantities are the
+/// state.
 const END: usize = 0;
 
-/// How the predicted end is written.
+/// The notation of the predicted end.
 const PREDICTED: Point = Point {
     position: "q̂",
     velocity: "v̂",
@@ -110,7 +110,7 @@ impl Discretisation for Taylor2 {
     }
 }
 
-/// Component `i` of `L_vv a + L_vq v + L_vt − L_q − F` at a node.
+/// Returns component `i` of `L_vv a + L_vq v + L_vt − L_q − F` at a node.
 fn euler_lagrange(
     x: &mut Variables<'_>,
     i: usize,

@@ -1,15 +1,14 @@
-//! Actions in their textbook form, with L, γ, H₁ and F as functions of what is written at the
-//! nodes.
+//! Actions in their textbook form, with L, γ, H₁ and F as functions of the variables at the nodes.
 
 use crate::model::NodeQuantity;
 
-/// A node as it is written, without components: `q̄`.
+/// The notation of a node, without components: `q̄`.
 #[derive(Clone, Copy)]
 pub(crate) struct Point {
     pub(crate) time: &'static str,
     pub(crate) position: &'static str,
     pub(crate) velocity: &'static str,
-    /// What these stand for, if that is not their notation.
+    /// The definitions of these symbols, if they differ from the notation.
     pub(super) time_is: Option<&'static str>,
     pub(super) others_are: &'static [&'static str],
 }
@@ -59,38 +58,38 @@ impl Point {
 pub(crate) struct Textbook {
     /// `S = …`
     pub(crate) action: String,
-    /// What the symbols in it stand for.
+    /// The meanings of its symbols.
     pub(crate) notation: Vec<String>,
     /// The virtual work of the force for a step of unit length.
     pub(crate) work: String,
 }
 
-/// What of a system shows in the textbook form of an action.
+/// The properties of a system that show in the textbook form of an action.
 pub(crate) struct Features {
     pub(crate) degrees_of_freedom: usize,
     /// True if L or a noise depends on time.
     pub(crate) is_timed: bool,
-    /// Whether the force depends on time, where there is one.
+    /// Whether the force depends on time; `None` without a force.
     pub(crate) force_is_timed: Option<bool>,
     /// ½κ of the option `weak2`, if the action has its term.
     pub(crate) potential: Option<f64>,
     /// True if each process has an increment for each stage.
     pub(crate) has_stage_noise: bool,
-    /// Numbers of γ and of H₁.
+    /// The number of γ's.
     pub(crate) gammas: usize,
     pub(crate) hamiltonians: usize,
     /// True if some noise moves q and some noise moves p.
     pub(crate) moves_both: bool,
 }
 
-/// Returns `Σ `, if there are several.
+/// Returns `Σ ` if there are several terms.
 pub(super) fn sum(count: usize) -> &'static str {
     if count > 1 { "Σ " } else { "" }
 }
 
 impl Features {
     /// Returns the action of a rule whose nodes have equal weights. `displacement` is the term that
-    /// ties the displacement to the velocities.
+    /// connects the displacement with the velocities.
     pub(super) fn textbook(&self, points: &[Point], displacement: &str) -> Textbook {
         let lagrangian = self.at(points, |t, x| {
             format!("L({t}{}, {})", x.position, x.velocity)
@@ -124,14 +123,15 @@ impl Features {
         }
     }
 
-    /// Returns a function at the nodes, `f(q̄)` or `(f(q₀) + f(q₁))`, from the time in front of its
-    /// other arguments and a node.
+    /// Returns a function at the nodes, `f(q̄)` or `(f(q₀) + f(q₁))`. The function is printed from
+    /// the leading time argument and a node.
     fn at(&self, points: &[Point], function: impl Fn(&str, &Point) -> String) -> String {
         let values = points.iter().map(|x| function(&self.time(x.time), x));
         joined(&values.collect::<Vec<_>>())
     }
 
-    /// Returns the time as the first argument of L and the noises, `t̄, `, if these depend on time.
+    /// Returns the leading time argument of L and the noises, `t̄, `; empty if they do not depend
+    /// on time.
     pub(crate) fn time(&self, t: &str) -> String {
         if self.is_timed {
             format!("{t}, ")
@@ -140,7 +140,7 @@ impl Features {
         }
     }
 
-    /// Returns `p·(x)`, or `⟨p, x⟩` of vectors.
+    /// Returns `p·(x)`, or `⟨p, x⟩` for vectors.
     pub(super) fn pairing(&self, p: &str, x: &str) -> String {
         if self.degrees_of_freedom == 1 {
             format!("{p}·({x})")
@@ -153,13 +153,13 @@ impl Features {
     /// factor `h·|h|` and the sum `K(q₀) + K(q₁)` over two nodes of equal weight.
     pub(crate) fn potential(&self, factor: &str, sum: &str, nodes: usize) -> String {
         match self.potential {
-            // κ is one over an integer
+            // 1/κ is an integer
             Some(half) => format!(" − {factor}·{sum}/{}", (nodes as f64 / half).round()),
             None => String::new(),
         }
     }
 
-    /// Returns the weight of a stage and the increment, whose product is the increment at the
+    /// Returns the weight and the increment of a stage. Their product is the increment at the
     /// stage.
     pub(crate) fn increment_at_stage(&self) -> (&'static str, &'static str) {
         if self.has_stage_noise {
@@ -189,7 +189,7 @@ impl Features {
     }
 }
 
-/// Returns a sum of terms, in brackets if there are several.
+/// Joins terms to a sum, in brackets if there are several.
 fn joined(terms: &[String]) -> String {
     match terms {
         [term] => term.clone(),

@@ -1,20 +1,20 @@
 //! The option `weak2`: a potential that removes the leading error of expectations, so that the weak
-//! order is 2 with one Gaussian increment a process.
+//! order is 2 with one Gaussian increment for each process.
 //!
-//! The noise Hamiltonians are `G_a = −γ` or `H₁`. The action of a rule with weights `bᵢ` of its
-//! nodes gets
+//! The noise Hamiltonians are `G_a = −γ` or `H₁`. The term of the option in the action of a rule
+//! with weights `bᵢ` of its nodes is
 //!
 //! ```text
 //! S_d −= ½ κ h |h| Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
 //! ```
 //!
-//! so that L becomes `L − ½ κ |h| Σ_a K_a` at each node. The variance of an increment is `|h|`, so
-//! a symmetric rule stays symmetric. A step of order 3 or above with frozen increments has κ = ⅙.
-//! The midpoint rule, and that of Störmer and Verlet, are flows of Hamiltonians that lack another
-//! `h ΔW² K_a/24` if `G_a` is a γ, which makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with
-//! `M = ∂²L/∂v²`. For an H₁, K depends on the momentum too, and takes the place of a noise
-//! Hamiltonian with the increment `½ κ h |h| bᵢ` at node i; a force is then refused, since the
-//! leading error has the double bracket with the force too. A Gauss rule with stage noise has
+//! so L becomes `L − ½ κ |h| Σ_a K_a` at each node. The variance of an increment is `|h|`, so a
+//! symmetric rule stays symmetric. A step of order 3 or above with frozen increments has κ = ⅙. The
+//! midpoint rule and the rule of Störmer and Verlet are flows of Hamiltonians that lack another
+//! `h ΔW² K_a/24` if `G_a` is a γ; this makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with
+//! `M = ∂²L/∂v²`. For an H₁, K also depends on the momentum and acts as a noise Hamiltonian with
+//! the increment `½ κ h |h| bᵢ` at node i. A force is then refused, since the leading error also
+//! contains the double bracket with the force. A Gauss rule with stage noise has
 //! `κ = 1/(4(2S − 1))`.
 //!
 //! The derivation is in `docs/mathematics.md`, section 9.
@@ -32,12 +32,12 @@ use crate::system::commutation::Commutation;
 use crate::system::inverse_mass::{self, NoFormula};
 use crate::system::mechanics::{self, Mechanics, NoiseJet};
 
-/// Why the option is refused.
+/// The reason why the option is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Obstacle {
     /// Two noises do not commute.
     NonCommuting(String, String),
-    /// A noise moves the position, and the rule is not for such noises.
+    /// A noise moves the position, and the rule does not take such noises with this option.
     MovesPosition {
         noise: String,
         is_forced: bool,
@@ -51,8 +51,8 @@ pub(crate) enum Obstacle {
     NoInverseMass(NoFormula),
 }
 
-/// Returns the reason why the option is refused, as far as it does not concern the inverse of the
-/// mass matrix.
+/// Returns the reason why the option is refused, except for a missing formula for the inverse of
+/// the mass matrix.
 fn obstacle(system: &Classified, takes_h1: bool, arena: &mut Arena) -> Option<Obstacle> {
     let (model, mechanics) = (&system.model, &system.mechanics);
     if let Commutation::NonCommuting(a, b) = &system.commutation {
@@ -95,12 +95,11 @@ fn obstacle(system: &Classified, takes_h1: bool, arena: &mut Arena) -> Option<Ob
 #[derive(Clone)]
 pub(crate) struct Potential {
     pub(crate) value: Expr,
-    /// The derivatives in q, if they are all that differ from zero.
+    /// The derivatives in q, if all other derivatives are zero.
     pub(crate) gradient: Option<Vec<Expr>>,
 }
 
-/// Returns `Σ_a K_a`; nothing if it does not depend on the state, so that it would not change a
-/// step.
+/// Returns `Σ_a K_a`; `None` if it does not depend on the state and so would not change a step.
 pub(crate) fn potential(
     system: &Classified,
     takes_h1: bool,
@@ -144,7 +143,7 @@ pub(crate) fn potential(
     }))
 }
 
-/// Returns the velocity that belongs to a momentum, `M⁻¹ (p − a)` for `∂L/∂v = M v + a`.
+/// Returns the velocity of a momentum, `M⁻¹ (p − a)` for `∂L/∂v = M v + a`.
 fn velocities(
     model: &Model,
     mechanics: &Mechanics,
@@ -187,7 +186,7 @@ impl Potential {
 }
 
 /// Returns the terms of `∂K/∂q_k = 2 ⟨∂G_q/∂q_k, w⟩ − ⟨w, ∂M/∂q_k w⟩` for a γ, with `K = ⟨G_q, w⟩`
-/// and `w = M⁻¹ G_q`. No derivative of w is in them.
+/// and `w = M⁻¹ G_q`. The formula contains no derivative of w.
 fn slope(
     at: usize,
     k: usize,
@@ -207,8 +206,8 @@ fn slope(
     terms
 }
 
-/// Returns `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v that belongs to p.
-/// For `H(q, p) = ⟨p, v⟩ − L` the derivatives are `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and
+/// Returns `K = {G, X}` with `X = {G, H} + ∂G/∂t`, in q, p and the velocity v of p. For
+/// `H(q, p) = ⟨p, v⟩ − L` the derivatives are `H_p = v`, `H_q = −L_q`, `∂v/∂p = M⁻¹` and
 /// `∂v/∂q = −M⁻¹ L_vq`, so that
 ///
 /// ```text
@@ -252,8 +251,8 @@ fn double_bracket(
     Ok((arena.sum(0.0, &terms), w))
 }
 
-/// Returns the weak order of a rule: that without noise, at most 1 with noise, and 2 with the
-/// option or where K is a constant, which needs no term.
+/// Returns the weak order of a rule: its order without noise; with noise at most 1, or 2 with the
+/// option or if K is constant and so needs no term.
 pub(crate) fn weak_order(rule: Rule, system: &Classified, arena: &mut Arena) -> u32 {
     let order = rule.order;
     if system.model.noises.is_empty() {
@@ -271,7 +270,7 @@ pub(crate) fn weak_order(rule: Rule, system: &Classified, arena: &mut Arena) -> 
 }
 
 impl Obstacle {
-    /// What to say at the option in the attribute.
+    /// Returns the message at the option in the attribute.
     pub(crate) fn message(&self, rule: Rule) -> String {
         let without = rule.without(RuleOption::Weak2).name();
         match self {

@@ -220,7 +220,8 @@ fn check_tangency(block: &Annotated, model: &Model, values: &[Values], errors: &
     }
 }
 
-/// Reports the rules with one node at an end whose correction leaves the constraints.
+/// Reports the rules with one node at an end whose correction moves the position off the
+/// constraints.
 fn check_correction(
     block: &Annotated,
     model: &Model,

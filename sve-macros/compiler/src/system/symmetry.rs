@@ -132,7 +132,7 @@ fn broken(
     }
 }
 
-/// A quantity that must not change along a generator.
+/// A quantity that must be invariant along a generator.
 enum Changed {
     /// A function of the block, under its name in messages.
     Function(String),

@@ -1,4 +1,4 @@
-//! Holonomic constraints φ(t, q) = 0: what they add to the action of any rule.
+//! Holonomic constraints φ(t, q) = 0, and the terms that they add to the action of any rule.
 //!
 //! ```text
 //! S_d + ⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩
@@ -6,14 +6,14 @@
 //!
 //! The forces of the constraints act at the two ends of the step, never at a node: with Dφᵀλ at a
 //! node the step is not symplectic on the manifold of the constraints. λ enters the momentum
-//! balance at the start, μ the momentum at the end. The further equations are
+//! balance at the start, μ the momentum at the end. The additional equations are
 //!
 //! ```text
 //! 0 = φ(t₁,q₁)      p₁ = ∂L/∂v(t₁,q₁,v₁)      0 = ∂φ/∂t + Dφ(t₁,q₁) v₁
 //! ```
 //!
-//! The first one determines λ, the others project p₁. With the rule of Störmer and Verlet this is
-//! RATTLE.
+//! The first equation determines λ, the others project p₁. With the rule of Störmer and Verlet this
+//! is RATTLE.
 //!
 //! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10
 //! (2001), section 3; Leimkuhler, Reich, *Simulating Hamiltonian Dynamics* (2004), chapter 7;
@@ -29,14 +29,14 @@ use crate::model::domain::Condition;
 use crate::model::{AtNode, END, Family, Meaning, Model, NodeQuantity, Symbols, Unknown};
 use scales::{guard, is_curved, velocity_scales};
 
-/// What constraints add to an action.
+/// The contributions of constraints to an action.
 pub(crate) struct Enforced {
     /// λ and μ, one for each constraint.
     pub(crate) start_multipliers: Vec<Symbol>,
     pub(crate) end_multipliers: Vec<Symbol>,
     /// v₁.
     pub(crate) end_velocity: Vec<Symbol>,
-    /// φ(t₁,q₁)/h, in a form that does not cancel where φ is of second degree.
+    /// φ(t₁,q₁)/h, in a form that does not cancel if φ is of second degree.
     pub(crate) end_values: Vec<Expr>,
     /// `∂φ/∂t + Dφ d/h` and φ(t₀,q₀)/h.
     pub(crate) mean_values: Vec<MeanValue>,
@@ -46,31 +46,33 @@ pub(crate) struct Enforced {
     pub(crate) start_rates: Vec<Expr>,
     /// ∂L/∂v(t₁,q₁,v₁).
     pub(crate) end_momentum: Vec<Expr>,
-    /// What φ(t₁,q₁)/h is small beside: see [`velocity_scales`](scales::velocity_scales).
+    /// The scales that φ(t₁,q₁)/h is compared with; see
+    /// [`velocity_scales`](scales::velocity_scales).
     pub(crate) scales: Vec<Expr>,
     /// `Dφ(t₀,q₀)ᵀ λ`.
     pub(crate) start_impulse: Vec<Expr>,
-    /// True if the sign of the Jacobian's determinant is that of a small step, whatever the
-    /// increments are: no noise is curved in p.
+    /// True if the Jacobian's determinant has the same sign as in a small step, whatever the
+    /// increments: no noise is curved in p.
     pub(crate) has_sign: bool,
-    /// That φ(t₀,q₀) vanishes to rounding.
+    /// The condition that φ(t₀,q₀) vanishes to rounding.
     pub(crate) at_start: Vec<Condition<Expr>>,
-    /// With noise: what is negative if the noise undoes most of the motion of the step, see
-    /// [`guard`](scales::guard).
+    /// An expression that is negative if the noise cancels most of the motion of the step; see
+    /// [`guard`](scales::guard). `None` without noise.
     pub(crate) guard: Option<Expr>,
 }
 
 /// φ(t₁,q₁)/h by the mean-value theorem.
 #[derive(Clone, Copy)]
 pub(crate) struct MeanValue {
-    /// `∂φ/∂t + Σ ∂φ/∂q_i d_i/h` at some point between the ends, which is written as the end.
+    /// `∂φ/∂t + Σ ∂φ/∂q_i d_i/h` at some point between the ends. The expression is written at the
+    /// end.
     pub(crate) rate: Expr,
-    /// φ(t₀,q₀)/h, which is rounding error.
+    /// φ(t₀,q₀)/h, which is a rounding error.
     pub(crate) start: Expr,
 }
 
 /// Largest φ at the start of a step, relative to the sum of the magnitudes of its terms. Steps
-/// leave some rounding errors.
+/// leave rounding errors in φ, which must pass.
 pub(crate) const INCONSISTENT: f64 = 1e-8;
 
 /// Adds the constraints of the model to an action.
@@ -127,7 +129,7 @@ pub(crate) fn enforce(
 }
 
 impl Enforced {
-    /// Adds what a constraint adds. Returns the terms of the action.
+    /// Adds the contributions of constraint `k`, and returns its terms of the action.
     fn add(
         &mut self,
         k: usize,
@@ -173,7 +175,7 @@ impl Enforced {
     }
 }
 
-/// What the model's variables are at the start, with the velocity of the rule.
+/// Returns the values of the model's variables at the start, with the velocity of the rule.
 fn at_start(
     action: &Action,
     model: &Model,
@@ -189,7 +191,7 @@ fn at_start(
     start
 }
 
-/// What the model's variables are at the end.
+/// Returns the values of the model's variables at the end.
 fn at_end(
     action: &Action,
     model: &Model,
@@ -219,9 +221,9 @@ fn at_end(
     end
 }
 
-/// φ(t₁,q₁)/h. A φ(q) of second degree is written as `φ(q₀)/h + ⟨Dφ(q₀) + ½ D²φ d, d/h⟩`: the
-/// difference of φ at the ends has no rounding errors of the size of φ's terms, so that the
-/// velocity of a small step keeps its digits.
+/// Returns φ(t₁,q₁)/h. A φ(q) of second degree is written as `φ(q₀)/h + ⟨Dφ(q₀) + ½ D²φ d, d/h⟩`.
+/// This form has no rounding errors of the size of φ's terms, so the velocity of a small step keeps
+/// its digits.
 fn end_value(
     value: Expr,
     start: &HashMap<Symbol, Expr>,
@@ -274,7 +276,7 @@ fn is_quadratic(value: Expr, model: &Model, arena: &mut Arena) -> bool {
     true
 }
 
-/// Returns the condition that φ is small beside its terms.
+/// Returns the condition that φ is small compared with its terms.
 fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
     let size = arena.scale(INCONSISTENT, size);
     let rest = arena.abs(value);
@@ -286,9 +288,9 @@ fn consistency(value: Expr, size: Expr, arena: &mut Arena) -> Condition<Expr> {
     }
 }
 
-/// Returns the equation of a variation to leading order in the step size: with no step,
-/// displacement and velocity but in its `linear` part, and with p₀ in the place of the momentum.
-/// The noise keeps its place.
+/// Returns the equation of a variation to leading order in the step size. Step size, displacement
+/// and velocity are zero except in the `linear` part, and p₀ replaces the momentum. The noise
+/// stays.
 pub(crate) fn leading(
     residual: Expr,
     linear: Expr,

@@ -1,5 +1,5 @@
-//! Scales by which a step with constraints is judged: of the values of the constraints, and of the
-//! motion beside its noise.
+//! Scales for the residuals of a step with constraints, and the comparison of the motion with its
+//! noise.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ fn at_rest(i: usize, at: &HashMap<Symbol, Expr>, model: &Model, arena: &mut Aren
     [mass, momentum].map(|e| arena.substitute(e, at))
 }
 
-/// Returns what the model's variables are at the start without motion.
+/// Returns the values of the model's variables at the start, without motion.
 fn resting(
     start: &HashMap<Symbol, Expr>,
     model: &Model,
@@ -26,15 +26,14 @@ fn resting(
     at
 }
 
-/// For each constraint the rate of φ at which a velocity of the size of that in the step crosses
-/// it, `√E Σ |∂φ/∂q_i| M_ii^(−½)` with
+/// Returns, for each constraint, the rate at which φ changes if a velocity as large as in the step
+/// points across the constraint: `√E Σ |∂φ/∂q_i| M_ii^(−½)` with
 ///
 /// ```text
 /// E = Σ_i [ (|p₀ − a| + |h ∂L/∂q| + Σ |∂G/∂q ΔW|)_i² / M_ii + M_ii (Σ |∂G/∂p_i ΔW|)² / h² ]
 /// ```
 ///
-/// at q₀. The residual φ(t₁,q₁)/h has no terms of that size where the motion is along the
-/// constraints.
+/// at q₀. The residual φ(t₁,q₁)/h has no terms of this size if the motion is along the constraints.
 pub(super) fn velocity_scales(
     action: &Action,
     model: &Model,
@@ -90,8 +89,8 @@ pub(super) fn velocity_scales(
 }
 
 /// Returns `Σ M_ii (d_i/h)² − ¼ Σ (p₀ − a)²_i / M_ii` for a system with noise. If this is negative,
-/// the noise undoes much of the motion: then the equations of the step say little of those of the
-/// step without noise, from which its solution is followed.
+/// the noise cancels much of the motion. Then the equations of the step are no guide to the
+/// equations of the step without noise, from which the solution is followed.
 pub(super) fn guard(
     action: &Action,
     model: &Model,
@@ -114,7 +113,7 @@ pub(super) fn guard(
     Some(arena.sum(0.0, &terms))
 }
 
-/// Returns whether some noise has second derivatives by the momentum.
+/// Returns whether some noise has nonzero second derivatives in the momentum.
 pub(super) fn is_curved(model: &Model, arena: &mut Arena) -> bool {
     model.noises.iter().any(|noise| {
         model.p.iter().any(|&a| {

@@ -1,24 +1,23 @@
-//! The rules with one node for degenerate Lagrangians, with p = α(q) at both ends: L is L₀ of time,
-//! configuration and the velocities v of massive coordinates, plus ⟨α(q), velocities of massless
-//! coordinates⟩.
+//! The rules with one node for degenerate Lagrangians, with p = α(q) at both ends. L is the sum of
+//! L₀, a function of time, configuration and the velocities v of massive coordinates, and of ⟨α(q),
+//! velocities of massless coordinates⟩.
 //!
 //! ```text
 //! S_d = h L₀(t̄,q*,v) + ⟨p, d − h v⟩ + ⟨α(q*), d⟩ − Σ G_a(t̄,q*,p) ΔW_a + ⟨λ, α(q₀) − α(q₁)⟩        q* = q₀ + c d + λ
 //! ```
 //!
-//! v and p are those of the massive coordinates and internal. λ is no variable in which the action
-//! is stationary: it is determined by p₁ = α(q₁). This is the symmetric projection of Kraus
-//! (arXiv:1708.07356) with its multiplier as a displacement of both ends. It becomes shorter by
-//! itself, and is written shorter:
+//! v and p belong to the massive coordinates and are internal. The action is not stationary in λ,
+//! which is determined by p₁ = α(q₁). This is the symmetric projection of Kraus (arXiv:1708.07356)
+//! with its multiplier as a displacement of both ends. In two cases the action is shorter:
 //!
-//! - α affine, midpoint: λ = 0, and p₁ = α(q₁) holds without being asked for.
+//! - α affine, midpoint: λ = 0, and p₁ = α(q₁) holds without being required.
 //! - α = (ϑ(x, y), 0) + ∇f with a quadratic f: ȳ is internal, `S_d = ⟨ϑ(x̄,ȳ), d_x⟩ + …`, and y₁
-//!   follows from `∂S_d/∂x₁ = ϑ(x₁, y₁)` (Ellison et al., 2018). Here the node may be anywhere,
+//!   follows from `∂S_d/∂x₁ = ϑ(x₁, y₁)` (Ellison et al., 2018). Then the node may be anywhere,
 //!   with the Stratonovich correction `(c − ½) Σ ⟨w_a, ∂G_b/∂x − ϑ_xᵀ w_b⟩ ΔW_a ΔW_b`,
 //!   `ϑ_yᵀ w = ∂G/∂y`.
 //!
 //! The node of an algebraic coordinate is internal too, and the coordinate itself follows from
-//! `0 = ∂L₀/∂q` at the end. All in `docs/mathematics.md`.
+//! `0 = ∂L₀/∂q` at the end. The derivations are in `docs/mathematics.md`.
 
 mod textbook;
 
@@ -33,32 +32,32 @@ pub(crate) use textbook::textbook;
 /// The end of the step as a node.
 pub(super) const END: usize = 1;
 
-/// The node of coordinates that are variables there.
+/// The node of coordinates that are variables of the node.
 pub(super) const INNER: usize = 2;
 
-/// The node with its multiplier.
+/// The node that its multiplier shifts.
 pub(super) const SHIFTED: usize = 3;
 
 /// Largest difference between p and α(q) at the start of a step, relative to the terms of both. It
-/// is far above the rounding errors of a state, and far below what a wrong configuration makes of
-/// it.
+/// is far above the rounding errors of a state, and far below the difference in a wrong
+/// configuration.
 const CONSISTENT: f64 = 1e-8;
 
-/// What the action is made of.
+/// The parts of the action.
 struct Parts<'a> {
     degeneracy: &'a Degeneracy,
-    /// The form with internal coordinates, if the step has it.
+    /// The internal form, if the step has it.
     internal: Option<&'a Internal>,
     c: f64,
-    /// The variables of the node, per coordinate, where there are any.
+    /// The variables of the node, one for each coordinate that has them.
     v: Vec<Option<Symbol>>,
     p: Vec<Option<Symbol>>,
-    /// The distance of the node from q₀, if it is a variable.
+    /// The distance of the node from q₀, for coordinates for which it is a variable.
     inner: Vec<Option<Symbol>>,
     lambda: Vec<Option<Symbol>>,
 }
 
-/// Returns the action of a one-node rule at c, with what holds at the ends.
+/// Returns the action of a one-node rule at c, and the equations at the ends.
 pub(super) fn action(c: f64, degeneracy: &Degeneracy, x: &mut Variables<'_>) -> (Discrete, Ends) {
     let n = x.model.dof();
     let form = degeneracy.form(c == 0.5);
@@ -109,7 +108,7 @@ fn declared(
         .collect()
 }
 
-/// What the model's coordinates are at the end.
+/// Returns the values of the model's coordinates at the end.
 fn end(x: &mut Variables<'_>) -> HashMap<Symbol, Expr> {
     let (t, h) = (x.arena.symbol(x.model.time), x.arena.symbol(x.h));
     let t_end = x.arena.add(t, h);
@@ -137,8 +136,8 @@ impl Parts<'_> {
         }
     }
 
-    /// What the model's variables are at the node. The velocities of coordinates without mass do
-    /// not occur.
+    /// Returns the values of the model's variables at the node. The velocities of massless
+    /// coordinates do not occur.
     fn node(&self, x: &mut Variables<'_>) -> HashMap<Symbol, Expr> {
         let mut node = HashMap::new();
         let (t, h) = (x.arena.symbol(x.model.time), x.arena.symbol(x.h));
@@ -164,7 +163,8 @@ impl Parts<'_> {
         node
     }
 
-    /// Returns the coordinates on which the one-form of the step lives, each with its component.
+    /// Returns the coordinates on which the one-form of the step is defined, each with its
+    /// component.
     fn one_form(&self) -> Vec<(usize, Expr)> {
         match self.internal {
             Some(form) => form.outer.iter().copied().zip(form.theta.clone()).collect(),
@@ -175,8 +175,8 @@ impl Parts<'_> {
         }
     }
 
-    /// Returns a component of the one-form at a place. What is affine is its value at q₀ and a
-    /// linear term, so that differences do not cancel.
+    /// Returns a component of the one-form at a place. An affine component is written as its value
+    /// at q₀ plus a linear term, so that differences do not cancel.
     fn one_form_at(
         &self,
         component: Expr,
@@ -237,14 +237,14 @@ impl Parts<'_> {
                 None => x.field(a, self.degeneracy.of(Role::Massive)),
             });
             let fields: Vec<_> = fields.collect();
-            // the slope is that at fixed p
+            // the slope is taken at fixed p
             let correction = x.stratonovich(&fields, node);
             terms.push((self.c - 0.5, correction));
         }
         x.arena.sum(0.0, &terms)
     }
 
-    /// What holds at the ends.
+    /// Returns the conditions and equations at the ends.
     fn ends(&self, form: Form, end: &HashMap<Symbol, Expr>, x: &mut Variables<'_>) -> Ends {
         let n = x.model.dof();
         let momentum = x.symbols.declare_all(n, Meaning::End);
@@ -296,14 +296,15 @@ impl Parts<'_> {
     }
 }
 
-/// What the model's coordinates are at the start; time stands for itself.
+/// Returns the values of the model's coordinates at the start. Time stays itself.
 fn start(x: &mut Variables<'_>) -> HashMap<Symbol, Expr> {
     let pairs = x.model.q.iter().zip(&x.start_q);
     pairs.map(|(&q, &own)| (q, x.arena.symbol(own))).collect()
 }
 
-/// What is not negative if a number is a function of q at the start: the tolerance less the
-/// difference, relative to the terms of the function to first order.
+/// Returns an expression that is not negative if a number agrees with a function of q at the start:
+/// the tolerance minus the difference, where the tolerance is relative to the terms of the function
+/// to first order.
 fn consistent(
     number: Expr,
     function: Expr,
@@ -329,12 +330,12 @@ fn consistent(
     x.arena.sum(0.0, &terms)
 }
 
-/// By which a noise moves each coordinate x, w, and its slope along the coordinate at fixed ϑ,
+/// Returns, for each coordinate x, the shift w by a noise and the slope of the noise at fixed ϑ,
 /// `∂G/∂x − ϑ_xᵀ w`.
 fn internal_field(form: &Internal, noise: usize, x: &mut Variables<'_>) -> Vec<[Expr; 2]> {
     let g = x.model.noises[noise].hamiltonian;
     let zeros = vec![x.arena.constant(0.0); form.outer.len()];
-    // rules off the middle are refused where there is no formula
+    // without a formula, rules other than the midpoint rule are refused, so this value is not used
     let w = form.shifts.as_ref().map_or(zeros, |all| all[noise].clone());
     let mut field = Vec::new();
     for (at, &i) in form.outer.iter().enumerate() {

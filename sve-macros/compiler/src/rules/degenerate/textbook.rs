@@ -3,7 +3,7 @@
 use crate::rules::textbook::{Features, Textbook, sum};
 use crate::system::degeneracy::{Degeneracy, Form, Role};
 
-/// Returns the action with its parts as functions.
+/// Returns the action in terms of L₀, α and the noises as functions.
 pub(crate) fn textbook(
     degeneracy: &Degeneracy,
     c: f64,

@@ -20,7 +20,7 @@ pub(crate) struct Internal {
     pub(crate) outer: Vec<usize>,
     /// The coordinates y whose velocities do not occur.
     pub(crate) inner: Vec<usize>,
-    /// ϑ, for each coordinate of `outer`.
+    /// ϑ, with one entry for each coordinate of `outer`.
     pub(crate) theta: Vec<Expr>,
     /// True if ϑ is affine in q.
     pub(crate) is_affine: bool,
