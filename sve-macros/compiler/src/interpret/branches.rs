@@ -75,8 +75,8 @@ impl Lowering<'_> {
         let (left, right) = (self.value(&binary.left), self.value(&binary.right));
         let (a, b) = match (left, right) {
             (Value::Int(a), Value::Int(b)) => (a.value, b.value),
-            // beside a number a mistake was one of numbers too, and the condition has a mistake of
-            // its own
+            // the other operand is a number, so the poisoned one was a number too, and such a
+            // condition is reported anyway
             (Value::Poison, Value::Scalar(_) | Value::Field(_))
             | (Value::Scalar(_) | Value::Field(_), Value::Poison) => {
                 return Err(Undecided::Unknown);

@@ -12,7 +12,7 @@ use super::floats::method_meant;
 use super::matrices::Constructor;
 use super::value::Value;
 
-/// An argument of a call: its value, and where it is written.
+/// An argument of a call: its value, and its place in the source.
 pub(super) struct Argument {
     pub(super) value: Value,
     pub(super) at: Span,
@@ -77,7 +77,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Evaluates a call of a path that is neither of `f64` nor of this block.
+    /// Evaluates a call of a path that belongs neither to `f64` nor to this block.
     fn path_call(
         &mut self,
         path: &syn::ExprPath,

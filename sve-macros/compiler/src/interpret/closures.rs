@@ -21,7 +21,7 @@ pub(super) struct Closure {
     syntax: ExprClosure,
     /// The captured variables. They cannot change while the closure borrows them.
     captured: Scope,
-    /// Whether a mistake in the closure has been reported.
+    /// True if a mistake in the closure has been reported.
     is_broken: Cell<bool>,
 }
 
@@ -104,7 +104,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Reports an error at `at` if the number of arguments is not that of the closure.
+    /// Reports an error at `at` if the number of arguments differs from the number of the closure's
+    /// parameters.
     fn check_arity(
         &mut self,
         closure: &ExprClosure,

@@ -1,4 +1,4 @@
-//! Constants: those of the block, of `std::f64::consts`, and those from outside the block.
+//! Constants: of the block, of `std::f64::consts`, and from outside the block.
 
 use std::f64::consts;
 
@@ -34,15 +34,15 @@ pub(super) const CONSTANTS: &[(&str, f64)] = &[
     ("FRAC_PI_8", consts::FRAC_PI_8),
 ];
 
-/// What shows that a module is `std::f64::consts`.
+/// The evidence that a module is `std::f64::consts`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Certainty {
     Sure,
     ByName,
 }
 
-/// Returns the name of a scope's entry for an imported module of the standard library. No variable
-/// has such a name.
+/// Returns the name under which a scope holds an imported module of the standard library. No
+/// variable has such a name.
 pub(super) fn imported_module(name: &str) -> String {
     format!("use {name}")
 }
@@ -52,7 +52,7 @@ pub(super) fn float_constant(name: &str) -> Option<f64> {
     CONSTANTS.iter().find(|c| c.0 == name).map(|c| c.1)
 }
 
-/// Returns whether a name is in capitals, as names of constants are.
+/// Returns whether a name is written in capitals, as names of constants are.
 pub(super) fn is_constant_name(name: &str) -> bool {
     name.chars().any(char::is_uppercase) && !name.chars().any(char::is_lowercase)
 }
@@ -96,8 +96,8 @@ impl<'a> Lowering<'a> {
         self.refuse(expr, message)
     }
 
-    /// Returns whether a module is `std::f64::consts`: by its full path or an import within the
-    /// body, or by its name, which may be that of another module.
+    /// Returns whether a module is `std::f64::consts`. Its full path or an import within the body
+    /// proves this; the name alone may belong to another module.
     fn standard_constants(&self, module: &[&str]) -> Option<Certainty> {
         let first = match module {
             ["std" | "core", "f64", "consts"] => return Some(Certainty::Sure),
@@ -132,8 +132,8 @@ impl<'a> Lowering<'a> {
         Some(self.constant(value))
     }
 
-    /// Notes a path that has to be checked: generated code compares its value with the one that it
-    /// is read as.
+    /// Records a path that must be checked: generated code compares its value with the constant
+    /// that the macro took it for.
     fn read_as_standard(&mut self, path: &syn::Path, value: f64) {
         let path = quote!(#path);
         let text = path.to_string();

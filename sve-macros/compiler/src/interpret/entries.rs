@@ -76,7 +76,7 @@ fn grouped(paths: &[FieldPath]) -> Vec<Entries<'_>> {
 type Spellings = Vec<(String, FieldPath)>;
 
 impl Entries<'_> {
-    /// Maps each spelling of an entry to the common one, for a vector or matrix of known type.
+    /// Maps each spelling of an entry to the common spelling, for a vector or matrix of known type.
     fn spellings_of_type(&self, ty: MatrixType) -> Result<Spellings, Mistake> {
         let mut found = Vec::new();
         for (path, step) in &self.paths {
@@ -104,8 +104,8 @@ impl Entries<'_> {
         Ok(found)
     }
 
-    /// Maps each spelling of an entry to the common one, for a field of unknown type. If the field
-    /// is read with brackets, `.x` and `.m11` are names of entries too.
+    /// Maps each spelling of an entry to the common spelling, for a field of unknown type. If the
+    /// field is read with brackets, `.x` and `.m11` are names of entries too.
     fn spellings(&self) -> Result<Spellings, Mistake> {
         let has_brackets = self
             .paths
@@ -116,7 +116,7 @@ impl Entries<'_> {
         }
         self.check_ambiguity()?;
         let has_components = self.paths.iter().any(|(_, step)| component(step).is_some());
-        // a name is preferred to row and column, and row and column to an index in storage
+        // a name comes before row and column, and these before an index in storage
         let rank = |step: &FieldStep| match step {
             FieldStep::Named(_) if component(step).is_some() => 0,
             FieldStep::Pair(..) => 1,

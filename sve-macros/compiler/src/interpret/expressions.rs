@@ -1,4 +1,4 @@
-//! Expressions of a body: numbers, names, arrays; and the messages for expressions that are not
+//! Expressions of a body: numbers, names and arrays, and the messages for expressions that are not
 //! understood.
 
 use syn::spanned::Spanned;
@@ -25,7 +25,7 @@ impl Lowering<'_> {
         exprs.into_iter().map(|expr| self.value(expr)).collect()
     }
 
-    /// Evaluates an expression; `None` after a mistake in it, which has been reported.
+    /// Evaluates an expression. Returns `None` after a mistake, which has been reported.
     pub(super) fn eval(&mut self, expr: &Syntax) -> Option<Value> {
         self.tick(expr)?;
         let value = self.deeper(expr, |this| this.eval_inner(expr))?;

@@ -17,7 +17,7 @@ use crate::model::Meaning;
 /// `constants::MASSES[2]`.
 #[derive(Clone, Default)]
 pub(super) struct FieldPath {
-    /// A constant from outside the block; `self` if there is none.
+    /// The path of a constant from outside the block; `None` for a field of `self`.
     outside: Option<syn::Path>,
     steps: Vec<FieldStep>,
     /// True if the type is annotated as `f64`.
@@ -33,9 +33,9 @@ pub(super) struct FieldPath {
 pub(super) enum FieldStep {
     Named(Ident),
     Numbered(u32),
-    /// An index, and where it is written.
+    /// An index, and its place in the source.
     Index(usize, Option<Span>),
-    /// Row and column, and where they are written.
+    /// Row and column, and their place in the source.
     Pair(usize, usize, Option<Span>),
     /// A function of the runtime that reads an entry, its row and its column.
     Read(TokenStream, usize, usize),
@@ -88,7 +88,7 @@ impl FieldPath {
         self.then(FieldStep::Index(index, None))
     }
 
-    /// Returns the path of the entry whose index is written at `span`.
+    /// Returns the path of the entry whose index stands at `span`.
     pub(super) fn index_at(&self, index: usize, span: Span) -> Self {
         self.then(FieldStep::Index(index, Some(span)))
     }
@@ -101,7 +101,7 @@ impl FieldPath {
         })
     }
 
-    /// Returns the path of an entry of a matrix whose row and column are written at `span`.
+    /// Returns the path of an entry of a matrix whose row and column stand at `span`.
     pub(super) fn pair_at(&self, row: usize, column: usize, span: Span) -> Self {
         self.then(FieldStep::Pair(row, column, Some(span)))
     }
@@ -237,13 +237,13 @@ pub(super) fn unseen(name: &str, path: &str) -> String {
     )
 }
 
-/// What an execution can know of fields only from an earlier one.
+/// Knowledge of fields that an execution can only have from an earlier one.
 #[derive(Default)]
 pub(super) struct Known {
     /// Types of vectors and matrices, which may be annotated after a use as a number.
     types: HashMap<String, MatrixType>,
     /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the
-    /// one that generated code reads.
+    /// spelling that generated code reads.
     spellings: HashMap<String, FieldPath>,
 }
 
@@ -275,8 +275,8 @@ impl Fields {
         }
     }
 
-    /// Returns the vector or matrix of a parameter whose type an earlier execution found; other
-    /// values as they are.
+    /// If an earlier execution found the type of a parameter, returns the vector or matrix of this
+    /// parameter. Returns other values unchanged.
     pub(super) fn typed(&self, value: Value) -> Value {
         match &value {
             Value::Field(path) if !self.known.types.is_empty() && !path.is_converted() => {
@@ -291,9 +291,9 @@ impl Fields {
 }
 
 impl Lowering<'_> {
-    /// Returns what another execution should know. If a vector or matrix was taken for a number, or
-    /// a mistake was reported that may come from an unknown type, these are the types of fields. If
-    /// an entry was read in several ways, this is its spelling.
+    /// Returns the knowledge that another execution needs: types of fields, if a vector or matrix
+    /// was taken for a number or a reported mistake may come from an unknown type; the common
+    /// spelling, if an entry was read in several ways.
     pub(super) fn learnt(&mut self) -> Option<Known> {
         let fields = &mut self.fields;
         let is_number = |field| fields.symbols.contains_key(field);

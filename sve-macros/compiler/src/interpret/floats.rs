@@ -1,4 +1,4 @@
-//! Methods of `f64` that are smooth, by whichever name they are called.
+//! The smooth methods of `f64`, under all their names.
 
 use std::f64::consts::PI;
 
@@ -12,10 +12,11 @@ use super::value::Value;
 use crate::algebra::{Arena, Binary, Expr, Function};
 use crate::errors::nearest;
 
-/// The largest power that `powi` takes.
+/// Largest exponent that `powi` takes.
 const POWER: u64 = 1024;
 
-/// The methods whose result is no expression of numbers, with the number of their arguments.
+/// The methods whose result is not computed by an expression of numbers alone, with the number of
+/// their arguments.
 const OWN: [(&str, usize); 2] = [("powi", 1), ("sin_cos", 0)];
 
 pub(super) fn to_radians(arena: &mut Arena, x: &[Expr]) -> Expr {
@@ -38,7 +39,7 @@ pub(super) fn log(arena: &mut Arena, x: &[Expr]) -> Expr {
 }
 
 impl Lowering<'_> {
-    /// Calls a method of a number; the receiver is the first of the arguments.
+    /// Calls a method of a number. The receiver is the first argument.
     pub(super) fn number_method(
         &mut self,
         name: &str,
@@ -121,31 +122,32 @@ impl Lowering<'_> {
     }
 }
 
-/// Returns whether `f64` has a smooth method of this name.
+/// Returns whether `f64` has a smooth method with this name.
 pub(super) fn is_smooth_method(name: &str) -> bool {
     operands(name).is_some()
 }
 
-/// Returns whether `f64` has a method of this name, smooth or not.
+/// Returns whether `f64` has a method with this name, smooth or not.
 pub(super) fn is_method(name: &str) -> bool {
     is_smooth_method(name) || rough_method(name).is_some()
 }
 
-/// How a function that is written `sin(x)` is called as a method; of those that are smooth.
+/// Returns the method call that replaces a function written as `sin(x)`; `None` if no smooth method
+/// has this name.
 pub(super) fn method_meant(name: &str) -> Option<String> {
     match (operands(name), other_name(name)) {
         (Some(0), _) => Some(format!("{name}()")),
         (Some(1), _) => Some(format!("{name}(y)")),
         (Some(_), _) => Some(format!("{name}(y, z)")),
         (None, Some("powi` or `powf")) => Some("powi(n)` or `x.powf(y)".to_owned()),
-        // of how many numbers `norm` is meant is not seen
+        // the number of arguments of `norm` is unknown here
         (None, Some("hypot") | None) => None,
         (None, Some(method)) if method.ends_with(')') => Some(method.to_owned()),
         (None, Some(method)) => method_meant(method),
     }
 }
 
-/// Arguments of a method beside the receiver.
+/// Returns the number of arguments of a method beside the receiver.
 fn operands(name: &str) -> Option<usize> {
     let of_functions = unary(name).map(|_| 0).or(binary(name).map(|_| 1));
     let of_table = || of_numbers(name).map(|(count, _)| count);
@@ -181,7 +183,7 @@ fn no_method(name: &str) -> String {
     }
 }
 
-/// What a function is called here that has another name elsewhere.
+/// Returns the name that a function has here, for a name that it has in other languages.
 pub(super) fn other_name(name: &str) -> Option<&'static str> {
     Some(match name {
         "pow" => "powi` or `powf",

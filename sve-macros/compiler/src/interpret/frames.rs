@@ -1,4 +1,4 @@
-//! The variables of the function or closure that is being run.
+//! The variables of the function or closure that is being executed.
 //!
 //! A reference into a local array, made by `iter_mut` and `for x in &mut a`, names a [`Place`].
 //! Reading a reference reads the place. A reference is valid only in the frame of the function that
@@ -15,23 +15,23 @@ const CHAIN: usize = 8;
 /// Variables by their names.
 pub(super) type Scope = HashMap<String, Value>;
 
-/// A function or closure that is being run.
+/// A function or closure that is being executed.
 #[derive(Default)]
 pub(super) struct Frame {
     /// Variables, innermost scope last.
     pub(super) scopes: Vec<Scope>,
-    /// Index of the first scope of the closure that is being run. The scopes before it enclose the
-    /// closure.
+    /// Index of the first scope of the closure that is being executed. The earlier scopes enclose
+    /// the closure.
     pub(super) floor: usize,
-    /// True if a closure of an iterator adapter is being run. Rust runs such a closure only when
-    /// the iterator's items are used.
+    /// True if a closure of an iterator adapter is being executed. Rust runs such a closure only
+    /// when the items of the iterator are used.
     pub(super) is_lazy: bool,
     number: usize,
     /// Number of the last frame.
     last: usize,
 }
 
-/// A variable, or an entry of one.
+/// A variable, or an entry of a variable.
 #[derive(Clone)]
 pub(super) struct Place {
     frame: usize,
@@ -94,8 +94,8 @@ impl Frame {
         path.try_fold(variable, |value, &entry| value.list_mut()?.get_mut(entry))
     }
 
-    /// Returns the value to which a reference refers; a value that is no reference is returned
-    /// itself.
+    /// Returns the value to which a reference refers. Returns a value that is not a reference
+    /// unchanged.
     pub(super) fn followed<'v>(&'v self, value: &'v Value) -> &'v Value {
         let mut value = value;
         for _ in 0..CHAIN {
@@ -152,7 +152,7 @@ impl Lowering<'_> {
         value
     }
 
-    /// Calls `run` in the frame of a function or closure whose variables are these.
+    /// Calls `run` in the frame of a function or closure with these variables.
     pub(super) fn in_frame<T>(&mut self, scope: Scope, run: impl FnOnce(&mut Self) -> T) -> T {
         let number = self.frame.last + 1;
         let inner = Frame {

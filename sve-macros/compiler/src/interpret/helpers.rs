@@ -1,4 +1,4 @@
-//! Functions of the block. A function is inlined where it is called.
+//! Functions of the block. A call of a function is replaced by its body.
 
 use std::collections::HashSet;
 
@@ -21,9 +21,9 @@ const CALL_DEPTH: usize = 64;
 /// The helpers and constants that are called.
 #[derive(Default)]
 pub(super) struct Calls {
-    /// Those that are being evaluated, by which recursion is detected.
+    /// The helpers and constants that are being evaluated. A repeated name shows recursion.
     pub(super) active: Vec<String>,
-    /// Those in which a mistake has been reported.
+    /// The helpers and constants in which a mistake has been reported.
     pub(super) broken: HashSet<String>,
 }
 
@@ -93,7 +93,7 @@ impl Lowering<'_> {
                 "`&mut` is not understood: a helper returns what it computes",
             );
         }
-        // arguments are checked outside of the function, since their mistakes are the caller's
+        // arguments are checked outside of the function, since the caller made their mistakes
         let pairs = inputs.iter().zip(arguments);
         let values: Vec<Value> = pairs
             .map(|(input, argument)| self.number(argument.value, &input.ty, &argument.at))

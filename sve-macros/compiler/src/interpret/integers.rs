@@ -48,12 +48,12 @@ const fn kind(name: &'static str, bits: u32, signed: bool) -> Kind {
 }
 
 impl Kind {
-    /// Returns the type of this name.
+    /// Returns the type with this name.
     pub(super) fn named(name: &str) -> Option<Self> {
         KINDS.into_iter().find(|kind| kind.name == name)
     }
 
-    /// Returns the type of integers that is written.
+    /// Returns the type of integers that the source annotates.
     fn of(ty: &Type) -> Option<Self> {
         match bare(ty) {
             Type::Path(path) if path.qself.is_none() => {
@@ -297,8 +297,8 @@ impl Lowering<'_> {
         self.refuse(&cast.as_token, message)
     }
 
-    /// Checks an integer against an annotated type: it must not be `f64`, and the integer must fit
-    /// into it. Returns other values as they are.
+    /// Checks an integer against an annotated type: the type must not be `f64`, and it must contain
+    /// the integer. Returns other values unchanged.
     pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
         let (Value::Int(i), kind) = (&value, Kind::of(ty)) else {
             return value;

@@ -69,17 +69,17 @@ pub(crate) struct Lowering<'a> {
     symbols: Symbols,
     errors: Errors,
     fields: Fields,
-    /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere.
+    /// The paths that are read as constants of `std::f64::consts` and may refer to something else.
     constants: Vec<(TokenStream, f64)>,
     calls: Calls,
-    /// The function or closure that is being run.
+    /// The function or closure that is being executed.
     frame: Frame,
     /// Set by `continue` and `break` until the loop handles it.
     leaving: Option<LoopExit>,
     limits: Limits,
 }
 
-/// How much of the limits of an execution is used.
+/// The amounts of the limits that an execution has used.
 struct Limits {
     steps: usize,
     /// Number of expressions in the arena before the execution.
@@ -91,7 +91,7 @@ struct Limits {
 /// Executes all functions with roles. Mistakes are added to `errors`.
 ///
 /// Some properties of fields are known only after the fields have been used ([`Known`]). The block
-/// is executed again with these.
+/// is then executed again with this knowledge.
 pub(crate) fn interpret(
     block: &Annotated,
     arena: &mut Arena,
@@ -115,7 +115,7 @@ pub(crate) fn interpret(
 }
 
 impl<'a> Lowering<'a> {
-    /// Returns the initial state of an execution that knows this of fields.
+    /// Returns the initial state of an execution with this knowledge of fields.
     fn new(block: &'a Annotated, arena: &'a mut Arena, known: Known) -> Self {
         Self {
             limits: Limits {
@@ -189,7 +189,7 @@ impl Lowering<'_> {
         self.refuse(at, message)
     }
 
-    /// Returns the expressions of numbers, or reports an error for each value that is no number.
+    /// Returns the expressions of numbers, or reports an error for each value that is not a number.
     fn scalars(&mut self, values: &[Argument]) -> Option<Vec<Expr>> {
         let numbers: Vec<Option<Expr>> = values
             .iter()
@@ -241,7 +241,7 @@ impl Lowering<'_> {
 /// The message for constants whose result is too large.
 const OVERFLOW: &str = "the constants here overflow an `f64`";
 
-/// Returns the message for an integer in the place of an `f64`.
+/// Returns the message for an integer where an `f64` is expected.
 fn integer(i: i64) -> String {
     format!("an integer stands where an `f64` belongs: write `{i}.0`")
 }

@@ -1,9 +1,10 @@
-//! Names of coordinates and momenta, as the source of L has them.
+//! Names of coordinates and momenta, taken from the source of L.
 //!
 //! Input: the arguments of L for its configuration, their shapes, and the body. Output: a name for
 //! each number that a state stores. `q: [f64; 2]` has `q[0]` and `q[1]`, a vector `q.x` and so on,
 //! a rotation the components of its quaternion, `r.w` to `r.k`. If the argument or a `let` at the
-//! top of the body takes the coordinates apart, `let [x, y] = q`, they have the names there.
+//! top of the body destructures the coordinates, `let [x, y] = q`, the names come from this
+//! pattern.
 
 use std::collections::HashSet;
 
@@ -14,7 +15,7 @@ use super::types::Shape;
 use crate::model::CoordinateNames;
 use crate::syntax::parse::RoleFunction;
 
-/// Names that columns beside coordinates have.
+/// Names of columns other than coordinates.
 const TAKEN: [&str; 2] = ["t", "path"];
 
 /// Returns the names of the numbers of a state. `has_configuration` says whether states store the
@@ -44,7 +45,7 @@ pub(super) fn names(
     }
 }
 
-/// Returns the pattern that takes an argument apart, if there is one.
+/// Returns the pattern that destructures an argument, if there is one.
 fn inner<'a>(pattern: &'a Pat, function: &'a RoleFunction, takes_apart: bool) -> Option<&'a Pat> {
     let Pat::Ident(argument) = pattern else {
         return takes_apart.then_some(pattern);
@@ -82,8 +83,8 @@ fn add(pattern: Option<&Pat>, shape: &Shape, names: &mut CoordinateNames) {
     }
 }
 
-/// Collects the variables of a pattern with their shapes. Returns whether the pattern names
-/// everything.
+/// Collects the variables of a pattern with their shapes. Returns whether the pattern names every
+/// entry.
 fn collect(pattern: &Pat, shape: &Shape, leaves: &mut Vec<(String, Shape)>) -> bool {
     match (pattern, shape) {
         (Pat::Ident(variable), _) if variable.subpat.is_none() => {

@@ -107,8 +107,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Gives the names of a pattern a value: none yet after `let x;`, a poisoned one if the pattern
-    /// is not understood, so that their uses report no further errors.
+    /// Gives the names of a pattern a value: no value yet after `let x;`, or a poisoned value if
+    /// the pattern is not understood, so that its uses report no further errors.
     pub(super) fn declare(&mut self, pattern: &Pat, value: &Value) {
         for name in names(pattern) {
             self.frame.set(&name, value.clone());

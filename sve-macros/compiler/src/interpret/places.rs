@@ -20,11 +20,11 @@ pub(super) enum Pick<'e> {
     Member(&'e Member),
 }
 
-/// An error that is not reported yet: where it is, and its message.
+/// An error that is not reported yet: its place and its message.
 pub(super) type Mistake = (Span, String);
 
 impl Lowering<'_> {
-    /// Returns what was found, or reports why nothing was.
+    /// Returns the value of a search, or reports the error of the search.
     pub(super) fn found<T>(&mut self, found: Result<T, Mistake>) -> Option<T> {
         match found {
             Ok(value) => Some(value),
@@ -109,8 +109,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Returns the bounds of a range of entries. The second bound is exclusive, and `None` if it is
-    /// not written.
+    /// Returns the bounds of a range of entries. The second bound is exclusive; it is `None` if the
+    /// source has no second bound.
     fn range_bounds(&mut self, range: &syn::ExprRange) -> Option<(usize, Option<usize>)> {
         let mut bound = |expr: &Option<Box<Syntax>>| match expr {
             Some(expr) => self.index_value(expr).map(Some),

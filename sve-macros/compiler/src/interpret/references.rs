@@ -53,7 +53,8 @@ impl Lowering<'_> {
         Some(Value::Sequence(entries.collect()))
     }
 
-    /// Assigns to a variable, an entry or a component, or to what a reference refers to.
+    /// Assigns to a variable, an entry or a component. An assignment to a reference changes the
+    /// place to which it refers.
     pub(super) fn store_at(&mut self, place: &Syntax, value: Value) {
         let Some(target) = self.target(place, true) else {
             return;
@@ -167,7 +168,7 @@ fn is_dereferenced(expr: &Syntax) -> bool {
     }
 }
 
-/// Returns where `&mut` is written, if a type begins with it.
+/// Returns the position of `&mut` if a type begins with it.
 pub(super) fn mutable(ty: &Type) -> Option<Span> {
     match bare(ty) {
         Type::Reference(reference) => reference.mutability.map(|word| word.span()),

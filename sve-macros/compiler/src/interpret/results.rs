@@ -1,5 +1,5 @@
-//! What functions with roles return: numbers and rows of numbers, as expressions; errors where a
-//! result has another type than its role.
+//! Results of functions with roles: numbers and rows of numbers, as expressions. A result whose
+//! type differs from the type of its role is an error.
 
 use syn::Type;
 use syn::spanned::Spanned;
@@ -81,7 +81,7 @@ impl Lowering<'_> {
         Some(entries)
     }
 
-    /// Returns the components of a tuple of two vectors, those of a vector and those of a rotation,
+    /// Returns the components of a tuple of two vectors, one for a vector and one for a rotation,
     /// or reports an error.
     fn pair_result(
         &mut self,
@@ -111,7 +111,8 @@ impl Lowering<'_> {
         Some(entries)
     }
 
-    /// Reports a result of another type than a field of directions has in a system with rotations.
+    /// Reports a result whose type differs from the type of a field of directions in a system with
+    /// rotations.
     fn other_result<T>(&mut self, function: &RoleFunction) -> Option<T> {
         let expected = function.role.signature_with_rotations(function.parts);
         let message = format!(
@@ -121,7 +122,8 @@ impl Lowering<'_> {
         self.refuse(&function.output, message)
     }
 
-    /// Reports an argument of another type than its place has in a system with rotations.
+    /// Reports an argument whose type differs from the type of its place in a system with
+    /// rotations.
     pub(super) fn report_other_part(&mut self, ty: &Type) {
         let parts: Vec<String> = self.block.configuration().map(readable).collect();
         let parts = parts.join("`, `");
@@ -173,7 +175,7 @@ impl Lowering<'_> {
     }
 
     /// Returns the numbers that a function returns, each with its name: `f`, or `f[0]`, `f[1]`, ….
-    /// `wanted` says what they are.
+    /// `wanted` describes these numbers in messages.
     pub(super) fn named_results(
         &mut self,
         function: &RoleFunction,

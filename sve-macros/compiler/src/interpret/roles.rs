@@ -15,15 +15,15 @@ use crate::syntax::parse::RoleFunction;
 use crate::syntax::readable;
 use crate::syntax::roles::Role;
 
-/// The shapes of the parts of the configuration, and those of their velocities and momenta.
+/// The shapes of the parts of the configuration, and of their velocities and momenta.
 pub(super) struct Space {
     pub(super) shapes: Vec<Shape>,
     pub(super) velocities: Vec<Shape>,
 }
 
 impl Space {
-    /// Returns the parts of a quantity, the configuration (0) or one like the velocity, with the
-    /// number of each part and its symbols.
+    /// Returns the parts of a quantity, each with its number and its symbols. Quantity 0 is the
+    /// configuration; the others have the shape of the velocity.
     pub(super) fn parts<'a>(
         &'a self,
         quantity: usize,
@@ -102,7 +102,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// Returns the sum of the forces, if there are some.
+    /// Returns the sum of the forces, if there are any.
     fn force(&mut self, space: &Space, time: Symbol, arguments: &[&[Symbol]]) -> Option<Vec<Expr>> {
         let block = self.block;
         let mut force: Option<Vec<Expr>> = None;
@@ -122,7 +122,8 @@ impl Lowering<'_> {
         force
     }
 
-    /// Returns the shapes of the configuration, whose space joins the symbols; or reports an error.
+    /// Returns the shapes of the configuration and adds its space to the symbols; or reports an
+    /// error.
     fn space(&mut self) -> Option<Space> {
         let block = self.block;
         let mut shapes = Vec::new();
@@ -167,8 +168,8 @@ impl Lowering<'_> {
         value
     }
 
-    /// Gives the arguments of a function symbols. Reports arguments of other types than the
-    /// coordinates have.
+    /// Binds the arguments of a function to symbols. Reports arguments whose types differ from the
+    /// types of the coordinates.
     fn bind_arguments(
         &mut self,
         function: &RoleFunction,
@@ -219,7 +220,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Reports an argument of another type than the coordinates have.
+    /// Reports an argument whose type differs from the types of the coordinates.
     fn report_other_type(
         &mut self,
         function: &RoleFunction,

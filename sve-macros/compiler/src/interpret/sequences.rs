@@ -1,4 +1,4 @@
-//! Iterators over what is known at compile time.
+//! Iterators over values that are known at compile time.
 //!
 //! An iterator is the list of its items. The items are computed at once and not on demand. The
 //! results are the same, since closures that assign to captured variables are refused.

@@ -48,8 +48,8 @@ impl Shape {
         }
     }
 
-    /// Returns the shape of the velocities of a configuration of this shape: a vector for each
-    /// rotation.
+    /// Returns the shape of the velocities of a configuration of this shape. A rotation has a
+    /// vector as its velocity.
     pub(super) fn velocity(&self) -> Self {
         match self {
             Self::Vector(ty) if ty.kind == Kind::Rotation => Self::Vector(MatrixType::vector(3)),
@@ -137,7 +137,7 @@ impl Lowering<'_> {
         Some(shape)
     }
 
-    /// Reports an error at `at` if a system has not so many coordinates.
+    /// Reports an error at `at` if a system may not have this number of coordinates.
     fn check_size(&mut self, size: usize, at: &impl Spanned) -> Option<()> {
         if size <= COORDINATES {
             return Some(());
@@ -190,8 +190,8 @@ impl Lowering<'_> {
         Some(Shape::Vector(MatrixType::vector(rows)))
     }
 
-    /// Evaluates a size; `None` if it is left to be inferred. Reports an error and returns `Err` if
-    /// the size is not known.
+    /// Evaluates a size; `None` if the size is to be inferred. Reports an error and returns `Err`
+    /// if the size is unknown.
     pub(super) fn size(&mut self, size: &Size) -> Result<Option<usize>, ()> {
         match size {
             Size::Known(n) => Ok(Some(*n)),
@@ -281,8 +281,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Returns the type of nalgebra that is written, if its size is known. Reports no errors, since
-    /// the compiler of Rust checks types.
+    /// Returns the type of nalgebra that the source annotates, if its size is known. Reports no
+    /// errors, since the compiler of Rust checks types.
     pub(super) fn matrix_type(&mut self, ty: &Type) -> Option<MatrixType> {
         let written = Written::of_type(ty).filter(|written| written.has_floats == Some(true))?;
         let mut size = |size: &Size| match size {

@@ -63,8 +63,8 @@ impl Value {
         }
     }
 
-    /// Returns the entries of an array, a tuple or a matrix, and the items of an iterator; nothing
-    /// of other values.
+    /// Returns the entries of an array, a tuple or a matrix, or the items of an iterator; an empty
+    /// list for other values.
     pub(super) fn items(&self) -> &[Self] {
         match self {
             Self::Sequence(values) => values,
@@ -77,7 +77,7 @@ impl Value {
         1 + self.items().iter().map(Self::entries).sum::<usize>()
     }
 
-    /// Returns whether arrays are nested in the value more than `depth` deep.
+    /// Returns whether arrays are nested more than `depth` deep in the value.
     pub(super) fn is_deeper(&self, depth: usize) -> bool {
         match self {
             Self::Array(_) | Self::Tuple(_) | Self::Sequence(_) | Self::Matrix(_) => {

@@ -75,7 +75,7 @@ pub(crate) struct Features {
     pub(crate) potential: Option<f64>,
     /// True if each process has an increment for each stage.
     pub(crate) has_stage_noise: bool,
-    /// The number of γ's.
+    /// The number of γ's; `hamiltonians` is the number of H₁'s.
     pub(crate) gammas: usize,
     pub(crate) hamiltonians: usize,
     /// True if some noise moves q and some noise moves p.

@@ -1,4 +1,4 @@
-//! Functions that make vectors, matrices and rotations: `Vector3::new(…)`,
+//! Functions that create vectors, matrices and rotations: `Vector3::new(…)`,
 //! `SMatrix::<f64, 2, 3>::zeros()`, `Rotation2::new(…)`.
 
 use proc_macro2::Span;
@@ -19,7 +19,7 @@ pub(in crate::interpret) struct Constructor {
 }
 
 impl Constructor {
-    /// Reads a path. Returns the type and the name of the function; `None` if the path is no
+    /// Reads a path. Returns the type and the name of the function; `None` if the path is not a
     /// function of a type of nalgebra.
     pub(in crate::interpret) fn of(path: &syn::ExprPath) -> Option<(Self, syn::Ident)> {
         let mut of = path.path.clone();
@@ -88,7 +88,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Makes a vector or matrix.
+    /// Creates a vector or matrix.
     fn new_matrix(
         &mut self,
         made: PartialType,
@@ -149,7 +149,7 @@ impl Lowering<'_> {
         Some(matrix.into())
     }
 
-    /// Makes a matrix with these numbers on the diagonal and 0 elsewhere.
+    /// Creates a matrix with these numbers on the diagonal and 0 elsewhere.
     pub(super) fn diagonal_matrix(
         &mut self,
         ty: MatrixType,
@@ -159,7 +159,7 @@ impl Lowering<'_> {
         Matrix::from_fn(ty, |i, j| if i == j { diagonal(i) } else { zero })
     }
 
-    /// Makes a matrix from its numbers, by rows.
+    /// Creates a matrix from its numbers, row by row.
     fn matrix_of_rows(
         &mut self,
         ty: MatrixType,
@@ -199,7 +199,7 @@ impl Lowering<'_> {
         Some(self.diagonal_matrix(square, |i| vector.entries[i]).into())
     }
 
-    /// Makes a matrix from its columns or its rows.
+    /// Creates a matrix from its columns or its rows.
     fn joined(
         &mut self,
         made: PartialType,
@@ -268,8 +268,8 @@ impl Lowering<'_> {
         Some(items.map(|value| Argument { value, at }).collect())
     }
 
-    /// Evaluates `from`: an array of numbers becomes a vector, an array of arrays the columns of a
-    /// matrix.
+    /// Evaluates `from`. An array of numbers becomes a vector; the arrays in an array of arrays
+    /// become the columns of a matrix.
     pub(in crate::interpret) fn converted_matrix(
         &mut self,
         value: &Value,
@@ -328,7 +328,7 @@ impl Lowering<'_> {
         self.numbers(&Matrix { ty, entries }, &function.at)
     }
 
-    /// Makes the unit vector along an axis: `Vector3::x()`, or as a `Unit`, `Vector3::x_axis()`.
+    /// Creates the unit vector along an axis: `Vector3::x()`, or as a `Unit`, `Vector3::x_axis()`.
     fn axis(&mut self, made: PartialType, name: &str, at: Span) -> Option<Value> {
         let letter = name.strip_suffix("_axis").unwrap_or(name);
         let place = COMPONENTS.iter().position(|component| *component == letter);

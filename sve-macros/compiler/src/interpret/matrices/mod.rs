@@ -112,7 +112,7 @@ impl MatrixType {
         self.place(row, column)
     }
 
-    /// Returns the names of the entries, for messages.
+    /// Returns the names of the entries, as messages show them.
     pub(super) fn entry_names(self) -> String {
         if self.rows.min(self.columns) != 1 {
             let (row, column) = (self.rows.saturating_sub(1), self.columns.saturating_sub(1));
@@ -129,7 +129,7 @@ impl MatrixType {
     }
 }
 
-/// Returns row and column of an entry with a name such as `m21`.
+/// Returns the row and column of an entry with a name such as `m21`.
 pub(super) fn row_and_column(name: &str) -> Option<(usize, usize)> {
     let digits: Vec<usize> = name
         .strip_prefix('m')?
@@ -168,7 +168,7 @@ pub(super) struct Matrix<T> {
 }
 
 impl<T: Clone> Matrix<T> {
-    /// Makes a matrix from a function of row and column.
+    /// Creates a matrix from a function of row and column.
     pub(super) fn from_fn(ty: MatrixType, mut entry: impl FnMut(usize, usize) -> T) -> Self {
         let places = (0..ty.columns).flat_map(|column| (0..ty.rows).map(move |row| (row, column)));
         let entries = places.map(|(row, column)| entry(row, column)).collect();
@@ -184,7 +184,7 @@ impl<T: Clone> Matrix<T> {
         Self::from_fn(self.ty.transposed(), |row, column| self.at(column, row))
     }
 
-    /// Returns the submatrix of a size that begins at a row and a column.
+    /// Returns the submatrix of the given size that begins at a row and a column.
     fn part(&self, (row, column): (usize, usize), size: MatrixType) -> Self {
         Self::from_fn(size, |i, j| self.at(row + i, column + j))
     }

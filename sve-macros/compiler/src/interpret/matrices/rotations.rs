@@ -1,4 +1,4 @@
-//! Functions that make rotations and unit vectors, with the formulas of nalgebra.
+//! Functions that create rotations and unit vectors, with the formulas of nalgebra.
 
 use proc_macro2::Span;
 
@@ -12,7 +12,7 @@ use crate::interpret::methods::unknown_type;
 use crate::interpret::value::Value;
 
 impl Lowering<'_> {
-    /// Makes a rotation.
+    /// Creates a rotation.
     pub(super) fn new_rotation(
         &mut self,
         made: PartialType,
@@ -117,7 +117,7 @@ impl Lowering<'_> {
         })
     }
 
-    /// Makes a unit vector.
+    /// Creates a unit vector.
     pub(super) fn new_unit(
         &mut self,
         name: &str,

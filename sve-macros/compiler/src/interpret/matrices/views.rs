@@ -8,8 +8,8 @@ use crate::interpret::methods::{Call, refusal};
 use crate::interpret::value::Value;
 use crate::syntax::nalgebra::length;
 
-/// Returns whether a method gives a part of a vector or matrix, or runs a closure for each entry,
-/// and arrays have no such method. Those whose size is a generic argument have it written, if
+/// Returns whether a method returns a part of a vector or matrix or runs a closure for each entry,
+/// and arrays have no such method. A method whose size is a generic argument counts only if
 /// `has_generics`.
 pub(in crate::interpret) fn is_method(name: &str, has_generics: bool) -> bool {
     match name {
@@ -19,7 +19,7 @@ pub(in crate::interpret) fn is_method(name: &str, has_generics: bool) -> bool {
     }
 }
 
-/// Returns whether a method makes sense for matrices more than for vectors.
+/// Returns whether a method is more useful for matrices than for vectors.
 pub(in crate::interpret) fn is_of_matrices(name: &str) -> bool {
     matches!(
         name,
@@ -39,8 +39,8 @@ pub(in crate::interpret) fn rows(call: &Call<'_>) -> Value {
     Value::Sequence(rows.collect())
 }
 
-/// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and the like: the submatrix of a
-/// range of rows and columns.
+/// Evaluates `rows(from, count)`, `fixed_rows::<COUNT>(from)` and similar methods: the submatrix of
+/// a range of rows and columns.
 pub(in crate::interpret) fn part(x: &mut Lowering<'_>, call: &Call<'_>) -> Option<Value> {
     let (syntax, matrix) = (call.syntax, call.matrix());
     let (given, ty) = (&call.given.counts, matrix.ty);
@@ -84,13 +84,13 @@ pub(in crate::interpret) fn part(x: &mut Lowering<'_>, call: &Call<'_>) -> Optio
     Some(Value::Matrix(matrix.part((row, column), size)))
 }
 
-/// Returns the lengths that are the generic arguments of a call.
+/// Returns the generic arguments of a call, which are lengths.
 fn generic_lengths(call: &ExprMethodCall) -> Option<Vec<Syntax>> {
     let arguments = call.turbofish.iter().flat_map(|generics| &generics.args);
     arguments.map(length).collect()
 }
 
-/// Returns the vector of the components in a name: `v.xy()`, `v.zx()`, `v.xyz()`.
+/// Returns the vector of the components that a name lists: `v.xy()`, `v.zx()`, `v.xyz()`.
 pub(in crate::interpret) fn components(matrix: &Matrix<Value>, name: &str) -> Option<Value> {
     if !(2..=3).contains(&name.len()) || !matrix.ty.is_vector() {
         return None;

@@ -1,5 +1,5 @@
-//! Calls of methods: what the receiver is, the arguments, and the types of parameters that follow
-//! from the arguments.
+//! Calls of methods: the receiver, the arguments, and the types of parameters that follow from the
+//! arguments.
 
 use syn::{Expr as Syntax, ExprMethodCall};
 
@@ -42,7 +42,7 @@ impl Lowering<'_> {
         }
         let receiver = self.argument(&call.receiver);
         match (&receiver.value, name) {
-            // a poisoned receiver has no type, by which its method could be checked
+            // a poisoned receiver has no type against which its method could be checked
             (Value::Poison, name) if !floats::is_method(name) => return None,
             (Value::Field(path), name) if !path.is_self() && !is_of_lists(name) => {
                 if let Ok(value) = self.method_of_field(call, path) {
@@ -244,8 +244,8 @@ impl Lowering<'_> {
         self.refuse(&argument.at, message)
     }
 
-    /// Calls a method of vectors of a parameter, whose type follows from the arguments; `Err` if
-    /// vectors have no such method.
+    /// Calls a method of vectors on a parameter. The type of the parameter follows from the
+    /// arguments. Returns `Err` if vectors have no such method.
     fn method_of_field(
         &mut self,
         call: &ExprMethodCall,
@@ -283,7 +283,8 @@ impl Lowering<'_> {
         self.example_of_type(None)
     }
 
-    /// Returns a type that a parameter may have whose part, entries or size are asked for.
+    /// Returns a type that a parameter may have, for messages about its part, its entries or its
+    /// size.
     fn example_of_part(&mut self, name: &str) -> String {
         let example = self.example_of_vector();
         if views::is_of_matrices(name) {

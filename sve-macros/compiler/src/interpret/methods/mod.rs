@@ -1,8 +1,8 @@
-//! The table of methods: what has a method, its arguments, and what computes its result.
+//! The table of methods: their receivers, their arguments, and the computations of their results.
 //!
-//! `call.rs` looks a method up, evaluates its arguments and calls it; what is not understood has a
-//! message in `refused.rs`. The smooth functions of the algebra are methods of numbers too, and are
-//! not repeated here.
+//! `call.rs` looks a method up, evaluates its arguments and calls it; `refused.rs` has the messages
+//! for methods that are not understood. The smooth functions of the algebra are methods of numbers
+//! too; the table does not repeat them.
 
 mod call;
 mod refused;
@@ -29,7 +29,7 @@ use Run::{
 };
 pub(super) use refused::{refusal, rough_method, unknown_type};
 
-/// What has a method.
+/// The types of values that have a method.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Receiver {
     Number,
@@ -87,7 +87,7 @@ pub(super) struct Call<'c> {
 }
 
 impl Call<'_> {
-    /// Returns the receiver, or the matrix without rows and columns if it is none.
+    /// Returns the receiver if it is a matrix, and otherwise an empty matrix.
     pub(super) fn matrix(&self) -> Matrix<Value> {
         match &self.receiver.value {
             Value::Matrix(matrix) => matrix.clone(),
@@ -96,18 +96,18 @@ impl Call<'_> {
     }
 }
 
-/// What computes the result of a method. The numbers and matrices are those of the receiver and
-/// then of the arguments.
+/// The computation of the result of a method. Numbers and matrices come from the receiver first,
+/// then from the arguments.
 pub(super) enum Run {
     /// A function of numbers.
     Float(fn(&mut Arena, &[Expr]) -> Expr),
-    /// A number of one matrix or of two.
+    /// A number computed from one matrix or from two.
     Entry(fn(&mut Arena, &Matrix<Expr>) -> Expr),
     EntryOf(fn(&mut Arena, &Matrix<Expr>, &Matrix<Expr>) -> Expr),
-    /// A matrix of one matrix or of two.
+    /// A matrix computed from one matrix or from two.
     Formula(fn(&mut Arena, &Matrix<Expr>) -> Matrix<Expr>),
     FormulaOf(fn(&mut Arena, &Matrix<Expr>, &Matrix<Expr>) -> Matrix<Expr>),
-    /// An operation of each entry and a number, or of the entries of two matrices.
+    /// An operation on each entry and a number, or on the entries of two matrices.
     Each(fn(&mut Arena, Expr, Expr) -> Expr),
     Entrywise(fn(&mut Arena, Expr, Expr) -> Expr),
     /// A row or a column.
@@ -117,7 +117,7 @@ pub(super) enum Run {
     Plain(fn(&Call<'_>) -> Value),
     /// The items of another iterator.
     Adapter(fn(&mut Lowering<'_>, Vec<Value>, &Call<'_>) -> Option<Vec<Value>>),
-    /// A number or a matrix of a matrix and other arguments.
+    /// A number or a matrix computed from a matrix and other arguments.
     Computed(fn(&mut Lowering<'_>, &Call<'_>) -> Option<Value>),
     /// Another value.
     Own(fn(&mut Lowering<'_>, &Call<'_>) -> Option<Value>),
@@ -237,13 +237,13 @@ static METHODS: &[Method] = &[
 ];
 
 impl Receiver {
-    /// Returns whether vectors, matrices or rotations of some size are such receivers.
+    /// Returns whether vectors, matrices or rotations of some size are receivers of this type.
     fn is_matrix(self) -> bool {
         !matches!(self, Number | Array | Iterator | List)
     }
 
-    /// Returns whether values of this kind are such receivers; of a matrix, whether matrices of
-    /// another size may be.
+    /// Returns whether a value is a receiver of this type. For a matrix, returns whether matrices
+    /// of the same kind and some size are.
     fn includes(self, value: &Value) -> bool {
         match value {
             Value::Array(_) => matches!(self, Array | List),
@@ -292,18 +292,18 @@ impl Method {
     }
 }
 
-/// Returns the method of this name with such a receiver.
+/// Returns the method with this name and such a receiver.
 fn find(name: &str, is_receiver: impl Fn(Receiver) -> bool) -> Option<&'static Method> {
     let mut methods = METHODS.iter();
     methods.find(|method| method.has_name(name) && is_receiver(method.receiver))
 }
 
-/// Returns the formula of vectors and matrices of this name.
+/// Returns the formula of vectors and matrices with this name.
 fn formula(name: &str) -> Option<&'static Method> {
     find(name, Receiver::is_matrix).filter(|method| method.is_formula())
 }
 
-/// Returns whether arrays or iterators have a method of this name.
+/// Returns whether arrays or iterators have a method with this name.
 fn is_of_lists(name: &str) -> bool {
     find(name, |receiver| matches!(receiver, Array | Iterator | List)).is_some()
 }

@@ -51,7 +51,7 @@ pub(in crate::interpret) fn rough_method(name: &str) -> Option<String> {
     listed(OF_NUMBERS, name).map(|text| format!("`{name}` {text}"))
 }
 
-/// Methods of arrays and iterators, with what to write instead.
+/// Methods of arrays and iterators, with their replacements.
 const OF_LISTS: &[Refused] = &[
     (
         "collect",
@@ -98,7 +98,7 @@ pub(super) fn not_understood(name: &str) -> String {
 const OF_ROTATIONS: &str = "an angle of a rotation is not smooth everywhere; a spring that holds the attitude `r` is `0.5 * k * (3.0 - r.matrix().trace())`, which is ½kθ² for a small angle θ, with `(a.inverse() * b)` for `r` between two bodies; else use directions `r * Vector3::x()` and entries `r[(i, j)]`";
 const IN_PLACE: &str = "methods that change a vector in place are not followed; assign to it, `v = …`, `v += …` or `v[i] = …`";
 
-/// Methods of vectors and matrices, with what to write instead.
+/// Methods of vectors and matrices, with their replacements.
 const OF_MATRICES: &[Refused] = &[
     (
         "abs",
@@ -143,7 +143,7 @@ const OF_MATRICES: &[Refused] = &[
     ),
 ];
 
-/// Returns whether a method is in the list of those of vectors and matrices.
+/// Returns whether a method is in the list of methods of vectors and matrices.
 pub(super) fn is_listed(name: &str) -> bool {
     listed(OF_MATRICES, name).is_some()
 }
@@ -176,7 +176,7 @@ fn suggestions() -> impl Iterator<Item = &'static str> {
     names.chain(["map", "zip_map", "iter", "fixed_rows", "fixed_view"])
 }
 
-/// What to say of a parameter whose type is needed and not known.
+/// Returns the message for a parameter whose type is needed but unknown.
 pub(in crate::interpret) fn unknown_type(path: &FieldPath, example: &str) -> String {
     let name = crate::syntax::readable(&path.access());
     format!(
