@@ -1,5 +1,5 @@
-//! The whole pipeline: read → classify → derive each rule → print. A stage reads what earlier
-//! stages returned and edits nothing of it.
+//! The whole pipeline: read → classify → derive each rule → print. A stage reads the results of
+//! earlier stages and does not change them.
 
 use std::collections::BTreeSet;
 
@@ -22,7 +22,7 @@ use crate::system::applicable;
 use crate::system::classify::classify;
 use crate::system::size::{Budget, WORK};
 
-/// Returns the expansion of the attribute: the user's block as it was, and the derived
+/// Returns the expansion of the attribute: the unchanged block of the user, and the derived
 /// implementations or the errors.
 pub fn expand(attribute: &TokenStream, item: &TokenStream, settings: Settings) -> TokenStream {
     expand_within(attribute, item, settings, WORK)
@@ -56,7 +56,7 @@ pub(crate) fn expand_within(
     let mut mistaken = BTreeSet::new();
     match implementations(attribute.clone(), block, settings, work, &mut mistaken) {
         Ok(derived) => quote! {
-            // `&self` is what this macro asks for
+            // this macro requires `&self`
             #[allow(clippy::trivially_copy_pass_by_ref, clippy::large_types_passed_by_value, clippy::unused_self)]
             #plain
             #derived
@@ -65,8 +65,8 @@ pub(crate) fn expand_within(
     }
 }
 
-/// Returns the errors, beside a block that gives no errors of its own in the functions and
-/// constants of these names.
+/// Returns the errors, and a block that gives no further errors in the functions and constants of
+/// these names.
 fn after_mistakes(
     error: &syn::Error,
     attribute: &TokenStream,
@@ -85,8 +85,8 @@ fn after_mistakes(
     }
 }
 
-/// Returns the derived implementations; or the errors, and in `mistaken` the names of functions and
-/// constants that have some.
+/// Returns the derived implementations, or the errors. In the second case `mistaken` gets the names
+/// of functions and constants with errors.
 fn implementations(
     attribute: TokenStream,
     item: ItemImpl,
@@ -103,7 +103,7 @@ fn implementations(
     Ok(rust::print(&derivation))
 }
 
-/// Reads a block. After errors `mistaken` has the names of functions and constants that have some.
+/// Reads a block. After errors, `mistaken` gets the names of functions and constants with errors.
 fn read(
     attribute: TokenStream,
     item: ItemImpl,

@@ -1,4 +1,4 @@
-//! The error sink: mistakes are gathered within a stage and stop between stages.
+//! The error sink. Mistakes are gathered within a stage; a stage with mistakes ends the pipeline.
 //!
 //! Invariant: a sink that received an error cannot be turned into a value ([`Errors::finish`] is
 //! the only way out).
@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use proc_macro2::Span;
 
-/// Mistakes found so far.
+/// The mistakes found so far.
 #[derive(Default)]
 #[must_use = "call `finish` to learn whether anything was wrong"]
 pub(crate) struct Errors {
@@ -38,8 +38,8 @@ impl Errors {
         }
     }
 
-    /// Mistakes from here on are those of the function or constant `place`; what to hand to
-    /// [`Errors::leave`] is returned.
+    /// Attributes the following mistakes to the function or constant `place`. Returns the previous
+    /// place, to be restored with [`Errors::leave`].
     pub(crate) fn enter(&mut self, place: &str) -> Option<String> {
         self.place.replace(place.to_owned())
     }
@@ -48,12 +48,12 @@ impl Errors {
         self.place = outer;
     }
 
-    /// Functions and constants with mistakes so far.
+    /// Returns the functions and constants with mistakes so far.
     pub(crate) fn places(&self) -> &BTreeSet<String> {
         &self.places
     }
 
-    /// Records the mistakes of another sink after its own.
+    /// Appends the mistakes of another sink.
     pub(crate) fn append(&mut self, other: Self) {
         self.count += other.count;
         self.places.extend(other.places);
@@ -64,17 +64,17 @@ impl Errors {
         }
     }
 
-    /// Mistakes so far.
+    /// Returns the number of mistakes so far.
     pub(crate) fn count(&self) -> usize {
         self.count
     }
 
-    /// Returns the value of a result; its mistake is recorded.
+    /// Returns the value of a result. Records its mistake if there is one.
     pub(crate) fn keep<T>(&mut self, result: syn::Result<T>) -> Option<T> {
         result.map_err(|error| self.add(error)).ok()
     }
 
-    /// Returns `value`, unless something was wrong.
+    /// Returns `value` if there are no mistakes.
     pub(crate) fn finish<T>(self, value: T) -> syn::Result<T> {
         match self.first {
             Some(error) => Err(error),
@@ -83,7 +83,8 @@ impl Errors {
     }
 }
 
-/// Returns the name in `known` that is nearest to `name`, where one is near enough to be meant.
+/// Returns the name in `known` that is nearest to `name`, if it is near enough to be the intended
+/// one.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     known
         .into_iter()
@@ -93,7 +94,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
         .map(|(_, candidate)| candidate)
 }
 
-/// Levenshtein's distance.
+/// Returns Levenshtein's distance.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

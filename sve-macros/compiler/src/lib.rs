@@ -1,8 +1,8 @@
 //! The compiler of [sve](https://docs.rs/sve-runtime): from the tokens of an annotated `impl` block
-//! to those of its derived steps.
+//! to the tokens of its derived steps.
 //!
-//! Programs use it through the attribute `#[variational]` of `sve-runtime`. As a library it can be
-//! called by other programs, by tests and by benchmarks. The pipeline is in `driver.rs`, a line a
+//! Programs use it through the attribute `#[variational]` of `sve-runtime`. Other programs, tests
+//! and benchmarks can call it as a library. The pipeline is in `driver.rs`, one line for each
 //! stage; each stage is a folder.
 //!
 //! ```

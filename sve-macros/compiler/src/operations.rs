@@ -1,8 +1,8 @@
-//! Operations of L and of what is derived from it, each as straight-line code that begins with
-//! nothing known.
+//! Counts of the operations of L and of the functions derived from it, each as straight-line code
+//! that shares no results with the others.
 //!
-//! Weights: an addition, subtraction, multiplication, division or change of sign is 1; a call of a
-//! function is [`CALL`], a sine with its cosine one call.
+//! Weights: an addition, subtraction, multiplication, division or change of sign counts 1. A call
+//! of a function counts [`CALL`]; a sine and cosine of one angle are one call.
 
 use proc_macro2::{Span, TokenStream};
 use syn::ItemImpl;
@@ -18,22 +18,22 @@ use crate::rules::action;
 use crate::structure::{self, Solution};
 use crate::syntax::parse;
 
-/// Operations that a call of a function counts for.
+/// Number of operations that a call of a function counts.
 pub const CALL: usize = 20;
 
-/// Weighted operations, see [`CALL`].
+/// Weighted numbers of operations, see [`CALL`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Operations {
-    /// Of L.
+    /// Operations of L.
     pub lagrangian: usize,
-    /// Of the residual of all implicit equations.
+    /// Operations of the residual of all implicit equations.
     pub residual: usize,
-    /// Of the entries of their Jacobian.
+    /// Operations of the entries of their Jacobian.
     pub jacobian: usize,
 }
 
 impl Operations {
-    /// Counts operations of the first rule of a block.
+    /// Counts the operations of the first rule of a block.
     ///
     /// # Errors
     /// If the block cannot be read, or its Lagrangian is degenerate.

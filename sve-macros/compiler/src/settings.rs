@@ -1,9 +1,9 @@
-//! What an expansion is made for.
+//! The settings of an expansion.
 
-/// What an expansion is made for.
+/// The settings of an expansion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// True if steps of many states at once are derived too, for ensembles.
+    /// True if steps of many states at once are derived, too, for ensembles.
     pub lanes: bool,
 }
 

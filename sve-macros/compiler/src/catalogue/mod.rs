@@ -1,9 +1,9 @@
-//! The catalogue of rules: how the attribute names them, their orders, what they take, their
-//! options.
+//! The catalogue of rules: their names in the attribute, their orders, the systems that they take,
+//! and their options.
 //!
-//! Parser, refusals and plan read the table [`RULES`]; the tables of the documentation are compared
-//! with it. What a rule *is*, its discrete action, stands in `rules/`. Rules that differ in the
-//! number of stages or in options are different rules.
+//! The parser, the refusals and the plan read the table [`RULES`]; a test compares the tables of
+//! the documentation with it. The discrete action of a rule is in `rules/`. Rules that differ in
+//! the number of stages or in options are different rules.
 
 mod options;
 
@@ -40,24 +40,24 @@ pub(crate) enum Nodes {
     Taylor,
 }
 
-/// What a rule is for beside systems without noise, force and constraints on vectors.
+/// The systems that a rule takes, beside systems without noise, force and constraints on vectors.
 #[derive(Clone, Copy, Debug)]
 #[allow(clippy::struct_excessive_bools)] // columns of a table
 pub(crate) struct Takes {
     pub(crate) noise: bool,
     pub(crate) force: bool,
     pub(crate) constraints: bool,
-    /// Rotations in the configuration, if the rule has no option.
+    /// True if the rule without options takes rotations in the configuration.
     pub(crate) rotations: bool,
     pub(crate) options: &'static [RuleOption],
 }
 
-/// What a rule says of the option `weak2`.
+/// The properties of a rule with the option `weak2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Weak2 {
     /// κ, the factor of the potential.
     pub(crate) factor: f64,
-    /// True if the term raises the weak order with noise that moves the position too.
+    /// True if the term raises the weak order also with noise that moves the position.
     pub(crate) takes_h1: bool,
 }
 
@@ -210,7 +210,7 @@ impl Rule {
         }
     }
 
-    /// Returns the rule as the attribute writes it: `midpoint`, `gauss(3, weak2)`.
+    /// Returns the rule as the attribute spells it: `midpoint`, `gauss(3, weak2)`.
     pub(crate) fn name(&self) -> String {
         let stages = self.stages().map(|stages| stages.to_string());
         let options = self.options.iter().map(|option| option.name().to_owned());
@@ -218,8 +218,8 @@ impl Rule {
         written(self.attribute_name, &arguments)
     }
 
-    /// What the rule says of the option `weak2` beside its other options; nothing if the rule does
-    /// not take the option.
+    /// Returns the properties of the rule with the option `weak2` and its other options; `None` if
+    /// the rule does not take the option.
     pub(crate) fn weak2(&self) -> Option<Weak2> {
         let is_taken = self.takes.options.contains(&RuleOption::Weak2);
         let has_stage_noise = self.options.contain(RuleOption::StageNoise);
@@ -240,13 +240,13 @@ impl Rule {
         is_taken.then_some(weak2)
     }
 
-    /// Returns whether the rule is for configurations with rotations.
+    /// Returns whether the rule takes configurations with rotations.
     pub(crate) fn takes_rotations(&self) -> bool {
         self.takes.rotations && self.options == Options::NONE
     }
 }
 
-/// Returns a rule with arguments as the attribute writes it.
+/// Returns a rule with arguments as the attribute spells it.
 pub(crate) fn written(name: &str, arguments: &[String]) -> String {
     match arguments {
         [] => name.to_owned(),

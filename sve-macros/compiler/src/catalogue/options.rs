@@ -1,9 +1,9 @@
-//! The options of rules, as the attribute writes them after the number of stages:
+//! The options of rules, which the attribute lists after the number of stages:
 //! `gauss(3, stage_noise, weak2)`.
 
 use std::fmt;
 
-/// A variation of a rule. The order is that in which names of rules list the options.
+/// A variation of a rule, in the order in which names of rules list the options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RuleOption {
     /// An increment of each process for each stage.
@@ -15,7 +15,7 @@ pub(crate) enum RuleOption {
 impl RuleOption {
     pub(crate) const ALL: [Self; 2] = [Self::StageNoise, Self::Weak2];
 
-    /// Returns the option of a name in the attribute.
+    /// Returns the option with a name in the attribute.
     pub(crate) fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|option| option.name() == name)
     }

@@ -1,8 +1,8 @@
 //! `Classified` → [`Derivation`]: the steps of all rules of a block, each in an arena of its own,
-//! with the functions that no step needs.
+//! and the functions that no step needs.
 //!
 //! Invariant: a rule is derived from the classified system alone. The terms of a sum stand in the
-//! order in which their expressions were made, so that in a common arena a rule would change the
+//! order in which their expressions were created, so in a common arena a rule would change the
 //! rounding of other rules.
 
 mod nodes;
@@ -24,14 +24,14 @@ use crate::system::size::Budget;
 pub(crate) use nodes::Nodes;
 pub(crate) use step::Derived;
 
-/// All that is derived from a block.
+/// The results of the derivation of a block.
 pub(crate) struct Derivation {
     pub(crate) settings: Settings,
     pub(crate) block: Annotated,
     pub(crate) system: Classified,
     /// The functions of the system that no step needs.
     pub(crate) functions: Functions,
-    /// What a step tests of its start.
+    /// The tests of the start of a step.
     pub(crate) start: StartTest,
     /// The rules of many stages, in groups that share the equations at a node.
     pub(crate) nodes: Vec<Nodes>,
@@ -58,7 +58,7 @@ pub(crate) fn derive(
     let nodes = source.nodes(&starts)?;
     let steps = source.steps(&starts)?;
     drop(starts);
-    // what is left to do is in proportion to what has been built
+    // the remaining work is proportional to the size of the expressions built so far
     arena.grant(usize::MAX);
     let functions = functions(&system, settings.lanes, &mut arena);
     let start = StartTest::new(&system, &functions.mechanics, &mut arena);
@@ -74,24 +74,24 @@ pub(crate) fn derive(
     })
 }
 
-/// What all rules are derived from.
+/// The input that all rules share.
 struct Source<'a> {
     block: &'a Annotated,
     system: &'a Classified,
     budget: &'a Budget,
 }
 
-/// What the derivation of a rule starts from.
+/// The input of the derivation of one rule.
 struct Start<'a> {
     listed: &'a ListedRule,
-    /// The potential of the option `weak2`, where it changes the step.
+    /// The potential of the option `weak2`, if it changes the step.
     potential: Option<Potential>,
-    /// The derivatives, and the potential.
+    /// The expressions of the derivatives and of the potential.
     arena: Cow<'a, Arena>,
 }
 
 impl<'a> Source<'a> {
-    /// Returns what the rules start from, or an error at each option `weak2` that is of no use.
+    /// Returns the input of each rule, or an error at each option `weak2` that has no use.
     fn starts(&self, arena: &'a Arena) -> syn::Result<Vec<Start<'a>>> {
         let mut errors = Errors::new();
         let mut starts = Vec::new();

@@ -1,5 +1,5 @@
-//! The rules of many stages: the equations at a node, which these rules share, and once more with
-//! the potential of the option `weak2`.
+//! The rules of many stages. They share the equations at a node; rules with the option `weak2`
+//! share these equations with its potential.
 
 use super::{Source, Start};
 use crate::algebra::Arena;
@@ -15,7 +15,7 @@ use crate::system::size::{Exhausted, within_budget};
 
 /// The equations at a node, in an arena of their own, with the rules that share these equations.
 pub(crate) struct Nodes {
-    /// The system; if the rules have a potential, it is the last of the noises.
+    /// The system. If the rules have a potential, it is the last of the noises.
     pub(crate) model: Model,
     /// The derivatives of this system, in stable forms.
     pub(crate) mechanics: Mechanics,
@@ -27,8 +27,8 @@ pub(crate) struct Nodes {
 }
 
 impl Source<'_> {
-    /// Derives the equations at a node of the rules of many stages: of those without a potential,
-    /// and of those with the potential, which is the same for all of these.
+    /// Derives the equations at a node for the rules of many stages: once for rules without a
+    /// potential, and once for rules with the potential, which is the same for all of them.
     pub(super) fn nodes(&self, starts: &[Start<'_>]) -> syn::Result<Vec<Nodes>> {
         let of_stages = starts
             .iter()
@@ -42,7 +42,7 @@ impl Source<'_> {
             .collect()
     }
 
-    /// Derives the equations of rules that have the same potential, or none of which has one.
+    /// Derives the equations of rules that all have the same potential, or all have none.
     fn node(&self, group: &[&Start<'_>]) -> syn::Result<Nodes> {
         let mut arena = group[0].arena.clone().into_owned();
         let potential = group[0].potential.as_ref();
@@ -62,7 +62,7 @@ impl Source<'_> {
         let mut weak_order = |rule| weak2::weak_order(rule, self.system, &mut arena);
         let rules = listed.iter().map(|listed| listed.rule);
         let rules = rules.map(|rule| (rule, weak_order(rule))).collect();
-        // what is left to do is in proportion to what has been built
+        // the remaining work is proportional to the size of the expressions built so far
         arena.grant(usize::MAX);
         let stable = mechanics.stabilised(&mut arena);
         stages.bound(&model, &mechanics, &mut arena);
@@ -77,11 +77,11 @@ impl Source<'_> {
     }
 }
 
-/// Unknowns of all stages of a step. Newton's method keeps a matrix of this size on the stack,
-/// where it is needed.
+/// Largest number of unknowns of all stages of a step. Newton's method keeps a matrix of this size
+/// on the stack.
 const UNKNOWNS_OF_STAGES: usize = 160;
 
-/// Returns whether the rule of so many stages is within the limits, in an arena that has the
+/// Returns whether a rule with this number of stages is within the limits. The arena has the
 /// derivatives.
 pub(super) fn fits(count: usize, system: &Classified, arena: &mut Arena) -> bool {
     let (model, mechanics) = (&system.model, &system.mechanics);
@@ -89,7 +89,7 @@ pub(super) fn fits(count: usize, system: &Classified, arena: &mut Arena) -> bool
     at_node.is_ok_and(|stages| stages.unknowns(count, model.dof()) <= UNKNOWNS_OF_STAGES)
 }
 
-/// Returns an error for each rule whose stages have too many unknowns together.
+/// Returns an error for each rule whose stages together have too many unknowns.
 fn check(rules: &[&ListedRule], model: &Model, at_node: &Stages) -> syn::Result<()> {
     let mut errors = Errors::new();
     for listed in rules {

@@ -12,10 +12,10 @@ use crate::structure::{self, Degenerate, Scheme};
 use crate::system::applicable;
 use crate::system::size::{Exhausted, within_budget};
 
-/// A rule with what was derived for it.
+/// A rule with the results of its derivation.
 pub(crate) struct Derived {
     pub(crate) rule: Rule,
-    /// True if it is the step without structure.
+    /// True if this is the step without structure.
     pub(crate) is_unstructured: bool,
     pub(crate) weak_order: u32,
     pub(crate) symbols: Symbols,
@@ -26,11 +26,11 @@ pub(crate) struct Derived {
     pub(crate) arena: Arena,
 }
 
-/// Why a rule has no step.
+/// The reason why a rule has no step.
 enum Obstacle {
-    /// The work that was granted is used up.
+    /// The granted work is used up.
     Work,
-    /// The equations do not determine some unknowns, which are named by the symbols.
+    /// The equations do not determine some unknowns. The symbols give their names.
     Degenerate(Degenerate, Symbols),
 }
 
@@ -41,8 +41,8 @@ impl From<Exhausted> for Obstacle {
 }
 
 impl Source<'_> {
-    /// Derives the steps of the rules with few nodes; and, if the attribute asks for steps without
-    /// structure, those of all rules.
+    /// Derives the steps of the rules with few nodes. If the attribute asks for steps without
+    /// structure, derives these for all rules.
     pub(super) fn steps(&self, starts: &[Start<'_>]) -> syn::Result<Vec<Derived>> {
         let forms = if self.block.arguments.derives_unstructured {
             &[false, true][..]
@@ -52,7 +52,7 @@ impl Source<'_> {
         let mut steps = Vec::new();
         for &is_unstructured in forms {
             for start in starts {
-                // the Gauss rules are derived from one node, and from the whole action for
+                // the Gauss rules are derived from one node; their whole action is used for
                 // comparison only
                 let rule = start.listed.rule;
                 let has_stage_noise = rule.options.contain(RuleOption::StageNoise);
@@ -76,8 +76,7 @@ impl Source<'_> {
         })
     }
 
-    /// Derives the step of a rule in an arena that has the derivatives, with the work that is
-    /// granted to the arena.
+    /// Derives the step of a rule. The arena has the derivatives and the granted work.
     fn derive(
         &self,
         rule: Rule,
@@ -117,8 +116,8 @@ impl Source<'_> {
         })
     }
 
-    /// Returns the error of a rule that takes too much work. It names the other rules that do not;
-    /// each of them is derived to know this, from the derivatives in `arena`.
+    /// Returns the error of a rule that takes too much work. The message names the other rules that
+    /// do not; to find them, each is derived from the derivatives in `arena`.
     pub(super) fn rule_too_large(&self, rule: Rule, arena: &Arena) -> syn::Error {
         let others = Rule::all().into_iter().filter(|other| {
             let is_tried = other.stages().is_none_or(|stages| stages == 2);

@@ -1,8 +1,8 @@
-//! The equations that constraints add to those of an action.
+//! The equations of constraints.
 //!
-//! Input: the equations of the variations, and what the constraints added to the action
+//! Input: the equations of the variations, and the contributions of the constraints to the action
 //! ([`Enforced`]). Output: the equations with φ(t₁,q₁) = 0 and the projection of p₁, and each
-//! equation to leading order in the step size, from which the first guess is solved:
+//! equation to leading order in the step size. The first guess solves these:
 //!
 //! ```text
 //! p − (kicks of the noise at q₀, p₀) − p₀ − Dφ(q₀)ᵀ λ = 0      d − h v − Σ ∂G/∂p(q₀,p₀) ΔW = 0      ∂φ/∂t + Dφ(q₀) v = 0
@@ -112,7 +112,7 @@ fn of_variation(
             leading(residual, linear, action, symbols, arena)
         }
         _ => {
-            // the momentum of the velocity
+            // the momentum that belongs to the velocity
             let zero = arena.constant(0.0);
             let mut by = HashMap::from([(action.h, zero)]);
             by.extend(action.displacement.iter().map(|&d| (d, zero)));

@@ -1,4 +1,5 @@
-//! Discrete action → implicit discrete Euler–Lagrange equations; the same for every rule.
+//! Discrete action → implicit discrete Euler–Lagrange equations. The derivation is the same for
+//! every rule.
 //!
 //! Input: an [`Action`]. Output: the equations that determine the unknowns, and equivalent
 //! expressions of the momentum increment.
@@ -7,9 +8,9 @@
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
-//! These are the equations of a vector; those of a rotation are in
-//! [`configuration`](crate::model::configuration). Where a momentum is a function of the
-//! configuration, p₀ and p₁ are that function, and equations at the end may be added
+//! These are the equations of a vector; [`configuration`](crate::model::configuration) has the
+//! equations of a rotation. If a momentum is a function of the configuration, this function
+//! replaces p₀ and p₁, and equations at the end may be added
 //! ([`Ends`](crate::rules::action::Ends)). If there is a force, its work under a variation of x is
 //! added to each ∂S/∂x (Lagrange–d'Alembert principle).
 
@@ -31,37 +32,39 @@ pub(crate) struct Equations {
     pub(crate) unknowns: Vec<Symbol>,
     /// The residuals, which vanish at a solution.
     pub(crate) residuals: Vec<Expr>,
-    /// For each residual, the variable by which the action is varied, or the unknown that an
-    /// equation at the end is there for.
+    /// For each residual, the variable in which the action is varied, or the unknown that an
+    /// equation at the end determines.
     pub(crate) variations: Vec<Symbol>,
     /// `q₁ − q₀`.
     pub(crate) dq: Vec<Expr>,
     /// `p₁ − p₀`: for each component, expressions that are equal at a solution.
     pub(crate) dp: Vec<Vec<Expr>>,
-    /// The equations to leading order in the step size, where the first guess is solved from these.
+    /// The equations to leading order in the step size, if the first guess is solved from these.
     pub(crate) leading: Option<Leading>,
-    /// Unknowns that are taken as known where this makes the others of their block explicit.
+    /// Unknowns that are taken as known if this makes the other unknowns of their block explicit.
     pub(crate) torn: Vec<Symbol>,
-    /// What has to hold beside the equations.
+    /// Conditions that must hold in addition to the equations.
     pub(crate) conditions: Vec<Condition<Expr>>,
-    /// What a step can tell beside its result.
+    /// Additional results of a step.
     pub(crate) reported: Vec<Expr>,
-    /// What must not be negative where a solution is accepted by the contraction of its iteration.
+    /// Expressions that must not be negative if a solution is accepted because its iteration
+    /// contracts.
     pub(crate) guards: Vec<Expr>,
 }
 
 /// The equations to leading order in the step size.
 pub(crate) struct Leading {
-    /// One for each residual.
+    /// One residual for each equation.
     pub(crate) residuals: Vec<Expr>,
-    /// For each equation of a constraint a form that has a limit for h → 0. For others nothing.
+    /// For each equation of a constraint, a form that has a limit for h → 0; `None` for other
+    /// equations.
     pub(crate) mean_values: Vec<Option<MeanValue>>,
-    /// For each residual its variation, as in the equations themselves.
+    /// For each residual its variation, as in [`Equations`].
     pub(crate) variations: Vec<Symbol>,
-    /// For each residual what it is small beside, where that is not the sum of the magnitudes of
-    /// its terms.
+    /// For each residual the scale that it is compared with, if this is not the sum of the
+    /// magnitudes of its terms.
     pub(crate) scales: Vec<Option<Expr>>,
-    /// True if the determinant of their Jacobian has the sign that it has at the solution.
+    /// True if the determinant of their Jacobian has the same sign as at the solution.
     pub(crate) has_sign: bool,
 }
 
@@ -110,7 +113,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
     }
 }
 
-/// The equations in the making.
+/// The equations that are complete so far.
 #[derive(Default)]
 struct Rows {
     residuals: Vec<Expr>,
@@ -130,7 +133,7 @@ impl Rows {
     fn add_block(&mut self, block: &Block, action: &Action, arena: &mut Arena) {
         if block.factor == Factor::Rotation {
             let momenta = momenta_of_rotation(action, block, arena);
-            // the unknowns are in descending order too, so that pivots are on the diagonal
+            // the unknowns are in descending order too, so that the pivots stand on the diagonal
             let turned = action.displacement[block.directions.clone()].iter();
             for (&turned, balance) in turned.zip(momenta.balance).rev() {
                 self.add(turned, balance);
@@ -165,8 +168,8 @@ impl Rows {
         let balance = arena.sum(0.0, &[(1.0, end), (-1.0, kick), (-1.0, p0)]);
         self.add(action.displacement[i], balance);
         if function.is_none() {
-            // ∂S/∂q₀ plus a multiple of a residual. Once the residual gives ∂S/∂d − p₀. Twice the
-            // residual eliminates the force from the midpoint rule, p₁ = 2p − p₀.
+            // Each form is ∂S/∂q₀ plus a multiple of a residual. The multiple 1 gives ∂S/∂d − p₀.
+            // The multiple 2 eliminates the force from the midpoint rule, p₁ = 2p − p₀.
             let mut form = |k| arena.sum(0.0, &[(1.0, kick), (k, balance)]);
             self.dp.push([0.0, 1.0, 2.0].map(&mut form).into());
         }
@@ -175,13 +178,13 @@ impl Rows {
 
 /// The equations of the momentum of a rotation.
 struct MomentaOfRotation {
-    /// Vanishes at a solution.
+    /// The residual, which vanishes at a solution.
     balance: Vec<Expr>,
     /// Π₁ − Π₀.
     change: Vec<Expr>,
 }
 
-/// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative by the rotation at the
+/// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative in the rotation at the
 /// node ([`configuration`](crate::model::configuration)): `Π₁ − Π₀ = τ − x × g`.
 fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> MomentaOfRotation {
     let displacement = &action.displacement[block.directions.clone()];
@@ -230,7 +233,7 @@ fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> Mom
     }
 }
 
-/// Returns a variation with the values of the rotations at the nodes in the place of their entries.
+/// Returns a variation in which the rotations at the nodes have their values.
 fn variation_at_nodes(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
     let variation = variation(action, x, arena);
     if action.rotations.is_empty() {
@@ -251,8 +254,8 @@ fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
     arena.sum(0.0, &terms)
 }
 
-/// Returns the derivative by a rotation at a node in a direction plus the torque of the force about
-/// that axis.
+/// Returns the derivative in a direction of a rotation at a node, plus the torque of the force
+/// about this axis.
 fn with_torque(slope: Expr, direction: usize, work: &[Work], arena: &mut Arena) -> Expr {
     let turns = work.iter().filter_map(|work| match work.place {
         Place::Turn(turned) if turned == direction => Some((1.0, work.impulse)),
@@ -262,8 +265,8 @@ fn with_torque(slope: Expr, direction: usize, work: &[Work], arena: &mut Arena) 
     arena.sum(0.0, &terms)
 }
 
-/// Divides a residual by the highest power of `h` that is a factor of each of its terms, so that
-/// the residual does not vanish with h.
+/// Divides a residual by the highest power of `h` that is a factor of each of its terms. The
+/// quotient does not vanish with h.
 fn divide_out(arena: &mut Arena, expr: Expr, h: Symbol) -> Expr {
     let h = arena.symbol(h);
     let power = |arena: &Arena, term: Expr| match arena.node(term) {

@@ -1,9 +1,9 @@
-//! Bounds of the derivatives at a node over a box of times, positions, velocities and momenta: what
-//! the Gauss rules need to prove which solution of a step they found.
+//! Bounds of the derivatives at a node over a box of times, positions, velocities and momenta. With
+//! these bounds, the Gauss rules prove which solution of a step they found.
 //!
 //! Input: the derivatives of the model. Output: expressions of the magnitudes of second
-//! derivatives, from the centre of the box and half its widths, or nothing where the system is too
-//! large or has a function without bounds. The runtime combines the magnitudes for all stages
+//! derivatives, from the centre of the box and half its widths; none if the system is too large or
+//! has a function without bounds. The runtime combines the magnitudes for all stages
 //! (`gauss/connected.rs`).
 
 use std::collections::HashMap;
@@ -14,15 +14,15 @@ use crate::model::domain;
 use crate::model::{Axis, Meaning, Model, Symbols};
 use crate::system::mechanics::{Mechanics, NoiseJet};
 
-/// Largest number of coordinates of a system with bounds. They take about as long to compute as the
-/// second derivatives.
+/// Largest number of coordinates of a system with bounds. The bounds take about as long to compute
+/// as the second derivatives.
 const BOUNDED: usize = 4;
 
-/// What is known of the number of solutions of a step of many stages.
+/// The number of solutions of a step of many stages, as far as it is known.
 pub(crate) enum Uniqueness {
-    /// The equations are linear: there is one solution.
+    /// The equations are linear and have one solution.
     Linear,
-    /// There is one solution where the bounds prove it.
+    /// The bounds can prove that there is one solution.
     Bounded(Box<NodeBounds>),
     /// There are no bounds.
     Unknown,
@@ -32,19 +32,19 @@ pub(crate) enum Uniqueness {
 pub(crate) struct NodeBounds {
     /// Midpoints and radii of `∂²L/∂v²`.
     pub(crate) mass: [Vec<Vec<Expr>>; 2],
-    /// Magnitudes and radii of the derivatives of `∂L/∂v` by time, and by position.
+    /// Magnitudes and radii of the derivatives of `∂L/∂v` in time, and below in position.
     pub(crate) momentum_by_time: [Vec<Expr>; 2],
     pub(crate) momentum_by_position: [Vec<Vec<Expr>>; 2],
-    /// Magnitudes of the derivatives of `∂L/∂q + F` by time, position and velocity.
+    /// Magnitudes of the derivatives of `∂L/∂q + F` in time, position and velocity.
     pub(crate) force: (Vec<Expr>, [Vec<Vec<Expr>>; 2]),
     pub(crate) noises: Vec<NoiseBounds>,
-    /// What has to be positive for the bounds to hold.
+    /// Expressions that must be positive for the bounds to hold.
     pub(crate) conditions: Vec<Expr>,
 }
 
 /// Magnitudes of derivatives of a noise Hamiltonian G over a box.
 pub(crate) struct NoiseBounds {
-    /// `∂G/∂q`, `∂G/∂p`, and their derivatives by time.
+    /// `∂G/∂q`, `∂G/∂p`, and their derivatives in time.
     pub(crate) vectors: [Vec<Expr>; 4],
     /// `∂²G/∂q²`, `∂²G/∂q∂p` with rows by q, `∂²G/∂p²`.
     pub(crate) matrices: [Vec<Vec<Expr>>; 3],
@@ -97,11 +97,11 @@ fn ranges(model: &Model, symbols: &mut Symbols) -> HashMap<Symbol, Range> {
 
 /// The derivatives that are bounded, in rows.
 struct Derivatives {
-    /// Of the momentum: by velocity, by position, by time.
+    /// The derivatives of the momentum in velocity, position and time.
     momentum: Vec<Vec<Expr>>,
-    /// Of the force: by time, by position, by velocity.
+    /// The derivatives of the force in time, position and velocity.
     force: Vec<Vec<Expr>>,
-    /// Of each noise: the gradient, its derivatives by time, the second derivatives.
+    /// For each noise the gradient, its derivatives in time, and the second derivatives.
     noises: Vec<Vec<Vec<Expr>>>,
 }
 
@@ -147,8 +147,8 @@ impl Derivatives {
         }
     }
 
-    /// Returns the second derivatives. If they are free of positions, velocities and momenta, the
-    /// equations of a step are linear.
+    /// Returns the second derivatives. If they do not depend on positions, velocities and momenta,
+    /// the equations of a step are linear.
     fn second(&self) -> Vec<Expr> {
         let of_noises = self.noises.iter().flat_map(|noise| &noise[4..]);
         let rows = self.momentum.iter().chain(&self.force).chain(of_noises);
@@ -169,8 +169,8 @@ impl Derivatives {
         defined.extend(model.force.iter().flatten());
         let domain = domain::conditions(&defined, arena);
         let domain: Vec<Expr> = domain.iter().map(|c| c.value).collect();
-        // Of the momentum it matters how much its derivatives vary. Of all else magnitudes are
-        // enough, and waves need not be called.
+        // The bounds use how much the derivatives of the momentum vary. For all other derivatives
+        // magnitudes are enough, and no sine or cosine must be computed for these.
         let momentum = self.momentum.concat();
         let momentum = intervals(&momentum, &domain, ranges, Flavour::Box, arena)?;
         let others = [&self.force[..], &self.noises.concat()].concat().concat();

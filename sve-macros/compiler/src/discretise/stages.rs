@@ -1,9 +1,9 @@
-//! What the Gauss rules need of a system: its force at a node, as functions of the node's position
-//! and momentum, and its derivatives by the parameters.
+//! The equations of a system at a node, for the Gauss rules: its force at a node as functions of
+//! the node's position and momentum, and the derivatives in the parameters.
 //!
 //! Input: the derivatives of the model. Output: expressions in the model's own time, positions,
-//! velocities and momenta. Nothing here knows the number of stages; the runtime solves their
-//! equations.
+//! velocities and momenta. These do not depend on the number of stages; the runtime solves the
+//! equations of the stages.
 
 use std::collections::HashMap;
 
@@ -15,39 +15,40 @@ use crate::system::mechanics::Mechanics;
 
 /// The equations at a node.
 pub(crate) struct Stages {
-    /// The model's symbols with those of a node: weight in time and parts of the increments.
+    /// The model's symbols and the symbols of a node: its weight in time and its parts of the
+    /// increments.
     pub(crate) symbols: Symbols,
     pub(crate) weight: Symbol,
     pub(crate) dw: Vec<Symbol>,
-    /// How stages can be solved by fixed-point iteration.
+    /// The form that decides how stages can be solved by fixed-point iteration.
     pub(crate) form: Form,
-    /// True if a noise moves positions: displacements are then unknowns of their own.
+    /// True if a noise moves positions. Displacements are then additional unknowns.
     pub(crate) moves_position: bool,
-    /// The derivatives by each parameter.
+    /// The derivatives in each parameter.
     pub(crate) parameters: Vec<ParameterJet>,
-    /// What is known of the number of solutions of a step.
+    /// The number of solutions of a step, as far as it is known.
     pub(crate) uniqueness: Uniqueness,
 }
 
-/// Fewest stages with which a step is first solved by fixed-point iteration: with fewer stages
-/// Newton's systems are small.
+/// Smallest number of stages for which a step is first solved by fixed-point iteration. With fewer
+/// stages Newton's systems are small.
 const STAGES_OF_FIXED_POINT: usize = 4;
 
 impl Stages {
-    /// Derives bounds, by which a step judges its solution. They come last, so that the order of
-    /// terms elsewhere does not depend on them.
+    /// Derives the bounds by which a step tests its solution. They are derived last, so that the
+    /// order of terms in other expressions does not depend on them.
     pub(crate) fn bound(&mut self, model: &Model, mechanics: &Mechanics, arena: &mut Arena) {
         self.uniqueness = node_bounds::uniqueness(model, mechanics, &mut self.symbols, arena);
     }
 
-    /// Returns the number of unknowns of so many stages: velocities, and displacements if they are
-    /// unknowns of their own.
+    /// Returns the number of unknowns of `stages` stages: velocities, and displacements if they are
+    /// additional unknowns.
     pub(crate) fn unknowns(&self, stages: usize, coordinates: usize) -> usize {
         stages * coordinates * if self.moves_position { 2 } else { 1 }
     }
 
-    /// Returns whether a step of so many stages is first solved by fixed-point iteration. The
-    /// runtime iterates where the generated code asks for it.
+    /// Returns whether a step of this many stages is first solved by fixed-point iteration. The
+    /// generated code tells the runtime.
     pub(crate) fn has_fixed_point(&self, stages: usize) -> bool {
         stages >= STAGES_OF_FIXED_POINT && !matches!(self.form, Form::General)
     }
@@ -67,20 +68,20 @@ pub(crate) enum Form {
         /// a.
         offset: Vec<Expr>,
         impulse: Impulse,
-        /// `Σ ∂G/∂p ω`, what noises add to the displacement.
+        /// `Σ ∂G/∂p ω`, the contribution of noises to the displacement.
         shift: Vec<Expr>,
     },
-    /// ∂L/∂v is not affine in v: Newton's method only.
+    /// ∂L/∂v is not affine in v. Only Newton's method applies.
     General,
 }
 
-/// `w (∂L/∂q + F) − Σ ∂G/∂q ω`, and where it is defined.
+/// `w (∂L/∂q + F) − Σ ∂G/∂q ω`, and the conditions under which it is defined.
 pub(crate) struct Impulse {
     pub(crate) value: Vec<Expr>,
     pub(crate) domain: Vec<Condition<Expr>>,
 }
 
-/// Derivatives by a parameter, in the order of the runtime's `ParameterJet`.
+/// Derivatives in a parameter, in the order of the runtime's `ParameterJet`.
 pub(crate) struct ParameterJet {
     pub(crate) dq: Vec<Expr>,
     pub(crate) dv: Vec<Expr>,
@@ -194,7 +195,7 @@ fn is_zero(e: Expr, arena: &Arena) -> bool {
     arena.constant_value(e) == Some(0.0)
 }
 
-/// Returns `Σ ∂G/∂p ω`, what noises add to the displacement.
+/// Returns `Σ ∂G/∂p ω`, the contribution of noises to the displacement.
 fn shift(model: &Model, mechanics: &Mechanics, dw: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
     let shift = (0..model.dof()).map(|k| {
         let terms = mechanics.noises.iter().zip(dw).map(|(noise, &dw)| {

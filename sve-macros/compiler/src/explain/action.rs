@@ -1,4 +1,5 @@
-//! The discrete action of a rule in its textbook form and written out, and what stands in them.
+//! The discrete action of a rule, in its textbook form and written out, and the meanings of its
+//! symbols.
 
 use super::names::Names;
 use super::page::Page;
@@ -10,8 +11,8 @@ use crate::rules::textbook::{Features, Textbook};
 use crate::rules::{degenerate, discretisation};
 use crate::system::classify::Classified;
 
-/// Returns the text of an action: its textbook form, the action written out where it is short, and
-/// what stands in them.
+/// Returns the text of an action: its textbook form, the action written out if it is short, and the
+/// meanings of the symbols.
 pub(super) fn with_notation(
     textbook: Textbook,
     written_out: Vec<String>,
@@ -64,7 +65,7 @@ pub(super) fn textbook(rule: Rule, system: &Classified, features: &Features) -> 
     }
 }
 
-/// What of the system shows in the textbook form of an action.
+/// Returns the properties of the system that show in the textbook form of an action.
 pub(super) fn features(
     rule: Rule,
     system: &Classified,
@@ -90,7 +91,7 @@ pub(super) fn features(
     }
 }
 
-/// What K of the option `weak2` stands for.
+/// Returns the definition of K of the option `weak2`.
 fn potential(model: &Model) -> &'static str {
     let is_gamma = model.noises.iter().all(|noise| noise.is_gamma);
     match (is_gamma, model.noises.len(), model.dof()) {
@@ -102,8 +103,8 @@ fn potential(model: &Model) -> &'static str {
     }
 }
 
-/// Returns the action as the expression that is differentiated, and its parts; nothing where it is
-/// long.
+/// Returns the action as the expression that is differentiated, and its parts; an empty text if it
+/// is long.
 pub(super) fn written_out(
     rule: Rule,
     action: &Action,
@@ -120,12 +121,12 @@ pub(super) fn written_out(
         return Vec::new();
     };
     let mut lines = vec![format!("S = {text}")];
-    // the nodes are explained beside the textbook form
+    // the textbook form explains the nodes already
     lines.extend(page.explanations(|e| AtNode::of(e, arena).is_some()));
     lines
 }
 
-/// First L, then the constraints, then the noise.
+/// Returns the rank of a term: L comes first, then the constraints, then the noise.
 fn textbook_place(term: Expr, action: &Action, symbols: &Symbols, arena: &Arena) -> u8 {
     let is_noise = |s| matches!(symbols.meaning(s), Meaning::Wiener(_));
     if arena.symbols_of(term).any(is_noise) {

@@ -10,8 +10,8 @@ use crate::rules::gauss::Quadrature;
 use crate::rules::textbook::Features;
 use crate::system::classify::Classified;
 
-/// Writes down a step of so many stages; `half_factor` is ½κ of the option `weak2`, if the action
-/// has its term.
+/// Prints a step with this number of stages. `half_factor` is ½κ of the option `weak2`, if the
+/// action has its term.
 pub(crate) fn gauss(
     rule: Rule,
     count: usize,

@@ -1,8 +1,8 @@
 //! The equations of motion, coordinate by coordinate, and the momenta, in the first-order
 //! Stratonovich form.
 //!
-//! Those of a degenerate Lagrangian are `ω dq = ∇H dt − ∇γ ∘ dW` for massless coordinates,
-//! `0 = ∂L/∂q` for algebraic ones.
+//! The equations of a degenerate Lagrangian are `ω dq = ∇H dt − ∇γ ∘ dW` for massless coordinates
+//! and `0 = ∂L/∂q` for algebraic ones.
 
 use super::names::Names;
 use super::page::Page;
@@ -12,13 +12,13 @@ use crate::system::classify::Classified;
 use crate::system::degeneracy::{Degeneracy, Role};
 use crate::system::mechanics::{Mechanics, NoiseJet};
 
-/// The equations in the making.
+/// The equations of motion that are complete so far.
 struct Motion<'a> {
     page: Page<'a>,
     mechanics: &'a Mechanics,
 }
 
-/// Writes down the equations of motion.
+/// Prints the equations of motion.
 pub(super) fn motion(system: &Classified, arena: &Arena) -> Vec<String> {
     let (model, mechanics) = (&system.model, &system.mechanics);
     let jet = &mechanics.lagrangian;
@@ -81,7 +81,7 @@ impl Motion<'_> {
     /// Returns `dp = (∂L/∂q + F) dt + Σ ∂φ/∂q ∘ dΛ − ∂G/∂q ∘ dW`.
     fn pushed(&mut self, i: usize) -> String {
         let mut line = Line::new(&self.page.names.symbols.component("dp", i));
-        // a body momentum turns against the body
+        // in the body frame the momentum is rotated against the rotation of the body
         if let Some(turned) = self.page.names.symbols.transport(i) {
             line.push(false, &turned);
         }
@@ -174,7 +174,7 @@ impl Motion<'_> {
     }
 }
 
-/// Returns a differential, with its number if there are several.
+/// Returns a differential, with its index if there are several.
 fn numbered(differential: &str, at: usize, count: usize) -> String {
     if count == 1 {
         differential.to_owned()
@@ -183,7 +183,7 @@ fn numbered(differential: &str, at: usize, count: usize) -> String {
     }
 }
 
-/// `dx = a dt + b ∘ dW`, in the making.
+/// An equation `dx = a dt + b ∘ dW` whose terms are being added.
 struct Line {
     text: String,
     empty: bool,

@@ -1,4 +1,4 @@
-//! The names of subexpressions in formulas; those of symbols are in `model/names.rs`.
+//! The names of subexpressions in formulas; `model/names.rs` has the names of symbols.
 
 use std::collections::HashMap;
 
@@ -16,7 +16,7 @@ pub(super) struct Names<'a> {
     parameters: Vec<String>,
     named: HashMap<Expr, String>,
     counts: HashMap<char, usize>,
-    /// Names that were given, by what they stand for.
+    /// Given names, by the texts that they replace.
     given: HashMap<String, String>,
 }
 
@@ -37,12 +37,12 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Calls an expression by a name.
+    /// Gives an expression a name.
     pub(super) fn call(&mut self, expr: Expr, name: String) {
         self.named.entry(expr).or_insert(name);
     }
 
-    /// Gives an expression, written `text`, a name of its own.
+    /// Gives an expression, whose text is `text`, a new numbered name.
     pub(super) fn number(&mut self, expr: Expr, text: String, arena: &Arena) {
         if let Some(name) = self.given.get(&text) {
             self.named.insert(expr, name.clone());
@@ -65,8 +65,8 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Calls an intermediate result of the step, `q₀ + c d` and the like, by its name; others have
-    /// none and are written out.
+    /// Gives an intermediate result of the step such as `q₀ + c d` its name. Other intermediate
+    /// results have no name and are written out.
     pub(super) fn call_node(&mut self, expr: Expr, arena: &Arena) {
         let Some(rule) = &self.rule else { return };
         let Some(AtNode { node, quantity }) = AtNode::of(expr, arena) else {

@@ -1,8 +1,8 @@
-//! Formulas with the names that make them short: what has a name, what is cut off, what the names
-//! stand for.
+//! Formulas that are short because subexpressions have names: the choice of names, the truncation
+//! of long formulas, and the explanations of the names.
 //!
 //! Invariant: every name that occurs in a formula of the page is explained by
-//! [`Page::explanations`], or is part of the notation; what is left out is counted.
+//! [`Page::explanations`], or is part of the notation; omitted parts are counted.
 
 use std::collections::HashMap;
 
@@ -11,17 +11,18 @@ use super::shown;
 use crate::algebra::{Arena, Expr, Node, Notation, Sum, Text};
 use crate::model::AtNode;
 
-/// Characters of a formula; beyond, it is cut off.
+/// Number of characters beyond which a formula is truncated.
 const FORMULA: usize = 240;
 
-/// Characters from which on repeated parts of formulas are given names.
+/// Number of characters from which on repeated parts of formulas get names.
 const LONG: usize = 110;
 
-/// Characters from which on a function is worth a name, and a sum.
+/// Number of characters from which on a function gets a name; `PART` is the number for a sum.
 const FUNCTION: usize = 12;
 const PART: usize = 16;
 
-/// Names on a page, and expressions of formulas that are searched for such parts.
+/// Largest number of names on a page; `SEARCHED` is the largest number of expressions that are
+/// searched for repeated parts.
 const NAMES: usize = 12;
 const SEARCHED: usize = 3000;
 
@@ -29,7 +30,7 @@ const SEARCHED: usize = 3000;
 pub(super) struct Page<'a> {
     pub(super) arena: &'a Arena,
     pub(super) names: Names<'a>,
-    /// Expressions whose names occur in what was written.
+    /// Expressions whose names occur in the text so far.
     used: Vec<Expr>,
 }
 
@@ -42,7 +43,8 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Names nodes of the step, and, where formulas are long, what occurs in them more than once.
+    /// Gives names to nodes of the step and, if formulas are long, to subexpressions that occur
+    /// more than once.
     pub(super) fn name_parts(&mut self, roots: &[Expr]) {
         for e in self.below(roots) {
             self.names.call_node(e, self.arena);
@@ -52,8 +54,8 @@ impl<'a> Page<'a> {
         if !roots.iter().any(long) || inside.len() > SEARCHED {
             return;
         }
-        // how often each is written, the users of an expression before it: what has a name is
-        // written once
+        // Counts how often each expression is printed. The users of an expression are counted
+        // before it, since an expression with a name is printed once.
         let mut times: HashMap<Expr, usize> = HashMap::new();
         let mut chosen = Vec::new();
         for &e in inside.iter().rev() {
@@ -69,7 +71,7 @@ impl<'a> Page<'a> {
             }
         }
         for &e in chosen.iter().rev().take(NAMES) {
-            // the same part of two equations may be two expressions: in one an unknown, in the
+            // the same part of two equations may be two expressions: one contains an unknown, the
             // other its solution
             if let Some(text) = self.arena.display(e, FORMULA, &self.names) {
                 self.names.number(e, text.text, self.arena);
@@ -87,7 +89,7 @@ impl<'a> Page<'a> {
         short.is_none()
     }
 
-    /// What formulas are made of, as far as it has no names.
+    /// Returns the subexpressions of formulas down to those that have names.
     fn below(&self, roots: &[Expr]) -> Vec<Expr> {
         self.arena
             .reachable(roots, |e| self.names.name(e).is_none())
@@ -98,7 +100,7 @@ impl<'a> Page<'a> {
         text.text
     }
 
-    /// Returns an expression.
+    /// Prints an expression.
     pub(super) fn formula(&mut self, expr: Expr) -> String {
         if let Some(text) = self.arena.display(expr, FORMULA, &self.names) {
             return self.take(text);
@@ -108,13 +110,13 @@ impl<'a> Page<'a> {
         self.sum(&sum)
     }
 
-    /// Returns a sum that is short enough to be shown whole.
+    /// Prints a sum; `None` if it is too long to be shown whole.
     pub(super) fn whole(&mut self, sum: &Sum) -> Option<String> {
         let text = self.arena.display_sum(sum, FORMULA, &self.names)?;
         Some(self.take(text))
     }
 
-    /// Returns a sum; of one that is too long as many terms as have room.
+    /// Prints a sum. If it is too long, prints the first terms and the number of the others.
     pub(super) fn sum(&mut self, sum: &Sum) -> String {
         let Sum { constant, terms } = sum;
         if let Some(text) = self.whole(sum) {
@@ -134,7 +136,8 @@ impl<'a> Page<'a> {
         self.cut(terms)
     }
 
-    /// Returns a sum as a factor: whether a minus stands in front, and the rest.
+    /// Prints a sum as a factor: whether a minus sign stands in front, and the text without the
+    /// sign.
     pub(super) fn factor(&mut self, sum: &Sum) -> (bool, String) {
         match self.arena.display_factor(sum, FORMULA, &self.names) {
             Some((negative, text)) => (negative, self.take(text)),
@@ -147,7 +150,7 @@ impl<'a> Page<'a> {
         format!("… ({} operations)", self.arena.operations(&roots))
     }
 
-    /// What an expression is, under its name.
+    /// Prints the operation of an expression that has a name.
     pub(super) fn definition(&mut self, expr: Expr) -> String {
         match self.arena.display_definition(expr, FORMULA, &self.names) {
             Some(text) => self.take(text),
@@ -155,11 +158,11 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// What the names in everything written so far stand for: nodes, then parts, those first that
-    /// others are made of; what is `known` needs no line.
+    /// Returns the explanations of the names in the text so far: nodes first, then parts, where a
+    /// part precedes the parts that contain it. Names that are `known` get no line.
     pub(super) fn explanations(&mut self, known: impl Fn(Expr) -> bool) -> Vec<String> {
         let mut explained: Vec<(String, String, bool)> = Vec::new();
-        // an expression is made of earlier ones
+        // the operands of an expression were created before it
         while let Some(&last) = self.used.iter().max() {
             self.used.retain(|&e| e != last);
             let name = self.names.name(last).unwrap_or_default().to_owned();
@@ -176,7 +179,7 @@ impl<'a> Page<'a> {
         explained.into_iter().map(line).collect()
     }
 
-    /// Returns the first lines of a list, and how many there are beside them.
+    /// Returns the first lines of a list, and the number of the others.
     pub(super) fn list(lines: Vec<String>, length: usize, what: &str) -> Vec<String> {
         let count = shown(length);
         let mut lines: Vec<String> = lines.into_iter().take(count).collect();

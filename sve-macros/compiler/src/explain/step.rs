@@ -24,7 +24,7 @@ pub(crate) struct StepTexts {
     pub(crate) domain: Vec<String>,
 }
 
-/// Writes down a step.
+/// Prints a step.
 pub(crate) fn step(derived: &Derived, system: &Classified) -> StepTexts {
     let Derived {
         rule,
@@ -46,7 +46,7 @@ pub(crate) fn step(derived: &Derived, system: &Classified) -> StepTexts {
     }
 }
 
-/// Characters from which on an expression is not written out in a condition.
+/// Number of characters beyond which an expression is not written out in a condition.
 const CONDITION: usize = 120;
 
 /// Returns the conditions on where functions are evaluated, `1 − v² > 0`.
@@ -64,7 +64,7 @@ fn domain(rule: Rule, scheme: &Scheme<Expr>, symbols: &Symbols, arena: &Arena) -
     conditions.collect()
 }
 
-/// What is solved, and what follows from it.
+/// Returns the equations to be solved, and the results that follow from them.
 fn equations(
     rule: Rule,
     action: &Action,
@@ -119,7 +119,7 @@ fn equations(
     lines
 }
 
-/// Returns the equations of blocks, below what is said of each kind of block.
+/// Returns the equations of blocks. A line about the kind of each block stands above its equations.
 fn solved(blocks: &[(&Block<Expr>, usize)], page: &mut Page<'_>, symbols: &Symbols) -> Vec<String> {
     let mut lines = Vec::new();
     let mut header = String::new();
@@ -134,7 +134,7 @@ fn solved(blocks: &[(&Block<Expr>, usize)], page: &mut Page<'_>, symbols: &Symbo
     lines
 }
 
-/// Returns the first blocks with their first rows, so many rows together.
+/// Returns the first blocks with the numbers of their first rows, `room` rows together.
 fn shown_blocks(scheme: &Scheme<Expr>, mut room: usize) -> Vec<(&Block<Expr>, usize)> {
     let rows = scheme.blocks.iter().map(|block| {
         let rows = block.unknowns.len().min(room);
@@ -170,7 +170,7 @@ fn ends(action: &Action, scheme: &Scheme<Expr>, page: &mut Page<'_>) -> Vec<Stri
     ends
 }
 
-/// Returns whether an expression is the formula of an unknown, which has its own line.
+/// Returns whether an expression is the formula of an unknown. Such a formula has its own line.
 fn is_formula(expr: Expr, scheme: &Scheme<Expr>) -> bool {
     let mut solutions = scheme.blocks.iter().map(|b| &b.solution);
     solutions.any(|s| matches!(s, Solution::Formula(formula) if *formula == expr))
@@ -279,7 +279,7 @@ fn positions(action: &Action) -> Vec<Option<Symbol>> {
     positions
 }
 
-/// Returns `q₁ = q₀ + …`, with what cancels cancelled.
+/// Returns `q₁ = q₀ + …` after cancellation.
 fn end(letter: &str, i: usize, start: Symbol, increment: Expr, page: &mut Page<'_>) -> String {
     let mut sum = Sum::default();
     let start_name = page.names.symbol(start);

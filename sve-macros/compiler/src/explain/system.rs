@@ -10,24 +10,24 @@ use crate::system::classify::Classified;
 use crate::system::commutation::Commutation;
 use crate::system::symmetry::MomentumMap;
 
-/// Texts that no rule changes.
+/// The texts about the system, which are the same for all rules.
 pub(crate) struct SystemTexts {
     /// L.
     pub(crate) lagrangian: String,
-    /// The noise terms as the user means them: γ, not −γ. Empty where there are none.
+    /// The noise terms as the user writes them: γ, not −γ. Empty if there are none.
     pub(crate) noises: String,
-    /// F. Empty where there is none.
+    /// F. Empty if there is none.
     pub(crate) force: String,
-    /// The constraints. Empty where there are none.
+    /// The constraints. Empty if there are none.
     pub(crate) constraints: String,
-    /// The conserved momenta. Empty where there are none.
+    /// The conserved momenta. Empty if there are none.
     pub(crate) momenta: String,
     /// `dq = …`, `dp = …`, `p = ∂L/∂v`.
     pub(crate) motion: String,
 }
 
 impl SystemTexts {
-    /// L, the noise terms, the force and what is conserved.
+    /// Returns L, the noise terms, the force and the conserved momenta.
     pub(crate) fn system(&self) -> String {
         let Self {
             lagrangian,
@@ -47,7 +47,7 @@ impl SystemTexts {
     }
 }
 
-/// Writes down the system.
+/// Prints the system.
 pub(crate) fn system(system: &Classified, arena: &Arena) -> SystemTexts {
     let model = &system.model;
     let mut page = Page::new(arena, Names::new(&model.symbols, None));
@@ -110,7 +110,7 @@ fn constraints(model: &Model, page: &mut Page<'_>) -> Vec<String> {
     lines
 }
 
-/// What to say of noises that commute, where that is not proved.
+/// Returns the remark on noises whose commutation is not proved.
 fn commutation_caveat(commutation: &Commutation) -> Option<&'static str> {
     match commutation {
         Commutation::All(Vanishing::Proved) | Commutation::NonCommuting(..) => None,
@@ -123,7 +123,7 @@ fn commutation_caveat(commutation: &Commutation) -> Option<&'static str> {
     }
 }
 
-/// What a symmetry is, where it is not proved.
+/// Returns the remark on a symmetry that is not proved.
 pub(crate) fn symmetry_caveat(evidence: Vanishing) -> Option<&'static str> {
     match evidence {
         Vanishing::Proved => None,

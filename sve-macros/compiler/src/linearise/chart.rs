@@ -1,11 +1,11 @@
 //! The charts in which tangent maps and sensitivities of rotations are written.
 //!
-//! Input: the derivatives of a step by the entries of R₀, by Π₀ and the parameters. Output: the
+//! Input: the derivatives of a step in the entries of R₀, in Π₀ and in the parameters. Output: the
 //! derivatives in canonical coordinates.
 //!
-//! Near a rotation R with momentum Π the coordinates are the Cayley vector ε of a small rotation R
-//! cay(ε) and the momentum y that is conjugate to it. To first order `Π = y − ½ ε × Π`, so that
-//! `δy = δΠ + ½ ε × Π`: the form `dε ∧ dy` is the canonical one, and the tangent map of a step is a
+//! Near a rotation R with momentum Π the coordinates are the Cayley vector ε of a small rotation, R
+//! cay(ε), and the momentum y conjugate to ε. To first order `Π = y − ½ ε × Π`, so that
+//! `δy = δΠ + ½ ε × Π`. The form `dε ∧ dy` is canonical, and the tangent map of a step is a
 //! symplectic matrix. At the end of a step R₁ = R₀ cay(x),
 //!
 //! ```text
@@ -17,10 +17,11 @@ use crate::model::configuration::{Block, Factor, cross, differential, transposed
 use crate::rules::action::Action;
 use crate::structure::Scheme;
 
-/// A variable by which a step is differentiated.
+/// A variable in which a step is differentiated.
 pub(super) enum Input {
     Symbol(Symbol),
-    /// A rotation turns in a direction: the rates of the entries of R₀ and of the components of Π₀.
+    /// A rotation that turns in a direction: the rates of the entries of R₀ and of the components
+    /// of Π₀.
     Turn(Vec<(Symbol, Expr)>),
 }
 
@@ -78,9 +79,9 @@ fn turn(k: usize, entries: &[Symbol], momenta: &[Symbol], arena: &mut Arena) -> 
     Input::Turn(rates)
 }
 
-/// Replaces the derivatives of q₁ − q₀ and p₁ − p₀, in rows, by those of the coordinates at the end
-/// less the coordinates at the start. `first` says that the columns are the coordinates at the
-/// start and the parameters; otherwise they are unknowns.
+/// Replaces the derivatives of q₁ − q₀ and p₁ − p₀, in rows, by the derivatives of the coordinates
+/// at the end minus the coordinates at the start. If `first`, the columns are the coordinates at
+/// the start and the parameters; otherwise they are unknowns.
 pub(super) fn at_end(
     rows: &mut [Vec<Expr>],
     first: bool,
@@ -94,7 +95,7 @@ pub(super) fn at_end(
             let columns = rows.first().map_or(0, Vec::len);
             let frame = Frame::new(&block, scheme, action, arena);
             for column in 0..columns {
-                // which direction of the block the column is
+                // the direction of the block that the column belongs to
                 let turned = first.then(|| block.directions.clone().position(|i| i == column));
                 let changes = block.directions.clone().map(|i| rows[i][column]);
                 let momenta = block.directions.clone().map(|i| rows[n + i][column]);
@@ -109,7 +110,7 @@ pub(super) fn at_end(
     }
 }
 
-/// What the coordinates of a rotation at the end of a step depend on.
+/// The quantities that the coordinates of a rotation at the end of a step depend on.
 struct Frame {
     differential: [[Expr; 3]; 3],
     turn: [[Expr; 3]; 3],
@@ -136,8 +137,9 @@ impl Frame {
         }
     }
 
-    /// Returns the derivatives of the coordinates at the end less those at the start, from the
-    /// derivatives of x and of Π₁ − Π₀. `turned` is the direction in which R₀ turns, if it does.
+    /// Returns the derivatives of the coordinates at the end minus the coordinates at the start,
+    /// from the derivatives of x and of Π₁ − Π₀. `turned` is the direction in which R₀ turns, if it
+    /// turns.
     fn column(
         &self,
         dx: &[Expr],

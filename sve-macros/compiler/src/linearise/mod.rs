@@ -1,4 +1,4 @@
-//! Scheme → the linearised step, from which the runtime computes the derivatives of the result by
+//! Scheme → the linearised step, from which the runtime computes the derivatives of the result in
 //! the initial state and the parameters.
 //!
 //! Let x be the unknowns of the blocks, z the initial state and the parameters, R(x, z) the
@@ -8,12 +8,12 @@
 //! dy/dz = ∂y/∂z − ∂y/∂x (∂R/∂x)⁻¹ ∂R/∂z
 //! ```
 //!
-//! Output: the non-zero entries of the four matrices. A quantity that has a formula is not among
-//! the unknowns.
+//! Output: the nonzero entries of the four matrices. A quantity that has a formula does not count
+//! as an unknown.
 //!
-//! Where forces act at both ends of an explicit step, ∂y/∂z is a sum over intermediate values w(z),
-//! and an entry of it has as many terms as there are coordinates. In a step of many coordinates
-//! such values are kept apart:
+//! If forces act at both ends of an explicit step, ∂y/∂z is a sum over intermediate values w(z),
+//! and each of its entries has as many terms as there are coordinates. In a step of many
+//! coordinates the derivatives of these values are kept separate:
 //!
 //! ```text
 //! dy/dz = ∂y/∂z + ∂y/∂w dw/dz
@@ -38,7 +38,7 @@ pub(crate) struct Entry {
 
 /// The linearised step.
 pub(crate) struct Linearisation {
-    /// The symbols that stand for x after the blocks are solved.
+    /// The symbols of x after the blocks are solved.
     pub(crate) unknowns: Vec<Symbol>,
     /// Number of results, twice the number of degrees of freedom.
     pub(crate) outputs: usize,
@@ -46,11 +46,12 @@ pub(crate) struct Linearisation {
     pub(crate) inputs: usize,
     /// ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.
     pub(crate) matrices: [Vec<Entry>; 4],
-    /// dw/dz and ∂y/∂w, if there are intermediate values, which are at most as many as coordinates.
+    /// dw/dz and ∂y/∂w, if there are intermediate values. There are at most as many values as
+    /// coordinates.
     pub(crate) through: Option<[Vec<Entry>; 2]>,
 }
 
-/// Coordinates of a step up to which there are no intermediate values.
+/// Largest number of coordinates of a step without intermediate values.
 const WITHOUT_INTERMEDIATES: usize = 8;
 
 /// Differentiates the residuals and the results of a scheme.
@@ -109,8 +110,8 @@ pub(crate) fn linearise(
     }
 }
 
-/// Differentiates the results of an explicit step by way of the formulas of its blocks. Returns
-/// nothing for steps of few coordinates, and for steps that are not explicit.
+/// Differentiates the results of an explicit step through the formulas of its blocks. Returns
+/// `None` for a step of few coordinates or one that is not explicit.
 fn through_intermediates(
     results: &[Expr],
     inputs: &[Input],
@@ -132,7 +133,7 @@ fn through_intermediates(
         if names.contains_key(&formula) {
             continue;
         }
-        // the results have the formula in place of this symbol
+        // the results contain the formula instead of this symbol
         let symbol = block.unknowns[0];
         names.insert(formula, arena.symbol(symbol));
         back.insert(symbol, formula);
@@ -198,7 +199,7 @@ fn residuals_at_solution(iteration: &Iteration<Expr>, arena: &mut Arena) -> Vec<
         .collect()
 }
 
-/// Returns the entries of a matrix that are not zero.
+/// Returns the nonzero entries of a matrix.
 fn entries(rows: &[Vec<Expr>], arena: &mut Arena) -> Vec<Entry> {
     let zero = arena.constant(0.0);
     let mut entries = Vec::new();

@@ -1,5 +1,5 @@
-//! Configuration spaces: what a coordinate is, how an increment moves it, and how momenta follow
-//! from derivatives of an action.
+//! Configuration spaces: their coordinates, the motion of a coordinate by an increment, and the
+//! momenta that follow from derivatives of an action.
 //!
 //! A configuration consists of blocks: vectors and rotations. Its *entries* are the numbers that a
 //! Lagrangian reads: the coordinates of a vector, and the nine entries of the matrix R of a
@@ -15,7 +15,7 @@
 //! δx = (1 + ½ x̂ + ¼ x xᵀ) ε₁ − (1 − ½ x̂ + ¼ x xᵀ) ε₀        (R̄ᵀδR̄)^∨ = ½ (1 + ½ ŷ) ε₁ + ½ (1 − ½ ŷ) ε₀
 //! ```
 //!
-//! so that with g = ∂S/∂x and the left-trivialised derivative τ of S by R̄ the momenta −∂S/∂ε₀ and
+//! so that with g = ∂S/∂x and the left-trivialised derivative τ of S in R̄ the momenta −∂S/∂ε₀ and
 //! ∂S/∂ε₁ are
 //!
 //! ```text
@@ -23,7 +23,7 @@
 //! ```
 //!
 //! Source: Bou-Rabee, Marsden, *Hamilton–Pontryagin integrators on Lie groups* (2009). The second
-//! variation is that of a Jacobi field on a group with a bi-invariant metric, at the middle of its
+//! variation is a Jacobi field on a group with a bi-invariant metric, at the middle of its
 //! geodesic.
 
 use std::collections::HashMap;
@@ -31,16 +31,16 @@ use std::ops::Range;
 
 use crate::algebra::{Arena, Expr, Function, Symbol};
 
-/// Directions in which a rotation moves.
+/// Number of directions in which a rotation moves.
 const DIRECTIONS: usize = 3;
 
-/// Entries of the matrix of a rotation.
+/// Number of entries of the matrix of a rotation.
 const ENTRIES: usize = 9;
 
 /// A factor of a configuration space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Factor {
-    /// A vector of so many coordinates.
+    /// A vector with this number of coordinates.
     Vector(usize),
     Rotation,
 }
@@ -51,7 +51,7 @@ pub(crate) struct Configuration {
     factors: Vec<Factor>,
 }
 
-/// A factor with its place among entries and directions.
+/// A factor with its ranges of entries and directions.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     pub(crate) factor: Factor,
@@ -98,8 +98,8 @@ impl Configuration {
         self.factors.contains(&Factor::Rotation)
     }
 
-    /// Returns the rotation to which an entry belongs: its number, with row and column. `None` for
-    /// a coordinate.
+    /// Returns the rotation to which an entry belongs: its number, and the row and column of the
+    /// entry. `None` for a coordinate of a vector.
     pub(crate) fn rotation_of(&self, entry: usize) -> Option<RotationEntry> {
         let blocks = self.blocks();
         let rotations: Vec<&Block> = blocks
@@ -117,7 +117,7 @@ impl Configuration {
         })
     }
 
-    /// Returns the derivative of an expression in each direction, with these symbols of the
+    /// Returns the derivative of an expression in each direction; `entries` are the symbols of the
     /// entries.
     pub(crate) fn gradient(&self, expr: Expr, entries: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
         let mut gradient = Vec::new();
@@ -134,8 +134,8 @@ impl Configuration {
         gradient
     }
 
-    /// Returns the bracket `Σ Π·(a × b)` of the rotations, by which the Poisson bracket differs
-    /// from that of a vector space.
+    /// Returns the term `Σ Π·(a × b)` of the rotations, by which the Poisson bracket differs from
+    /// the bracket of a vector space.
     pub(crate) fn transport(
         &self,
         momenta: &[Expr],
@@ -168,9 +168,9 @@ impl Configuration {
         commutator
     }
 
-    /// Returns the entries with values that are those of rotations for any values of `parameters`,
-    /// of which each rotation has four: the components of a quaternion, whose length does not
-    /// matter. Identities that hold for rotations hold for these entries.
+    /// Returns expressions of the entries that form rotations for any values of `parameters`. Each
+    /// rotation has four parameters, the components of a quaternion of any length. Identities that
+    /// hold for rotations hold for these entries.
     pub(crate) fn parametrised(
         &self,
         entries: &[Symbol],
@@ -197,7 +197,7 @@ impl Configuration {
 /// An entry of the matrix of a rotation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RotationEntry {
-    /// Number of the rotation, if there are several.
+    /// Number of the rotation; `None` if there is only one.
     pub(crate) number: Option<usize>,
     pub(crate) row: usize,
     pub(crate) column: usize,
@@ -207,12 +207,12 @@ pub(crate) struct RotationEntry {
 pub(crate) struct Midpoint {
     /// The entries of the matrix.
     pub(crate) entries: Vec<Expr>,
-    /// The Cayley vector of the way from the start to the middle.
+    /// The Cayley vector of the rotation from the start to the middle.
     pub(crate) half: Vec<Expr>,
 }
 
-/// Returns the midpoint R₀ cay(y) of a rotation, half of the way along a geodesic: `y = x/(1 + s)`
-/// with `s = √(1 + ¼|x|²)`, and `cay(y) = 1 + x̂/(2s) + x̂²/(4s(1 + s))`.
+/// Returns the midpoint R₀ cay(y) of a rotation, halfway along a geodesic: `y = x/(1 + s)` with
+/// `s = √(1 + ¼|x|²)`, and `cay(y) = 1 + x̂/(2s) + x̂²/(4s(1 + s))`.
 pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena) -> Midpoint {
     let squares: Vec<(f64, Expr)> = x.iter().map(|&x| (0.25, arena.pow(x, 2))).collect();
     let square = arena.sum(1.0, &squares);
@@ -243,8 +243,8 @@ pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena
     Midpoint { entries, half }
 }
 
-/// Returns `g + ½ x × g + ¼ x (x·g)`, the part of the momentum at the start that the derivative g
-/// by the increment gives.
+/// Returns `g + ½ x × g + ¼ x (x·g)`, the part of the momentum at the start that depends on the
+/// derivative g in the increment.
 pub(crate) fn momentum_at_start(x: &[Expr], g: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     let products: Vec<(f64, Expr)> = x
         .iter()
@@ -315,7 +315,7 @@ fn shortening(x: &[Expr], arena: &mut Arena) -> Expr {
     arena.opaque(scale)
 }
 
-/// Returns the derivative of an expression in the directions of a rotation, from the derivatives by
+/// Returns the derivative of an expression in the directions of a rotation, from the derivatives in
 /// its entries.
 pub(crate) fn directions_of_rotation(
     slopes: &[Expr],
@@ -337,8 +337,8 @@ pub(crate) fn cross(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     (0..DIRECTIONS).map(component).collect()
 }
 
-/// Returns the derivative of an expression with these derivatives by the entries where R moves by R
-/// ê, with e the unit vector of a direction: column j moves by `R (e × e_j)`.
+/// Returns the derivative of an expression if R moves by R ê, where e is the unit vector of a
+/// direction: column j moves by `R (e × e_j)`. `slopes` are the derivatives in the entries.
 fn turned(slopes: &[Expr], entries: &[Symbol], direction: usize, arena: &mut Arena) -> Expr {
     let (next, last) = ((direction + 1) % 3, (direction + 2) % 3);
     let mut terms = Vec::new();

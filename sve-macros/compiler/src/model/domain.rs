@@ -1,20 +1,20 @@
-//! Where the functions in L and in the noises are defined.
+//! The domain of the functions in L and in the noises.
 //!
 //! Input: expressions. Output: for each function in them that is not defined everywhere, an
-//! expression that has to be positive, or not negative, with its text. Invariant: what cannot be
-//! negative by its form (a sum of squares under a root) is not listed, so that a step does not
+//! expression that must be positive, or nonnegative, with its text. Invariant: an expression that
+//! is nonnegative by its form (a sum of squares under a root) is not listed, so a step does not
 //! compute it.
 
 use crate::algebra::{Arena, Domain, Expr, Node, Sign};
 
-/// A condition on where a function is evaluated.
+/// A condition under which a function is defined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Condition<T> {
-    /// What has to be positive.
+    /// The expression that must be positive.
     pub(crate) value: T,
     /// True if 0 is allowed too.
     pub(crate) is_closed: bool,
-    /// The same as it stands in the action, for messages.
+    /// The same expression as it occurs in the action, for messages.
     pub(crate) text: Expr,
 }
 
@@ -42,7 +42,7 @@ pub(crate) fn conditions(roots: &[Expr], arena: &mut Arena) -> Vec<Condition<Exp
     found
 }
 
-/// What has to be positive where a function is called, and whether 0 is allowed.
+/// Returns the expression that must be positive for a call to be defined, and whether 0 is allowed.
 fn condition(call: Expr, arena: &mut Arena) -> Option<(Expr, bool)> {
     match *arena.node(call) {
         Node::Call(function, x) => match function.domain() {
@@ -71,7 +71,7 @@ fn sign_of_number(x: f64) -> Sign {
     }
 }
 
-/// What is known of the sign of an expression from its form.
+/// Returns the sign of an expression, as far as its form shows it.
 fn sign(expr: Expr, arena: &Arena) -> Sign {
     let mut signs: std::collections::HashMap<Expr, Sign> = std::collections::HashMap::new();
     for e in arena.reachable(&[expr], |_| true) {

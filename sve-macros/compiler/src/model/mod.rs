@@ -1,8 +1,8 @@
 //! The mechanical system as expressions, which all later stages read.
 //!
 //! Invariant: the Lagrangian and the force contain only the symbols of time, `q`, `v` and
-//! parameters, a noise Hamiltonian only those of time, `q`, `p` and parameters, a generator only
-//! those of time, `q` and parameters.
+//! parameters. A noise Hamiltonian contains only time, `q`, `p` and parameters, and a generator
+//! only time, `q` and parameters.
 
 use proc_macro2::TokenStream;
 
@@ -27,7 +27,7 @@ pub(crate) struct NoiseTerm {
     pub(crate) name: String,
     /// True if the user wrote γ; the Hamiltonian is then −γ.
     pub(crate) is_gamma: bool,
-    /// True if the momentum along the constraints is to take the place of p.
+    /// True if the momentum along the constraints replaces p.
     pub(crate) is_tangent: bool,
     pub(crate) hamiltonian: Expr,
 }
@@ -74,8 +74,8 @@ pub(crate) struct Model {
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
     pub(crate) constraints: Vec<Constraint>,
-    /// The paths that are read as constants of `std::f64::consts` and may lead elsewhere, each with
-    /// the value it is read as.
+    /// The paths that are read as constants of `std::f64::consts` and may refer to something else,
+    /// each with the value of the constant.
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }
 
@@ -116,8 +116,8 @@ impl Model {
         arena.sum(0.0, &terms)
     }
 
-    /// What rounding errors of φ are relative to: the sum of the magnitudes of its terms, and
-    /// `Σ |∂φ/∂q| |q|` for the rounding of the coordinates.
+    /// Returns the magnitude to which rounding errors of φ are relative: the sum of the magnitudes
+    /// of its terms, and `Σ |∂φ/∂q| |q|` for the rounding of the coordinates.
     pub(crate) fn magnitude(&self, value: Expr, arena: &mut Arena) -> Expr {
         let (constant, terms) = match arena.node(value) {
             Node::Sum(constant, terms) => (constant.get(), terms.clone()),

@@ -1,4 +1,4 @@
-//! What symbols are called in formulas for users; the notation is in `explain/mod.rs`.
+//! Names of symbols in formulas for users. `explain/mod.rs` describes the notation.
 
 use super::configuration::{Block, Factor, RotationEntry};
 use super::{Family, Meaning, Quantity, Symbols, Unknown};
@@ -10,8 +10,8 @@ const LETTERS: [&str; 6] = ["q", "v", "p", "t", "h", "L"];
 /// The names of symbols in formulas.
 pub(crate) struct SymbolNames<'a> {
     symbols: &'a Symbols,
-    /// In the equations of a step, the letters of the rule's own variables, which parameters of the
-    /// same name do not get.
+    /// In the equations of a step, the letters of the rule's own variables. Parameters of the same
+    /// name get other names.
     of_step: Option<&'static [&'static str]>,
 }
 
@@ -22,7 +22,7 @@ impl<'a> SymbolNames<'a> {
         Self { symbols, of_step }
     }
 
-    /// Returns the names in the equations of a step, whose rule has variables of these letters.
+    /// Returns the names in the equations of a step. The rule has variables with these letters.
     pub(crate) fn of_step(symbols: &'a Symbols, letters: &'static [&'static str]) -> Self {
         let of_step = Some(letters);
         Self { symbols, of_step }
@@ -38,7 +38,7 @@ impl<'a> SymbolNames<'a> {
         names.collect()
     }
 
-    /// Returns a field as the user writes it, without `self.` where that is clear.
+    /// Returns a field as the user spells it, without `self.` if the name is unambiguous.
     fn parameter(&self, access: &str) -> String {
         let path: String = access.split_whitespace().collect();
         let path = path.replace("r#", "");
@@ -55,8 +55,8 @@ impl<'a> SymbolNames<'a> {
         }
     }
 
-    /// Returns `q₀[i]`, or `q₀` where there is one coordinate; of a rotation `ω[i]`, `Π₀[i]` and
-    /// the like.
+    /// Returns `q₀[i]`, or `q₀` if there is one coordinate; for a rotation `ω[i]`, `Π₀[i]` and
+    /// similar names.
     pub(crate) fn component(&self, letter: &str, i: usize) -> String {
         component(letter, i, self.symbols)
     }
@@ -88,7 +88,7 @@ impl<'a> SymbolNames<'a> {
 }
 
 impl Symbols {
-    /// Returns a formula of the system, where it is no longer than `limit`.
+    /// Returns a formula of the system, if it is no longer than `limit`.
     pub(crate) fn formula(&self, expr: Expr, limit: usize, arena: &Arena) -> Option<String> {
         let text = arena.display(expr, limit, &SymbolNames::of_system(self))?;
         Some(text.text)
@@ -118,7 +118,7 @@ pub(crate) fn unknown(symbols: &Symbols, symbol: Symbol) -> String {
     component(letter, index, symbols)
 }
 
-/// Returns a component in a direction: `v[i]`, or of a rotation `ω[i]`, with the letter for
+/// Returns a component in a direction: `v[i]`, or `ω[i]` for a rotation, with the letter for
 /// rotations in place of the letter for vectors.
 fn component(letter: &str, i: usize, symbols: &Symbols) -> String {
     let blocks = symbols.configuration.blocks();
@@ -139,7 +139,7 @@ fn component(letter: &str, i: usize, symbols: &Symbols) -> String {
     indexed(letter, i, of)
 }
 
-/// Letters for vectors, and those of the same quantities for rotations.
+/// Letters for vectors, and the letters of the same quantities for rotations.
 const ROTATION: [(&str, &str); 7] = [
     ("dq", "(RᵀdR)"),
     ("v", "ω"),

@@ -3,7 +3,7 @@
 
 use crate::algebra::{Arena, Expr, Identity, Node};
 
-/// The node at the end of a step with constraints, whose number no rule uses.
+/// The node at the end of a step with constraints. No rule uses this number.
 pub(crate) const END: usize = 1 << 20;
 
 /// A quantity at a quadrature node of a rule.
@@ -15,7 +15,7 @@ pub(crate) struct AtNode {
 }
 
 impl AtNode {
-    /// Returns the identity of the intermediate result that stands for the quantity in the arena.
+    /// Returns the identity of the intermediate result of the quantity in the arena.
     pub(crate) fn identity(self) -> Identity {
         let (kind, index) = match self.quantity {
             NodeQuantity::Time => (0, 0),
@@ -25,7 +25,7 @@ impl AtNode {
         Identity((self.node as u64) << 34 | kind << 32 | index as u64)
     }
 
-    /// Returns the quantity for which an expression stands; `None` if the expression is not a
+    /// Returns the quantity that an expression represents; `None` if the expression is not a
     /// quantity at a node.
     pub(crate) fn of(expr: Expr, arena: &Arena) -> Option<Self> {
         let Node::Opaque(_, Some(Identity(bits))) = *arena.node(expr) else {

@@ -1,4 +1,4 @@
-//! What the symbols of the arena stand for.
+//! The symbols of the arena and their meanings.
 
 use proc_macro2::TokenStream;
 
@@ -6,7 +6,7 @@ use super::Unknown;
 use super::configuration::Configuration;
 use crate::algebra::Symbol;
 
-/// The quantity for which a symbol stands.
+/// The quantity that a symbol denotes.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {
     /// A field of the user's struct: its name, and the expression that reads it.
@@ -16,8 +16,8 @@ pub(crate) enum Meaning {
     },
     Time,
     StepSize,
-    /// Entry of the configuration, component of the velocity or of the momentum of the continuous
-    /// system.
+    /// An entry of the configuration, or a component of the velocity or the momentum, of the
+    /// continuous system.
     Position(usize),
     Velocity(usize),
     Momentum(usize),
@@ -29,13 +29,13 @@ pub(crate) enum Meaning {
     Unknown(Unknown),
     /// The limit of an unknown for h → 0 without noise.
     Limit(Unknown),
-    /// Entry of a rotation at a node of a rule, for which its value is substituted once the action
-    /// is differentiated.
+    /// An entry of a rotation at a node of a rule. Its value replaces it once the action is
+    /// differentiated.
     NodeEntry(usize),
-    /// A parameter of rotations, on which only tests of identities depend
+    /// A parameter of rotations, which occurs in tests of identities only
     /// (`Configuration::parametrised`).
     Attitude(usize),
-    /// Component of the momentum at the end of the step, which the action gives.
+    /// A component of the momentum at the end of the step, which follows from the action.
     End(usize),
     /// Half the width of a box around a point, in the direction of a coordinate.
     Radius(Axis),
@@ -61,7 +61,8 @@ pub(crate) enum Quantity {
 #[derive(Clone, Default)]
 pub(crate) struct Symbols {
     meanings: Vec<Meaning>,
-    /// What the entries of the configuration and the components of velocity and momentum are.
+    /// The kinds of the entries of the configuration and of the components of velocity and
+    /// momentum.
     pub(crate) configuration: Configuration,
 }
 
@@ -91,7 +92,7 @@ impl Symbols {
             .filter(|&s| matches!(self.meaning(s), Meaning::Parameter { .. }))
     }
 
-    /// Returns a parameter as it is written in the source, without `self`.
+    /// Returns a parameter as the source spells it, without `self`.
     pub(crate) fn source(&self, parameter: Symbol) -> String {
         match self.meaning(parameter) {
             Meaning::Parameter { access, .. } => {

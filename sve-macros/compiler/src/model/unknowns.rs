@@ -15,21 +15,21 @@ pub(crate) enum Family {
     /// `q₁ − q₀`.
     Displacement,
     Velocity,
-    /// The velocity of a path at a stage, beside that at which L is evaluated.
+    /// The velocity of a path at a stage, in addition to the velocity at which L is evaluated.
     StageVelocity,
     Momentum,
     Acceleration,
-    /// The multiplier of the equation that defines the velocity of `taylor2`, a momentum.
+    /// The multiplier of the equation that defines the velocity of `taylor2`. It is a momentum.
     VelocityMultiplier,
     /// The multiplier of the equation that defines the acceleration of `taylor2`.
     AccelerationMultiplier,
-    /// The multiplier of a constraint at the start of the step, an impulse.
+    /// The multiplier of a constraint at the start of the step. It is an impulse.
     StartMultiplier,
     /// The multiplier of a constraint at the end of the step.
     EndMultiplier,
-    /// The velocity of p₁ at q₁.
+    /// The velocity that belongs to p₁ at q₁.
     EndVelocity,
-    /// The distance from q₀ of a coordinate that is a variable of the node.
+    /// The distance of a coordinate at the node from q₀, if it is a variable of the node.
     NodeDisplacement,
     /// The multiplier that keeps p = α(q) at the end of the step: a displacement of both ends.
     Projection,
@@ -40,8 +40,8 @@ impl Family {
         matches!(self, Self::StartMultiplier | Self::EndMultiplier)
     }
 
-    /// Returns whether the unknown is the distance from a point that it does not leave in the limit
-    /// of no noise and h → 0.
+    /// Returns whether the unknown is the distance from a point, which vanishes in the limit of no
+    /// noise and h → 0.
     pub(crate) fn is_displacement(self) -> bool {
         matches!(
             self,

@@ -1,7 +1,7 @@
-//! The arguments of the attribute: rules with their own arguments, the path of the runtime.
+//! The arguments of the attribute: rules with their own arguments, and the path of the runtime.
 //!
-//! Input: the attribute's tokens. Output: [`Arguments`]. A mistake is reported at its token; a rule
-//! with a mistake is left out.
+//! Input: the tokens of the attribute. Output: [`Arguments`]. A mistake is reported at its token,
+//! and a rule with a mistake is left out.
 
 use proc_macro2::{Span, TokenStream};
 use syn::parse::{ParseStream, Parser};
@@ -14,28 +14,28 @@ use crate::syntax::rule_arguments::{self, RuleArguments};
 /// The arguments of the attribute.
 pub(crate) struct Arguments {
     pub(crate) rules: Vec<ListedRule>,
-    /// Path of the runtime crate, `::sve_runtime` unless `crate = path` says otherwise.
+    /// Path of the runtime crate: `::sve_runtime`, or the path of `crate = path`.
     pub(crate) runtime: syn::Path,
-    /// True if each rule is derived a second time without its structure, which `structure = both`
-    /// asks for: a comparison for tests and benchmarks of this project, which no message offers to
-    /// users.
+    /// True if `structure = both` stands in the attribute: each rule is derived a second time
+    /// without its structure. Tests and benchmarks of this project compare the two; no message
+    /// offers this argument to users.
     pub(crate) derives_unstructured: bool,
-    /// True if the attitude of the bodies is left out of functions and states, which `reduced` asks
-    /// for.
+    /// True if `reduced` stands in the attribute: functions and states do not contain the attitude
+    /// of the bodies.
     pub(crate) is_reduced: bool,
 }
 
 /// A rule in the attribute, with the places of its tokens.
 pub(crate) struct ListedRule {
     pub(crate) rule: Rule,
-    /// Where its name stands.
+    /// The place of its name.
     pub(crate) place: Span,
-    /// Where its options stand.
+    /// The options, each with its place.
     pub(crate) options: Vec<(RuleOption, Span)>,
 }
 
 impl ListedRule {
-    /// Where an option stands.
+    /// Returns the place of an option.
     pub(crate) fn place_of(&self, option: RuleOption) -> Span {
         let found = self.options.iter().find(|(other, _)| *other == option);
         found.map_or(self.place, |&(_, place)| place)
@@ -43,12 +43,12 @@ impl ListedRule {
 }
 
 impl Arguments {
-    /// Reads the attribute; what is wrong in it is left out.
+    /// Reads the attribute. Reports mistakes, and leaves out the parts that contain them.
     pub(crate) fn read(attribute: TokenStream, errors: &mut Errors) -> Self {
         Self::read_with(&Rule::all(), attribute, errors)
     }
 
-    /// Reads an attribute that names some of these rules.
+    /// Reads an attribute. The rules in it must be among `all`.
     pub(super) fn read_with(all: &[Rule], attribute: TokenStream, errors: &mut Errors) -> Self {
         let mut read = Self {
             rules: Vec::new(),
@@ -112,8 +112,8 @@ impl Arguments {
         Ok(())
     }
 
-    /// Reads a rule whose name has just been read. Returns an error if what follows cannot be told
-    /// from this rule.
+    /// Reads the arguments of a rule whose name has just been read. Returns an error if the rest of
+    /// the attribute cannot be separated from this rule.
     fn rule(
         &mut self,
         all: &[Rule],
@@ -135,7 +135,7 @@ impl Arguments {
             None
         };
         if !input.is_empty() && !input.peek(Token![,]) {
-            // what follows is a part of the same mistake
+            // the following tokens are a part of the same mistake
             return Err(no_comma(name, known, input.span(), all));
         }
         if !known {
@@ -158,13 +158,13 @@ impl Arguments {
     }
 }
 
-/// Returns whether `= both` follows.
+/// Returns whether the next tokens are `= both`.
 fn is_both(input: ParseStream<'_>) -> bool {
     let ahead = input.fork();
     ahead.parse::<Token![=]>().is_ok() && ahead.parse::<Ident>().is_ok_and(|word| word == "both")
 }
 
-/// Returns the error of an entry that something else than a comma follows.
+/// Returns the error of an entry that is not followed by a comma.
 fn no_comma(name: &Ident, is_rule: bool, follows: Span, all: &[Rule]) -> syn::Error {
     if is_rule {
         let message = "expected a comma between rules, as in `#[variational(midpoint, endpoint)]`";
@@ -187,7 +187,7 @@ fn unknown_rule(name: &str, all: &[Rule]) -> String {
     }
 }
 
-/// Returns the names of rules in a sentence.
+/// Returns the names of rules as a part of a sentence.
 fn listed(rules: &[Rule]) -> String {
     catalogue::names(rules).join(", ")
 }

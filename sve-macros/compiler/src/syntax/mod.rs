@@ -14,7 +14,7 @@ pub(crate) mod signature;
 use quote::ToTokens;
 use syn::Type;
 
-/// Returns a type without parentheses, and without the invisible ones of a macro.
+/// Returns a type without its parentheses and without the invisible groups of a macro.
 pub(crate) fn bare(ty: &Type) -> &Type {
     match ty {
         Type::Paren(inner) => bare(&inner.elem),

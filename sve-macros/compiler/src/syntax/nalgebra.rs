@@ -1,18 +1,18 @@
-//! Types of nalgebra as they are written: `Vector3<f64>`, `SMatrix<f64, 2, 3>`,
+//! Types of nalgebra as the source spells them: `Vector3<f64>`, `SMatrix<f64, 2, 3>`,
 //! `na::Rotation3<f64>`.
 //!
-//! Input: a type or the path of a constructor. Output: the kind of the type and its sizes as they
-//! are written. A type is known by its last name, since the macro does not see what is imported.
+//! Input: a type or the path of a constructor. Output: the kind of the type, and its sizes as the
+//! source spells them. A type is recognised by its last name, since the macro does not see imports.
 
 use syn::{Expr, GenericArgument, Path, PathArguments, Type};
 
 use crate::syntax::bare;
 use crate::syntax::parse::is_f64;
 
-/// Largest size that the names of nalgebra's types have.
+/// Largest size in the names of nalgebra's types.
 const NAMED: usize = 6;
 
-/// What a type of nalgebra is beside a table of numbers.
+/// The kind of a type of nalgebra.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A matrix; a vector is a matrix of one column.
@@ -23,7 +23,7 @@ pub(crate) enum Kind {
     Unit,
 }
 
-/// A number of rows or columns as it is written.
+/// A number of rows or columns in the source.
 #[derive(Clone)]
 pub(crate) enum Size {
     Known(usize),
@@ -39,12 +39,12 @@ pub(crate) struct Written {
     pub(crate) kind: Kind,
     pub(crate) rows: Size,
     pub(crate) columns: Size,
-    /// Whether the numbers in it are `f64`; nothing where their type is not written.
+    /// Whether the entries are `f64`; `None` if the source does not say their type.
     pub(crate) has_floats: Option<bool>,
 }
 
 impl Written {
-    /// Reads a type; nothing if it is none of nalgebra.
+    /// Reads a type; `None` if it is not a type of nalgebra.
     pub(crate) fn of_type(ty: &Type) -> Option<Self> {
         match bare(ty) {
             Type::Path(path) if path.qself.is_none() => Self::of_path(&path.path),
@@ -52,7 +52,7 @@ impl Written {
         }
     }
 
-    /// Reads a path that names a type; nothing if it is none of nalgebra.
+    /// Reads a path that names a type; `None` if it is not a type of nalgebra.
     pub(crate) fn of_path(path: &Path) -> Option<Self> {
         let last = path.segments.last()?;
         let arguments: Vec<&GenericArgument> = match &last.arguments {
@@ -97,13 +97,14 @@ impl Written {
         })
     }
 
-    /// Whether it is the type of a vector: one column.
+    /// Returns whether the type is a vector, that is, has one column.
     pub(crate) fn is_vector(&self) -> bool {
         self.kind == Kind::Matrix && matches!(self.columns, Size::Known(1))
     }
 }
 
-/// The kind and the sizes of the type of this name; a size that is a generic argument is `None`.
+/// Returns the kind and the sizes of the type with this name. A size that is a generic argument is
+/// `None`.
 fn named(name: &str) -> Option<(Kind, [Option<usize>; 2])> {
     match name {
         "SVector" => return Some((Kind::Matrix, [None, Some(1)])),
@@ -132,7 +133,8 @@ fn named(name: &str) -> Option<(Kind, [Option<usize>; 2])> {
     Some((Kind::Matrix, [Some(size(rows)?), Some(size(columns)?)]))
 }
 
-/// A size among generic arguments: a literal, a block, or a name, which is read as a type.
+/// Returns a size among generic arguments: a literal, a block, or a name, which the parser reads as
+/// a type.
 pub(crate) fn length(argument: &GenericArgument) -> Option<Expr> {
     match argument {
         GenericArgument::Const(length) => Some(length.clone()),
@@ -149,7 +151,7 @@ pub(crate) fn length(argument: &GenericArgument) -> Option<Expr> {
 mod tests {
     use super::{Kind, Size, Written};
 
-    /// Kind, numbers of rows and columns, whether the entries are `f64`.
+    /// Kind, number of rows, number of columns, and whether the entries are `f64`.
     type Read = (Kind, Option<usize>, Option<usize>, Option<bool>);
 
     fn read(text: &str) -> Option<Read> {

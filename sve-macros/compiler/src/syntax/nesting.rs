@@ -1,36 +1,36 @@
-//! A bound on how deeply the input is nested, checked before anything recurses over it.
+//! A bound on the nesting of the input, checked before any function recurses over the input.
 //!
-//! Input: tokens as they come. The parser, and every walk of a syntax tree, recurses once for each
-//! bracket and for each token that may open an operand, so a stack overflow is a matter of the
-//! source text. No token tree is walked here by recursion.
+//! Input: the unparsed tokens. The parser, and every walk of a syntax tree, recurses once for each
+//! bracket and for each token that may open an operand, so the source text alone decides whether
+//! the stack overflows. This check itself walks no token tree by recursion.
 
 use proc_macro2::token_stream::IntoIter;
 use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
 
-/// The cost at which the input is refused: an estimate of the height of the syntax tree, in units
-/// of a sixth of a term.
+/// Cost at which the input is refused. The cost estimates the height of the syntax tree, in sixths
+/// of a term.
 const LIMIT: usize = 6_000;
 
-/// A term of a sum or a factor of a product is one level of the tree, but none of the parser's
-/// stack.
+/// Cost of a term of a sum or a factor of a product: one level of the tree, but none of the
+/// parser's stack.
 const TERM: usize = 6;
 
-/// A token of a chain such as `a.b(c)[d]`, which begins anew in each factor.
+/// Cost of a token of a chain such as `a.b(c)[d]`. Each factor begins a new chain.
 const LINK: usize = 15;
 
-/// A bracket, or a token that an operand follows: there the parser recurses.
+/// Cost of a bracket, or of a token that an operand follows: the parser recurses there.
 const OPENER: usize = 60;
 
-/// An open bracket, with the cost of what is open in it.
+/// An open bracket, with the cost of the nesting in it.
 struct Level {
     stream: IntoIter,
-    /// Cost of the levels around.
+    /// Cost of the surrounding levels.
     around: usize,
-    /// Since the last separator.
+    /// Cost since the last separator.
     statement: usize,
-    /// Since the last sign between terms.
+    /// Cost since the last sign between terms.
     product: usize,
-    /// Since the last operator.
+    /// Cost since the last operator.
     chain: usize,
 }
 
@@ -74,7 +74,7 @@ impl Level {
     }
 }
 
-/// What a token does to the tree.
+/// The effect of a token on the syntax tree.
 enum Kind {
     Separator,
     Opener,
@@ -97,7 +97,7 @@ fn kind(token: &TokenTree, after_operator: bool) -> Kind {
     }
 }
 
-/// Returns an error where the input is nested too deeply to be read.
+/// Returns an error if the input is nested too deeply to be read.
 pub(crate) fn check(tokens: &TokenStream) -> syn::Result<()> {
     let mut open = vec![Level::new(tokens.clone(), 0)];
     let mut after_operator = true;
@@ -115,7 +115,7 @@ pub(crate) fn check(tokens: &TokenStream) -> syn::Result<()> {
         }
         if let TokenTree::Group(group) = token {
             if group.delimiter() == Delimiter::Brace && !continues(level.stream.clone().next()) {
-                // a statement ends with it
+                // this token ends a statement
                 (level.statement, level.product, level.chain) = (0, 0, 0);
             }
             open.push(Level::new(group.stream(), cost + OPENER));
@@ -125,7 +125,7 @@ pub(crate) fn check(tokens: &TokenStream) -> syn::Result<()> {
     Ok(())
 }
 
-/// Returns whether what follows a block belongs to the same expression.
+/// Returns whether the token after a block belongs to the same expression.
 fn continues(next: Option<TokenTree>) -> bool {
     match next {
         Some(TokenTree::Ident(ident)) => ident == "else",
@@ -134,7 +134,7 @@ fn continues(next: Option<TokenTree>) -> bool {
     }
 }
 
-/// Keywords that an operand follows.
+/// Returns whether a word is a keyword that an operand follows.
 fn is_opener(word: &str) -> bool {
     matches!(
         word,

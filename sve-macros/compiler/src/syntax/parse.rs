@@ -1,7 +1,7 @@
-//! Tokens → annotated block: which function plays which role, and the errors of shape.
+//! Tokens → annotated block: the roles of functions, and the errors of shape.
 //!
 //! Input: the attribute's arguments and the `impl` block. Output: [`Annotated`], the functions of
-//! the block sorted by role. Bodies are shared, never copied: they may be long, and copying
+//! the block sorted by role. Bodies are shared and never copied: they may be long, and copying
 //! recurses.
 
 use std::rc::Rc;
@@ -20,41 +20,44 @@ use crate::syntax::signature;
 pub(crate) struct RoleFunction {
     pub(crate) name: Ident,
     pub(crate) role: Role,
-    /// Pattern and type of the arguments after `&self`.
+    /// Patterns and types of the arguments after `&self`.
     pub(crate) arguments: Vec<(Pat, Type)>,
     /// True if the first argument is the time.
     pub(crate) is_timed: bool,
-    /// Arguments of each quantity: two where a rotation stands beside a vector, otherwise one.
+    /// Number of arguments of each quantity: two if there are a vector and a rotation, otherwise
+    /// one.
     pub(crate) parts: usize,
     pub(crate) output: Type,
-    /// The function as it is written.
+    /// The function in the source.
     pub(crate) item: Rc<ImplItemFn>,
 }
 
-/// The user's block, sorted.
+/// The user's block, with its items sorted.
 pub(crate) struct Annotated {
     pub(crate) arguments: Arguments,
-    /// The block, emptied of its members.
+    /// The block without its members.
     pub(crate) item: ItemImpl,
     pub(crate) lagrangian: RoleFunction,
     /// `#[gamma]` and `#[h1]` functions in source order.
     pub(crate) noises: Vec<RoleFunction>,
-    /// `#[force]` functions, which add up.
+    /// `#[force]` functions, whose values are added.
     pub(crate) forces: Vec<RoleFunction>,
     pub(crate) symmetries: Vec<RoleFunction>,
     pub(crate) constraints: Vec<RoleFunction>,
-    /// All functions, for any can be called from another.
+    /// All functions, since any of them can be called by another one.
     pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
 }
 
 impl Annotated {
-    /// Returns the type of the coordinates, as the Lagrangian's first vector argument has it.
+    /// Returns the type of the coordinates, which is the type of the Lagrangian's first vector
+    /// argument.
     pub(crate) fn coordinates(&self) -> &Type {
         &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
     }
 
-    /// Returns the types of the configuration: one, or two where a rotation stands beside a vector.
+    /// Returns the types of the configuration: two if there are a vector and a rotation, otherwise
+    /// one.
     pub(crate) fn configuration(&self) -> impl Iterator<Item = &Type> {
         let lagrangian = &self.lagrangian;
         let arguments = &lagrangian.arguments[usize::from(lagrangian.is_timed)..];
@@ -62,7 +65,7 @@ impl Annotated {
     }
 }
 
-/// Sorts the block; nothing where its functions cannot be read for a mistake.
+/// Sorts the block; `None` if a mistake prevents its functions from being read.
 pub(crate) fn annotated(
     attribute: TokenStream,
     mut item: ItemImpl,
@@ -92,7 +95,7 @@ pub(crate) fn annotated(
                 let outer = errors.enter(&function.sig.ident.to_string());
                 match role {
                     Role::Helper => {}
-                    // one that cannot be read is there nevertheless
+                    // a Lagrangian that cannot be read counts as present
                     Role::Lagrangian => lagrangians.push(errors.keep(read(&function, role))),
                     _ => others.extend(errors.keep(read(&function, role))),
                 }
@@ -124,7 +127,7 @@ pub(crate) fn annotated(
     })
 }
 
-/// Reports an error if the block has no Lagrangian or two.
+/// Reports an error if the block has no Lagrangian or several.
 fn check_lagrangians(
     lagrangians: &[Option<RoleFunction>],
     functions: &[Rc<ImplItemFn>],
@@ -152,7 +155,7 @@ fn check_lagrangians(
     }
 }
 
-/// Returns whether this is the attribute of this macro once more.
+/// Returns whether this is a repetition of this macro's attribute.
 pub(crate) fn is_this(attribute: &syn::Attribute) -> bool {
     let last = attribute.path().segments.last();
     last.is_some_and(|segment| segment.ident == "variational")
@@ -194,7 +197,7 @@ fn check_block(item: &ItemImpl, errors: &mut Errors) {
     }
 }
 
-/// Parses a function with a role. The error says what its signature should be.
+/// Parses a function with a role. The error shows the expected signature.
 pub(super) fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
     let sig = &function.sig;
     let expected = format!("expected `{}` (`t: f64` may come first)", role.signature());
@@ -236,7 +239,7 @@ pub(super) fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Resul
     })
 }
 
-/// What makes a function another than a formula.
+/// Returns a qualifier by which a function is not a formula, with its place.
 fn qualifier(sig: &syn::Signature) -> Option<(Span, &'static str)> {
     let is_async = sig.asyncness.map(|word| (word.span, "async"));
     let is_unsafe = match &sig.safety {
@@ -259,7 +262,7 @@ fn is_shared(receiver: &syn::Receiver) -> bool {
         && tokens.next().is_none()
 }
 
-/// Returns whether a type is written `f64`.
+/// Returns whether a type is spelt `f64`.
 pub(crate) fn is_f64(ty: &Type) -> bool {
     matches!(ty, Type::Path(path) if path.qself.is_none() && path.path.is_ident("f64"))
 }

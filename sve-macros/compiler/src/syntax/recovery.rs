@@ -1,8 +1,8 @@
-//! The user's block after an error, such that the compiler does not report the same mistakes in its
-//! own words.
+//! The user's block after an error, changed so that the compiler does not report the same mistakes
+//! in its own words.
 //!
 //! Input: the block, and the names of the functions and constants in which mistakes were found.
-//! Those functions keep their signatures and lose their bodies; all others stay as they are.
+//! These functions keep their signatures and lose their bodies; all other items stay unchanged.
 
 use std::collections::BTreeSet;
 
@@ -16,8 +16,8 @@ use super::nalgebra::{Kind, Size, Written};
 use super::parse::{is_f64, is_this};
 use super::roles::is_role_name;
 
-/// Takes out the bodies in which mistakes were found, and what else the compiler would report
-/// beside them.
+/// Removes the bodies in which mistakes were found, and the parts that the compiler would report
+/// because of them.
 pub(crate) fn remove_mistakes(block: &mut ItemImpl, mistaken: &BTreeSet<String>) {
     let constants: BTreeSet<String> = block
         .items
@@ -31,7 +31,7 @@ pub(crate) fn remove_mistakes(block: &mut ItemImpl, mistaken: &BTreeSet<String>)
     block.items.retain_mut(|member| match member {
         ImplItem::Fn(function) => {
             let name = function.sig.ident.to_string();
-            // the compiler would report the name of the second as well
+            // the compiler would also report the name of the second function
             lagrangians += usize::from(name == "lagrangian");
             if mistaken.contains(&name) {
                 empty(function);
@@ -71,7 +71,7 @@ fn member_attributes(member: &mut ImplItem) -> Option<&mut Vec<Attribute>> {
     }
 }
 
-/// Takes the body out.
+/// Removes the body.
 fn empty(function: &mut ImplItemFn) {
     let fail = quote!(::core::unreachable!("the macro reported an error"));
     function.block = parse_quote!({ #fail });
@@ -80,7 +80,7 @@ fn empty(function: &mut ImplItemFn) {
     });
 }
 
-/// Gives a constant a value of its type, where that is made of `f64`.
+/// Gives a constant a value of its type, if this type consists of `f64`.
 fn zero(constant: &mut ImplItemConst) {
     if let Some(value) = zero_of(&constant.ty) {
         constant.expr = value;
@@ -105,8 +105,8 @@ fn zero_of(ty: &Type) -> Option<Expr> {
     }
 }
 
-/// `[f64; N]` with a constant `N` of this block is meant as `[f64; Self::N]`, and `SVector<f64, N>`
-/// as `SVector<f64, { Self::N }>`.
+/// Replaces `[f64; N]` with a constant `N` of this block by `[f64; Self::N]`, and `SVector<f64, N>`
+/// by `SVector<f64, { Self::N }>`.
 fn own_lengths(function: &mut ImplItemFn, constants: &BTreeSet<String>) {
     for argument in &mut function.sig.inputs {
         if let syn::FnArg::Typed(argument) = argument {

@@ -1,4 +1,4 @@
-//! Functions of a reduced system: a rigid body without its attitude.
+//! Functions of a reduced system, that is, of a rigid body without its attitude.
 //!
 //! Input: a function of the body velocity or of the body momentum, `(&self, w: Vector3<f64>)`.
 //! Output: the function with the rotation as its first argument, which no body reads. All later
@@ -13,7 +13,7 @@ use super::parse::{RoleFunction, role_function};
 use super::roles::Role;
 use super::signature::is_rotation;
 
-/// Parses a function with a role in a reduced system. The error says what its signature should be.
+/// Parses a function with a role in a reduced system. The error shows the expected signature.
 pub(super) fn role_function_of(function: &Rc<ImplItemFn>, role: Role) -> syn::Result<RoleFunction> {
     let name = &function.sig.ident;
     let expected = match role {
@@ -58,8 +58,8 @@ fn typed(input: &FnArg) -> Option<&Type> {
     }
 }
 
-/// Returns the type of the rotations to which velocities or momenta belong: as many as there are
-/// vectors.
+/// Returns the type of the rotations to which velocities or momenta belong. There are as many
+/// rotations as vectors.
 fn rotation(vector: &Type) -> Type {
     match vector {
         Type::Array(array) => {

@@ -1,8 +1,8 @@
-//! Roles of functions: the attributes that give them, those that were meant to, and the block
-//! without them.
+//! Roles of functions. An attribute gives a role; a misspelt attribute is reported, with the role
+//! that it was probably meant to give.
 //!
-//! Input: the members of the `impl` block. Output: a [`Role`] each, and the user's tokens without
-//! these attributes.
+//! Input: the members of the `impl` block. Output: a [`Role`] for each member, and the user's
+//! tokens without the attributes of roles.
 
 use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
 use syn::spanned::Spanned;
@@ -10,13 +10,13 @@ use syn::{Attribute, ImplItem, ItemImpl};
 
 use crate::errors::{Errors, nearest};
 
-/// What a function of the block is.
+/// The role of a function of the block.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Role {
     Lagrangian,
     Gamma,
     H1,
-    /// An H₁ that is taken with the momentum projected onto the constraints, `#[h1(tangent)]`.
+    /// An H₁ evaluated at the momentum projected onto the constraints, `#[h1(tangent)]`.
     TangentH1,
     Force,
     Symmetry,
@@ -27,7 +27,7 @@ pub(crate) enum Role {
 /// The argument of `#[h1(tangent)]`.
 const TANGENT: &str = "tangent";
 
-/// Returns the role of each member; the attributes that say so are removed.
+/// Returns the role of each member and removes the attributes of roles.
 pub(crate) fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
     item.items
         .iter_mut()
@@ -45,7 +45,7 @@ pub(crate) fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option
         .collect()
 }
 
-/// Returns the roles that the attributes of a member give; these are removed.
+/// Returns the roles that the attributes of a member give, and removes these attributes.
 fn take_attributes(
     attributes: &mut Vec<Attribute>,
     is_function: bool,
@@ -89,7 +89,7 @@ fn take_attributes(
     found
 }
 
-/// Returns the role of a function, from its name and those that its attributes give.
+/// Returns the role of a function, from its name and the roles that its attributes give.
 fn role(name: &Ident, found: &[Role], errors: &mut Errors) -> Role {
     if found.len() > 1 {
         errors.push(
@@ -114,7 +114,7 @@ fn role(name: &Ident, found: &[Role], errors: &mut Errors) -> Role {
     }
 }
 
-/// What to say of an attribute that gives no role.
+/// Returns the message for an attribute that gives no role.
 fn no_role(name: &str, meant: Role) -> String {
     let all = Role::MARKED.map(|role| format!("`#[{}]`", role.attribute()));
     format!(
@@ -125,7 +125,7 @@ fn no_role(name: &str, meant: Role) -> String {
 }
 
 impl Role {
-    /// The roles that an attribute gives.
+    /// The roles that an attribute can give.
     const MARKED: [Self; 5] = [
         Self::Gamma,
         Self::H1,
@@ -134,7 +134,8 @@ impl Role {
         Self::Constraint,
     ];
 
-    /// Returns the role with the arguments of its attribute; nothing if they have no meaning.
+    /// Returns the role that follows from the arguments of its attribute; `None` if the arguments
+    /// have no meaning.
     fn with_arguments(self, attribute: &Attribute) -> Option<Self> {
         if attribute.meta.require_path_only().is_ok() {
             return Some(self);
@@ -149,7 +150,7 @@ impl Role {
             .find(|role| role.attribute() == name)
     }
 
-    /// Returns the role that an attribute of another name was meant to give.
+    /// Returns the role that a misspelt attribute was probably meant to give.
     fn meant(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
         let by_another_name = match lower.as_str() {
@@ -157,8 +158,8 @@ impl Role {
             "friction" | "damping" | "dissipation" => Some(Self::Force),
             _ => None,
         };
-        // attributes of other macros are left alone: one that is meant begins with the right
-        // letter, and of `h1` one letter is half
+        // Attributes of other macros are left alone. A misspelt attribute must begin with the right
+        // letter, and `h1` must not be misspelt: one different letter would be half of the name.
         let marks = Self::MARKED
             .map(Self::attribute)
             .into_iter()
@@ -195,8 +196,8 @@ impl Role {
         }
     }
 
-    /// Returns the signature that a function of this role must have in a system with rotations; of
-    /// a rotation beside a vector each quantity has two parts.
+    /// Returns the signature that a function of this role must have in a system with rotations. If
+    /// there are a vector and a rotation, each quantity has two parts.
     pub(crate) fn signature_with_rotations(self, parts: usize) -> &'static str {
         match (self, parts) {
             (Self::Lagrangian | Self::Helper, 1) => {
@@ -228,7 +229,7 @@ impl Role {
         }
     }
 
-    /// Names of the vector arguments after `&self` and the optional time, in their order.
+    /// Returns the names of the vector arguments after `&self` and the optional time, in order.
     pub(crate) fn quantities(self) -> &'static [&'static str] {
         match self {
             Self::Gamma | Self::Symmetry | Self::Constraint => &["q"],
@@ -237,14 +238,14 @@ impl Role {
         }
     }
 
-    /// Number of vector arguments after `&self` and the optional time.
+    /// Returns the number of vector arguments after `&self` and the optional time.
     pub(crate) fn vectors(self) -> usize {
         self.quantities().len()
     }
 }
 
-/// Returns the block as it is emitted: the user's tokens without the attributes that only this
-/// macro understands.
+/// Returns the block in the form in which it is emitted: the user's tokens without the attributes
+/// that only this macro understands.
 pub(crate) fn without_roles(item: &TokenStream) -> TokenStream {
     let mut tokens: Vec<TokenTree> = item.clone().into_iter().collect();
     if let Some(TokenTree::Group(body)) = tokens.last_mut()
@@ -271,7 +272,7 @@ fn members_without_roles(members: TokenStream) -> TokenStream {
     kept.into_iter().collect()
 }
 
-/// Returns whether an attribute of this name gives a role.
+/// Returns whether an attribute with this name gives a role.
 pub(crate) fn is_role_name(name: &str) -> bool {
     Role::of_attribute(name).is_some() || Role::meant(name).is_some()
 }

@@ -1,8 +1,8 @@
 //! The arguments of one rule in the attribute: the number of stages of a family, then options, as
 //! in `gauss(3, stage_noise, weak2)`.
 //!
-//! [`RuleArguments::read`] takes the tokens apart; [`resolve`] says which rule they name, or what
-//! to write instead.
+//! [`RuleArguments::read`] parses the tokens; [`resolve`] finds the rule that they name, or reports
+//! what to write instead.
 
 use proc_macro2::Span;
 use syn::parse::ParseBuffer;
@@ -12,7 +12,7 @@ use super::arguments::ListedRule;
 use crate::catalogue::{Rule, RuleOption, names, written};
 use crate::errors::{Errors, nearest};
 
-/// What stands in the parentheses after the name of a rule.
+/// The arguments in the parentheses after the name of a rule.
 pub(super) struct RuleArguments {
     parentheses: Paren,
     arguments: Vec<Argument>,
@@ -59,13 +59,13 @@ impl RuleArguments {
     }
 }
 
-/// Returns the rules of a name, in ascending numbers of stages.
+/// Returns the rules with a name, in ascending numbers of stages.
 fn members(name: &Ident, all: &[Rule]) -> Vec<Rule> {
     let members = all.iter().filter(|rule| name == rule.attribute_name);
     members.copied().collect()
 }
 
-/// Returns the member of a family that messages take for an example.
+/// Returns the member of a family that messages show as an example.
 fn example(family: &[Rule]) -> Rule {
     family[2.min(family.len() - 1)]
 }
@@ -80,7 +80,7 @@ fn meant(family: &[Rule], arguments: &[Argument]) -> Rule {
     member.copied().unwrap_or_else(|| example(family))
 }
 
-/// What to say of a token that is neither a number nor a word.
+/// Returns the message for a token that is neither a number nor a word.
 fn expected(name: &Ident, all: &[Rule]) -> String {
     let members = members(name, all);
     let rule = example(&members);
@@ -104,7 +104,7 @@ fn expected(name: &Ident, all: &[Rule]) -> String {
     }
 }
 
-/// Returns the rule that a name and its arguments mean. Returns nothing after an error.
+/// Returns the rule that a name and its arguments denote; `None` after an error.
 pub(super) fn resolve(
     name: &Ident,
     arguments: Option<&RuleArguments>,
@@ -159,8 +159,8 @@ fn without_stages(
     }
 }
 
-/// Returns the member of a family whose number of stages the arguments say. Returns nothing after
-/// an error.
+/// Returns the member of a family with the number of stages in the arguments; `None` after an
+/// error.
 fn member(
     name: &Ident,
     arguments: Option<&RuleArguments>,
@@ -202,8 +202,7 @@ fn member(
     Some(rule)
 }
 
-/// Returns the number among the arguments of a family, and its place among them. Returns nothing
-/// after an error.
+/// Returns the number among the arguments of a family, and its position; `None` after an error.
 fn the_number<'a>(
     name: &Ident,
     arguments: Option<&'a RuleArguments>,
@@ -243,8 +242,8 @@ fn the_number<'a>(
     None
 }
 
-/// What to say of a number of stages that a family does not have: it may have been meant as the
-/// order.
+/// Returns the message for a number of stages that a family does not have. The user may have meant
+/// the order.
 fn other_stages(
     name: &Ident,
     number: &LitInt,
@@ -276,7 +275,7 @@ fn number((at, argument): (usize, &Argument)) -> Option<(usize, &LitInt)> {
     }
 }
 
-/// Returns the options among arguments, as they are written.
+/// Returns the options among arguments, as the source spells them.
 fn options_of(arguments: &[Argument]) -> Vec<String> {
     let words = arguments.iter().filter_map(|argument| match argument {
         Argument::Word(word) => Some(word.to_string()),
@@ -314,7 +313,7 @@ fn options(
     found
 }
 
-/// Returns the options of a rule in a sentence; nothing if there are none.
+/// Returns the options of a rule as a part of a sentence; `None` if there are none.
 fn taken(rule: Rule) -> Option<String> {
     let options = rule.takes.options.iter();
     let names: Vec<String> = options.map(|o| format!("`{}`", o.name())).collect();
@@ -332,7 +331,7 @@ fn unknown_option(name: &Ident, word: &str, rule: Rule) -> String {
     }
 }
 
-/// What to say of an option that is one of other rules.
+/// Returns the message for an option that only other rules have.
 fn not_taken(name: &Ident, option: RuleOption, rule: Rule, all: &[Rule]) -> String {
     let takes = |other: &Rule| other.takes.options.contains(&option);
     let others: Vec<Rule> = all.iter().copied().filter(takes).collect();

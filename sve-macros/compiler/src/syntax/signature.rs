@@ -1,9 +1,9 @@
-//! The arguments of a function with a role, which are told apart by their order.
+//! The arguments of a function with a role. Their order decides their meaning.
 //!
 //! Input: the role of a function and its arguments after `&self`. Output: whether the first
-//! argument is the time, or an error. Types do not tell the arguments of a scalar system apart, so
+//! argument is the time, or an error. Types do not distinguish the arguments of a scalar system, so
 //! the four names of the documentation are checked: an argument called `t`, `q`, `v` or `p` must
-//! stand in the place of that quantity. Other names say nothing.
+//! stand in the place of this quantity. Other names are not interpreted.
 
 use proc_macro2::Ident;
 use syn::spanned::Spanned;
@@ -14,7 +14,7 @@ use crate::syntax::parse::is_f64;
 use crate::syntax::roles::Role;
 use crate::syntax::{bare, readable};
 
-/// Quantities of the arguments: the name in signatures, and what it stands for.
+/// Quantities of the arguments: the name in signatures, and its meaning.
 const QUANTITIES: [(&str, &str); 4] = [
     ("t", "time"),
     ("q", "position"),
@@ -22,7 +22,7 @@ const QUANTITIES: [(&str, &str); 4] = [
     ("p", "momentum"),
 ];
 
-/// Returns whether the first argument is the time, or what is wrong with the arguments.
+/// Returns whether the first argument is the time, or the error of the arguments.
 pub(crate) fn is_timed(
     name: &Ident,
     role: Role,
@@ -71,7 +71,8 @@ pub(crate) fn is_rotation(ty: &Type) -> bool {
     }
 }
 
-/// Returns the number of arguments of each quantity: two if a rotation stands beside a vector.
+/// Returns the number of arguments of each quantity: two if there are a vector and a rotation,
+/// otherwise one.
 pub(crate) fn parts(role: Role, arguments: &[(Pat, Type)]) -> syn::Result<usize> {
     let Some(at) = arguments.iter().position(|(_, ty)| is_rotation(ty)) else {
         return Ok(1);
@@ -101,8 +102,8 @@ fn named(pattern: &Pat, name: &str) -> bool {
     matches!(pattern, Pat::Ident(ident) if ident.ident == name)
 }
 
-/// Returns whether the first of the arguments of a system with rotations is the time, or what is
-/// wrong with the arguments.
+/// Returns whether the first argument is the time, in a system with rotations, or the error of the
+/// arguments.
 fn is_timed_with_rotations(
     name: &Ident,
     role: Role,
@@ -132,7 +133,7 @@ fn is_timed_with_rotations(
         return Err(syn::Error::new(name.span(), message));
     }
     let arguments = &arguments[usize::from(is_timed)..];
-    // a rotation has no velocity that is called like one of a vector
+    // the velocity of a rotation must not have the name of the velocity of a vector
     let places: Vec<&str> = role
         .quantities()
         .iter()
@@ -160,7 +161,7 @@ fn is_timed_with_rotations(
 /// Names of the arguments of a vector and of a rotation, in the order of [`QUANTITIES`].
 const PARTS: [[&str; 2]; 4] = [["t", "t"], ["q", "r"], ["v", "w"], ["p", "pi"]];
 
-/// Returns what a name stands for beside a rotation.
+/// Returns the meaning of a name in a system with rotations.
 fn meaning_with_rotations(name: &str) -> &'static str {
     match name {
         "r" => "rotation",
@@ -170,7 +171,7 @@ fn meaning_with_rotations(name: &str) -> &'static str {
     }
 }
 
-/// Returns the error of a second argument where only the position has a place.
+/// Returns the error of a second argument of a function that takes the position only.
 fn depends_on_more(role: Role, arguments: &[(Pat, Type)], expected: &str) -> syn::Error {
     let hint = match role {
         Role::Gamma => "; a noise that depends on the momentum is `#[h1]`",
@@ -183,8 +184,8 @@ fn depends_on_more(role: Role, arguments: &[(Pat, Type)], expected: &str) -> syn
     syn::Error::new(arguments[1].0.span(), message)
 }
 
-/// Returns whether an argument is called like a velocity or a momentum, so that the argument before
-/// it is no time.
+/// Returns whether an argument has the name of a velocity or a momentum. Then the argument before
+/// it is not the time.
 fn is_momentum(pattern: &Pat) -> bool {
     let Pat::Ident(name) = pattern else {
         return false;
@@ -192,8 +193,8 @@ fn is_momentum(pattern: &Pat) -> bool {
     matches!(name.ident.to_string().trim_start_matches('_'), "v" | "p")
 }
 
-/// Checks that each argument called `t`, `q`, `v` or `p` stands in the place of that quantity;
-/// reports the first that does not.
+/// Checks that each argument called `t`, `q`, `v` or `p` stands in the place of this quantity.
+/// Reports the first one that does not.
 fn check_order(
     name: &Ident,
     role: Role,
@@ -223,7 +224,7 @@ fn check_order(
     Ok(())
 }
 
-/// What a name of the documentation stands for; nothing for other names.
+/// Returns the meaning of a name of the documentation; `None` for other names.
 fn meaning(name: &str) -> Option<&'static str> {
     QUANTITIES
         .iter()
@@ -231,11 +232,11 @@ fn meaning(name: &str) -> Option<&'static str> {
         .map(|quantity| quantity.1)
 }
 
-/// Returns the head of the function with its arguments in the right order, in the types that the
-/// user wrote.
+/// Returns the head of the function with its arguments in the right order. The types are the
+/// user's.
 fn in_order(name: &Ident, role: Role, timed: bool, arguments: &[(Pat, Type)]) -> String {
     let is_time = |pattern: &Pat| matches!(pattern, Pat::Ident(ident) if ident.ident == "t");
-    // of a vector system the time alone is a number
+    // in a vector system only the time is a number
     let vector = arguments
         .iter()
         .map(|argument| &argument.1)
@@ -258,8 +259,8 @@ mod tests {
     use crate::errors::Errors;
     use crate::syntax::parse;
 
-    /// A role: its attribute, the name of a function, the arguments in order, and what such a
-    /// function returns.
+    /// A role: its attribute, the name of a function, the arguments in order, and the result of
+    /// such a function.
     const ROLES: [(&str, &str, &[&str], &str); 6] = [
         ("", "lagrangian", &["q", "v"], "{ x * x + y * y }"),
         ("#[gamma]", "push", &["q"], "{ x }"),
@@ -269,7 +270,7 @@ mod tests {
         ("#[constraint]", "rod", &["q"], "{ x }"),
     ];
 
-    /// Returns the errors of a block in which one function has arguments of these names.
+    /// Returns the errors of a block in which one function has arguments with these names.
     fn errors(role: usize, names: &[&str]) -> Vec<String> {
         let (attribute, function, order, _) = ROLES[role];
         let list: Vec<String> = names.iter().map(|name| format!("{name}: f64")).collect();
@@ -296,7 +297,7 @@ mod tests {
         }
     }
 
-    /// All lists of `length` different names.
+    /// Returns all lists of `length` different names.
     fn lists<'a>(names: &[&'a str], length: usize) -> Vec<Vec<&'a str>> {
         let mut lists = vec![Vec::new()];
         for _ in 0..length {
@@ -310,8 +311,8 @@ mod tests {
         lists
     }
 
-    /// Every choice of the four names for every role, with and without time: only the order of the
-    /// documentation is read.
+    /// Tests every choice of the four names for every role, with and without time: only the order
+    /// of the documentation is accepted.
     #[test]
     fn a_quantity_in_the_place_of_another_is_refused() {
         for (role, (attribute, function, order, _)) in ROLES.iter().enumerate() {
@@ -320,7 +321,7 @@ mod tests {
                 for names in lists(&["t", "q", "v", "p"], right.len()) {
                     let found = errors(role, &names);
                     if names == right {
-                        // a generator or a drift may yet be refused for what it does
+                        // a generator or a drift may still be refused because of its values
                         let read = found.iter().all(|error| !error.contains("in the place of"));
                         assert!(read, "{attribute} {names:?}: {found:?}");
                         continue;
@@ -335,7 +336,7 @@ mod tests {
         }
     }
 
-    /// Any two places have any two of these names in some list: 11 is a prime number.
+    /// The lists contain any two of these names in any two places, since 11 is a prime number.
     #[test]
     fn other_names_say_nothing() {
         let names = [
