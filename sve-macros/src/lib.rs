@@ -12,8 +12,8 @@ use sve_compiler::Settings;
 /// # Arguments
 ///
 /// `#[variational(rule, …)]` lists the rules to derive, each once; `crate = path` may stand among
-/// them. Options of a rule stand in parentheses; a rule with an option is another rule, which may
-/// stand beside that without: `#[variational(midpoint, midpoint(weak2))]`.
+/// them. Options of a rule stand in parentheses. A rule with an option is another rule and may
+/// stand beside the rule without the option: `#[variational(midpoint, midpoint(weak2))]`.
 ///
 /// | argument | type in the runtime | node of the discrete action | deterministic order |
 /// | --- | --- | --- | --- |
@@ -31,14 +31,14 @@ use sve_compiler::Settings;
 ///
 /// # Items of the block
 ///
-/// Arguments are told apart by their order. An argument that is called `t`, `q`, `v` or `p` in the
-/// place of another quantity is an error; other names say nothing.
+/// The order of the arguments decides their meaning. An argument called `t`, `q`, `v` or `p` in the
+/// place of another quantity is an error; other names are not interpreted.
 ///
 /// | item | signature (`t: f64` may come first, after `&self`) | meaning |
 /// | --- | --- | --- |
 /// | `fn lagrangian` | `(&self, q: [f64; N], v: [f64; N]) -> f64` | L, required |
 /// | `#[gamma] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; M]` | γ: one Wiener process a component |
-/// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: likewise |
+/// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: one Wiener process a component |
 /// | `#[force] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | F, a force that no potential has (Lagrange–d'Alembert); several add up |
 /// | `#[symmetry] fn …` | `(&self, q: [f64; N]) -> [f64; N]` | ξ, the generator of a symmetry of everything else in the block |
 /// | `#[constraint] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; K]` | φ, a holonomic constraint φ = 0 a component |
@@ -53,16 +53,16 @@ use sve_compiler::Settings;
 /// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
 /// ```
 ///
-/// With constraints, `dp` has the term `Σ ∂φ/∂q ∘ dΛ` too, where Λ is such that φ = 0. The rules
+/// With constraints, `dp` also has the term `Σ ∂φ/∂q ∘ dΛ`, where Λ is such that φ = 0. The rules
 /// `initial_point`, `endpoint`, `midpoint` and `stormer_verlet` take constraints: the action gets
-/// `⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩`, so that the forces of constraints act at both ends of a step,
-/// and the momentum ends along the constraints. `stormer_verlet` is then RATTLE. Where masses are
-/// constant and forces explicit, Newton's method has one unknown for each constraint.
+/// the terms `⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩`, so the forces of constraints act at both ends of a
+/// step, and the momentum at the end is along the constraints. `stormer_verlet` is then RATTLE. If
+/// masses are constant and forces explicit, Newton's method has one unknown for each constraint.
 ///
-/// An H₁ must move q along the constraints, `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is
-/// along it. `#[h1(tangent)]` takes H₁ at the momentum along the constraints,
-/// `Πp = p − Dφᵀ(Dφ M⁻¹ Dφᵀ)⁻¹ Dφ M⁻¹ p`, which always does; it is for at most three coupled
-/// constraints.
+/// An H₁ must move q along the constraints: `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is
+/// along the constraints. `#[h1(tangent)]` evaluates H₁ at the momentum along the constraints,
+/// `Πp = p − Dφᵀ(Dφ M⁻¹ Dφᵀ)⁻¹ Dφ M⁻¹ p`, and then always satisfies this condition; it is for at
+/// most three coupled constraints.
 ///
 /// A Lagrangian may be linear in some velocities, or not contain them at all. The macro finds this,
 /// and the plan says which case holds:
@@ -75,11 +75,11 @@ use sve_compiler::Settings;
 /// | linear in some velocities, with mass in the others | `midpoint`, with the projection of the linear ones; none where α is affine | as above |
 /// | without some velocities, whose coordinates 0 = ∂L/∂q determine | `midpoint`, `initial_point`, `endpoint`; the coordinates are eliminated | the symplectic form of the others |
 ///
-/// There p = α(q) is no free variable: states start from `State::from_configuration`. A γ moves
-/// these coordinates, ω dq = ∇H dt − ∇γ ∘ dW, so that γ's need not commute; an H₁ is written as γ =
-/// −H₁(q, α(q)). Adding a total derivative to L changes no equation of motion but the step of the
-/// third case, where energies may drift: write L so that half of the velocities do not occur if you
-/// can.
+/// In these cases p = α(q) is not a free variable: states start from `State::from_configuration`. A
+/// γ moves these coordinates, ω dq = ∇H dt − ∇γ ∘ dW, so γ's need not commute. An H₁ is written as
+/// γ = −H₁(q, α(q)). Adding a total derivative to L changes no equation of motion, but it changes
+/// the step of the third case, in which energies may drift. If you can, write L so that half of the
+/// velocities do not occur.
 ///
 /// A symmetry is refused, with the name of the function that it changes, unless these expressions
 /// vanish:
@@ -88,16 +88,17 @@ use sve_compiler::Settings;
 /// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0     ⟨∂φ/∂q, ξ⟩ = 0
 /// ```
 ///
-/// Then ⟨p, ξ⟩ is conserved, with noise too, and by the steps where ξ is affine in q.
+/// Then ⟨p, ξ⟩ is conserved by the motion, also with noise, and by the steps if ξ is affine in q.
 ///
-/// Where the algebra leaves 0, that is a proof. What it leaves open is evaluated in 106 bits, at
-/// random points near 1 and of scales from 1e-15 to 1e15, and compared with the sum of the
+/// If the algebra leaves 0, the expression is proved to vanish. Otherwise it is evaluated in 106
+/// bits, at random points near 1 and of scales from 1e-15 to 1e15, and compared with the sum of the
 /// magnitudes of its terms: a breaking term is refused down to some 1e-26 of the other terms at any
-/// of these points, and a smaller one is not seen. Decimal constants are rounded, and like terms
-/// are collected in `f64`: what is smaller than that rounding, 1e-15 of the terms with such
+/// of these points, and a smaller one goes unnoticed. Decimal constants are rounded, and like terms
+/// are collected in `f64`: an expression smaller than this rounding, 1e-15 of the terms with such
 /// constants, cannot be decided and is accepted. The documentation of the momentum and the plan say
-/// which of the three it is: nothing for a proof, "checked, not proved" or "not decided". The same
-/// holds of noises that commute, each of which is scaled to the order of 1 first.
+/// which of the three cases holds: they add nothing after a proof, else "checked, not proved" or
+/// "not decided". The commutation of noises is decided in the same way, after each noise is scaled
+/// to the order of 1.
 ///
 /// `N = 1` may be written `q: f64`. Instead of `[f64; N]` the coordinates may be `[[f64; D]; B]`, a
 /// vector of nalgebra, `Vector1<f64>` to `Vector6<f64>` or `SVector<f64, N>`, or an array of these,
@@ -109,44 +110,45 @@ use sve_compiler::Settings;
 /// # Rotations
 ///
 /// A rotation `r: Rotation3<f64>` has its angular velocity in the body frame, `w: Vector3<f64>`, in
-/// the place of the velocity, and its angular momentum in the body frame, `pi: Vector3<f64>`, in
-/// that of the momentum: `lagrangian(&self, r, w)`, `#[gamma]` of `(&self, r)`, `#[h1]` of
-/// `(&self, r, pi)`. Several are `[Rotation3<f64>; K]` with `[Vector3<f64>; K]`. Beside a vector
-/// there are two arguments a quantity, `lagrangian(&self, q, r, v, w)`, `(&self, q, r)`,
-/// `(&self, q, r, p, pi)`; forces and symmetries then return a tuple. A `#[force]` is a torque in
-/// the body frame, a `#[symmetry]` the body vector ξ with `δR = R ξ̂`. In the language: `r * a`,
-/// `r.inverse() * a`, `r.transpose()`, `r.inverse_transform_vector(&a)`, `r * s`, `r.matrix()`,
-/// `r[(i, j)]`.
+/// place of the velocity, and its angular momentum in the body frame, `pi: Vector3<f64>`, in place
+/// of the momentum: `lagrangian(&self, r, w)`, `#[gamma]` of `(&self, r)`, `#[h1]` of
+/// `(&self, r, pi)`. Several rotations are `[Rotation3<f64>; K]` with `[Vector3<f64>; K]`. If there
+/// are a vector and a rotation, each quantity has two arguments, `lagrangian(&self, q, r, v, w)`,
+/// `(&self, q, r)`, `(&self, q, r, p, pi)`; forces and symmetries then return a tuple. A `#[force]`
+/// is a torque in the body frame, a `#[symmetry]` the body vector ξ with `δR = R ξ̂`. The language
+/// of a body has `r * a`, `r.inverse() * a`, `r.transpose()`, `r.inverse_transform_vector(&a)`,
+/// `r * s`, `r.matrix()`, `r[(i, j)]`.
 ///
 /// The increment of a rotation is the Cayley vector of `R₀ᵀR₁`, the node the middle of the
-/// geodesic. Momenta are those of the discrete action on the group, so that steps are symplectic on
-/// T*SO(3). Noises commute by the bracket `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with
-/// left-trivialised `f_R`. Only `midpoint` and its compositions are for rotations; constraints,
-/// baselines, compensated sums and lanes are not.
+/// geodesic. Momenta are the momenta of the discrete action on the group, so steps are symplectic
+/// on T*SO(3). Whether noises commute is decided by the bracket
+/// `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with left-trivialised `f_R`. Only `midpoint` and its
+/// compositions take rotations; constraints, baselines, compensated sums and lanes do not.
 ///
-/// If L does not depend on the attitude, `#[variational(midpoint, reduced)]` leaves it out:
-/// `lagrangian(&self, w: Vector3<f64>)`, `#[h1]` of `(&self, pi: Vector3<f64>)`, `#[force]` of
-/// `(&self, w: Vector3<f64>)`. The state, `State<Reduced>`, is the body momentum alone
-/// (Euler–Poincaré, Lie–Poisson); `Integrator::step_with_attitude` gives the attitude along a path.
+/// If L does not depend on the attitude, `#[variational(midpoint, reduced)]` derives the step of
+/// the body momentum alone: `lagrangian(&self, w: Vector3<f64>)`, `#[h1]` of
+/// `(&self, pi: Vector3<f64>)`, `#[force]` of `(&self, w: Vector3<f64>)`. The state,
+/// `State<Reduced>`, is the body momentum (Euler–Poincaré, Lie–Poisson);
+/// `Integrator::step_with_attitude` gives the attitude along a path.
 ///
 /// # Parameters
 ///
-/// What the functions read of `self` are the parameters: fields `f64`, arrays `[f64; K]`, vectors,
-/// matrices and rotations of nalgebra and arrays of these, also of structs within. The macro does
-/// not see the types of fields. The length of an array need not be known. The type of a vector,
-/// matrix or rotation follows from its use:
+/// The values that the functions read from `self` are the parameters: fields `f64`, arrays
+/// `[f64; K]`, vectors, matrices and rotations of nalgebra and arrays of these, also in fields of
+/// nested structs. The macro does not see the types of fields. The length of an array need not be
+/// known. The type of a vector, matrix or rotation follows from its use:
 ///
 /// - in a sum, the other operand has the same type: `q - self.anchor`;
 /// - in a call, the receiver or an argument has it: `self.gravity.dot(&q)`, `a.cross(&self.b)`,
 ///   `self.f(self.gravity)`;
 /// - entries are numbers: `self.gravity.z`, `self.inertia[(0, 1)]`;
-/// - in a product or a quotient the field is a number: `self.mass * v`. If it is none, its type has
-///   to be known from another use in the block, or be written once, as in
+/// - in a product or a quotient the field is a number: `self.mass * v`. If it is a vector or a
+///   matrix, its type must be known from another use in the block, or be written once, as in
 ///   `let inertia: Matrix3<f64> = self.inertia;` or as the result of a function. Otherwise the
 ///   compiler finds another type than `f64` and reports it at the field.
 ///
-/// A type that follows from one use holds for the whole block. Where the type does not follow, the
-/// error at the token asks for `let g: Vector3<f64> = self.g;`.
+/// A type that follows from one use holds for the whole block. If the type does not follow from a
+/// use, the error at the token asks for `let g: Vector3<f64> = self.g;`.
 ///
 /// # Language of a body
 ///
@@ -160,21 +162,19 @@ use sve_compiler::Settings;
 ///   unrolled;
 /// - `if`, `continue` and `break` by conditions on integers known at compile time, such as
 ///   `i != j`;
-/// - arrays, tuples, slices, `[x; N]`, indexing by what is known at compile time, `len()` of an
-///   array;
+/// - arrays, tuples, slices, `[x; N]`, indices that are known at compile time, `len()` of an array;
 /// - of the methods of arrays and iterators: `iter`, `into_iter`, `copied`, `map`, `zip`,
 ///   `enumerate`, `rev`, `step_by`, `skip`, `take`, `chain`, `filter` (on indices), `flatten`,
 ///   `flat_map`, `fold`, `for_each`, `sum`, `product`, `windows`, `chunks`, `chunks_exact`, with
 ///   closures that are written in place;
-/// - calls of functions of the block, `self.f(…)` or `Self::f(…)`; constants `Self::NAME`, those of
-///   `std::f64::consts`, and those from outside the block whose names are in capitals, which are
-///   read like parameters;
+/// - calls of functions of the block, `self.f(…)` or `Self::f(…)`; constants `Self::NAME`,
+///   constants of `std::f64::consts`, and constants from outside the block whose names are in
+///   capitals, which are read like parameters;
 /// - integers known at compile time, with the types of Rust: `as` wraps (`300i32 as u8` is 44),
-///   arithmetic that overflows is an error; `as f64`, `f64::from`, `into` where the type is
-///   written;
+///   arithmetic that overflows is an error; `as f64`, `f64::from`, `into` if the type is written;
 /// - `std::array::from_fn` with its length in the type of the variable, of the result or in
 ///   `from_fn::<_, N, _>`; `iter_mut` and `for x in &mut a` of local arrays;
-/// - of nalgebra, with `&` wherever it takes references:
+/// - of nalgebra, with `&` where its functions take references:
 ///   - `+ − * /` and `+= −= *= /=` of vectors, matrices, rotations and numbers; products of
 ///     matrices, vectors and rotations;
 ///   - `.x`, `.y`, `.z`, `.w`, `.m21`, `v[i]`, `m[(i, j)]`, read and assigned to; `len`, `nrows`,
@@ -201,20 +201,20 @@ use sve_compiler::Settings;
 ///
 /// # What is refused
 ///
-/// Each of these is an error at the token in question that says what to write instead; independent
-/// mistakes are reported together.
+/// Each of the following is an error at its token. The message says what to write instead;
+/// independent mistakes are reported together.
 ///
 /// | refused | why |
 /// | --- | --- |
 /// | `abs`, `signum`, `min`, `max`, `clamp`, `floor`, `round`, …, `%` of numbers | not smooth: there is no derivative to take |
-/// | `abs`, `max`, `amax`, `argmax`, `angle`, … of vectors | likewise |
+/// | `abs`, `max`, `amax`, `argmax`, `angle`, … of vectors | not smooth |
 /// | `lu`, `try_inverse`, `svd` and other factorisations of matrices | they are algorithms, not formulas: their results can be parameters |
 /// | methods that change a vector in place, `normalize_mut`, `copy_from`, … | assignments say the same |
 /// | `if` on numbers, `match` | a Lagrangian is one formula everywhere |
 /// | `while`, bounds of loops and indices that are not known at compile time, recursion | nothing could be unrolled |
 /// | functions outside the block, lengths, bounds and indices by constants outside it, macro calls | the macro sees the tokens of this block alone |
 /// | closures bound to a name | a function of the block is as short |
-/// | generic blocks, blocks of a trait, `cfg` on an item of the block | likewise: the types or items are not known |
+/// | generic blocks, blocks of a trait, `cfg` on an item of the block | the macro does not know the types or items |
 /// | `&mut self`, `self`, coordinates by reference | functions of a system have no effects |
 /// | a noise with derivative zero | it would move nothing |
 /// | a Lagrangian whose `∂²L/∂v²` is singular everywhere, to 106 bits or to the rounding of its constants, and which is none of the degenerate ones above: null directions that are no coordinates, singular ω, α(t, q) | nothing determines the velocities, or no step is derived |
@@ -232,19 +232,19 @@ use sve_compiler::Settings;
 ///
 /// # What is generated
 ///
-/// The block itself, without the role attributes: its functions remain ordinary functions. Beside
-/// it
+/// The expansion is the block itself without the role attributes, so that its functions remain
+/// ordinary functions, and:
 ///
-/// - `impl System`: the type `Q` of configurations, which is that of `q` in the signature
+/// - `impl System`: the type `Q` of configurations, which is the type of `q` in the signature
 ///   (`[f64; 1]` for `f64`); L and the noise Hamiltonians with their first and second derivatives,
 ///   on which energy, Legendre transform, drift and the baseline methods rest; differences such as
 ///   `1 − cos x` or `√(1 + x) − 1` are computed in forms that do not cancel;
-/// - `impl StartOfStep`: the test that one velocity has the momentum where a step starts, as far as
-///   L leaves it open;
+/// - `impl StartOfStep`: the test whether exactly one velocity has the momentum at the start of a
+///   step, as far as L does not decide this;
 /// - for each `#[symmetry] fn name` a function `name_momentum(&self, &State<Q>) -> f64`, the
 ///   momentum ⟨p, ξ⟩, of the same visibility;
-/// - for each rule `impl StepEquations<Rule>`: `prepare`, what depends on parameters and step size
-///   alone; `increment`, the step; and `PLAN`, what the step became.
+/// - for each rule `impl StepEquations<Rule>`: `prepare`, the values that depend on parameters and
+///   step size alone; `increment`, the step; and `PLAN`, the description of the derived step.
 ///
 /// Their documentation shows L, the noise terms, the equations of motion, the discrete action and
 /// the equations of the step as mathematics; `PLAN` has the same texts, of bounded length.
