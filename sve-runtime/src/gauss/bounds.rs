@@ -1,10 +1,12 @@
-//! Bounds of the derivatives at a node over a box: what the macro knows of a system to judge a solution of many stages.
+//! Bounds of the derivatives at a node over a box. The macro derives them; they judge a solution of
+//! many stages.
 //!
-//! Input: the centre of a box of times, positions, velocities and momenta, and half its widths. Output: magnitudes that the derivatives do not exceed in the box.
+//! Input: the centre of a box of times, positions, velocities and momenta, and half its widths.
+//! Output: magnitudes that the derivatives do not exceed in the box.
 
 use crate::system::System;
 
-/// What is known of the number of solutions of a step.
+/// The number of solutions of a step, as far as the macro can tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uniqueness {
     /// The equations are linear: there is one solution.
@@ -18,13 +20,13 @@ pub enum Uniqueness {
 /// Half the widths of a box.
 #[derive(Clone, Copy, Debug)]
 pub struct Radii<const N: usize> {
-    /// Of times.
+    /// Half the width in time.
     pub t: f64,
-    /// Of positions.
+    /// Half the widths in the positions.
     pub q: [f64; N],
-    /// Of velocities.
+    /// Half the widths in the velocities.
     pub v: [f64; N],
-    /// Of momenta.
+    /// Half the widths in the momenta.
     pub p: [f64; N],
 }
 
@@ -35,42 +37,42 @@ pub struct NodeBounds<const N: usize, const M: usize> {
     pub mass: [[f64; N]; N],
     /// Largest distances of `∂²L/∂v²` from the midpoints.
     pub mass_radius: [[f64; N]; N],
-    /// Of `∂²L/∂v∂t`.
+    /// Magnitudes of `∂²L/∂v∂t`.
     pub momentum_by_time: [f64; N],
     /// Largest distances of `∂²L/∂v∂t` from its midpoint.
     pub momentum_by_time_radius: [f64; N],
-    /// Of `∂²L/∂v∂q`.
+    /// Magnitudes of `∂²L/∂v∂q`.
     pub momentum_by_position: [[f64; N]; N],
     /// Largest distances of `∂²L/∂v∂q` from its midpoint.
     pub momentum_by_position_radius: [[f64; N]; N],
-    /// Of the derivatives of `∂L/∂q + F` by t.
+    /// Magnitudes of the derivatives of `∂L/∂q + F` by t.
     pub force_by_time: [f64; N],
-    /// Of the derivatives of `∂L/∂q + F` by q.
+    /// Magnitudes of the derivatives of `∂L/∂q + F` by q.
     pub force_by_position: [[f64; N]; N],
-    /// Of the derivatives of `∂L/∂q + F` by v.
+    /// Magnitudes of the derivatives of `∂L/∂q + F` by v.
     pub force_by_velocity: [[f64; N]; N],
-    /// Of each noise Hamiltonian.
+    /// The bounds of each noise Hamiltonian.
     pub noises: [NoiseBounds<N>; M],
-    /// Whether the bounds hold: the functions are defined in the whole box.
+    /// True if the bounds hold: the functions are defined in the whole box.
     pub hold: bool,
 }
 
 /// Magnitudes of derivatives of a noise Hamiltonian in a box.
 #[derive(Clone, Copy, Debug)]
 pub struct NoiseBounds<const N: usize> {
-    /// Of `∂G/∂q`.
+    /// Magnitudes of `∂G/∂q`.
     pub dq: [f64; N],
-    /// Of `∂G/∂p`.
+    /// Magnitudes of `∂G/∂p`.
     pub dp: [f64; N],
-    /// Of `∂²G/∂q∂t`.
+    /// Magnitudes of `∂²G/∂q∂t`.
     pub dqt: [f64; N],
-    /// Of `∂²G/∂p∂t`.
+    /// Magnitudes of `∂²G/∂p∂t`.
     pub dpt: [f64; N],
-    /// Of `∂²G/∂q²`.
+    /// Magnitudes of `∂²G/∂q²`.
     pub dqq: [[f64; N]; N],
-    /// Of `∂²G/∂q∂p`, with rows by q.
+    /// Magnitudes of `∂²G/∂q∂p`, with rows by q.
     pub dqp: [[f64; N]; N],
-    /// Of `∂²G/∂p²`.
+    /// Magnitudes of `∂²G/∂p²`.
     pub dpp: [[f64; N]; N],
 }
 
@@ -86,12 +88,13 @@ impl<const N: usize> NoiseBounds<N> {
     };
 }
 
-/// A system whose derivatives have bounds, as far as the macro found some.
+/// A system whose derivatives have bounds, where the macro finds some.
 pub trait StageBounds<const N: usize, const M: usize>: System {
-    /// What is known of the number of solutions.
+    /// The number of solutions, as far as the macro can tell.
     const UNIQUENESS: Uniqueness;
 
-    /// Returns bounds over the box with this centre, `[q, v, p]`. Without an implementation there are none.
+    /// Returns bounds over the box with this centre, `[q, v, p]`. The default implementation
+    /// returns no finite bounds.
     #[inline]
     fn bounds(&self, time: f64, centre: [&[f64; N]; 3], radii: &Radii<N>) -> NodeBounds<N, M> {
         let _ = (time, centre, radii);

@@ -1,30 +1,39 @@
-//! Proves that a solution of the stages is the one that is connected with the limit of no noise and h → 0.
+//! Proof that a solution of the stages is connected with the limit of no noise and h → 0.
 //!
-//! Input: a step with its solution, and bounds of derivatives over a box. Output: whether the proof succeeds. Where it does not, continuation follows the solution.
+//! Input: a step with its solution, and bounds of derivatives over a box. Output: true if the proof
+//! succeeds. If it fails, continuation follows the solution.
 //!
-//! Write `z_i = (Q_i, V_i)` for positions and velocities of the stages, `z₀` for the start. Let σ be the part of the step size and s that of the increments. The equations of a
-//! step, with the impulses `F_j` without noise and `Γ_j` with it, are a fixed point `z = T(z)` of
+//! Write `z_i = (Q_i, V_i)` for positions and velocities of the stages, `z₀` for the start. Let σ
+//! scale the step size and s the increments. The equations of a step, with the impulses `F_j`
+//! without noise and `Γ_j` of the noise, are a fixed point `z = T(z)` of
 //!
 //! ```text
 //! Q_i ← q₀ + σ h Σ_j a_ij V_j + s Σ_j μ_ij Σ_a ω_aj ∂G_a/∂p
 //! V_i ← V_i − B (∂L/∂v(Q_i, V_i) − p₀ − Σ_j μ_ij (σ F_j + s Γ_j))
 //! ```
 //!
-//! with the inverse `B` of a mass matrix. Let z be the solution, and `g` the part that noise has in its distance from the limit, `z − z₀ = d + g`. On the way from the limit to
-//! the solution σ and then s grow from 0 to 1. The point `y = z₀ + σ d + s g` follows a polygon to z. It satisfies the equations at both ends of each side, if noise is absent
-//! exactly, so that `T(y) − y` is bounded by a quarter of what T changes along a side and by what noise does. If a vector of radii r, for each coordinate one, satisfies
+//! with the inverse `B` of a mass matrix. Let z be the solution, and split its distance from the
+//! limit into `z − z₀ = d + g`, where `g` is the part due to noise. On the way from the limit to
+//! the solution σ and then s grow from 0 to 1. The point `y = z₀ + σ d + s g` follows a polygon to
+//! z. At both ends of each side, y satisfies the equations, exactly if there is no noise. Hence
+//! `T(y) − y` is bounded by a quarter of the change of T along a side plus the change of T by
+//! noise. If a vector of radii r, one for each coordinate, satisfies
 //!
 //! ```text
 //! |T(y) − y| + K r < r
 //! ```
 //!
-//! with a matrix K of Lipschitz constants of T in the box of all balls of radius r around these y, then T is a contraction of each ball into itself. Each ball has one fixed point,
-//! which depends continuously on σ and s (Banach). At the start it is z₀ and at the end z: so z is the connected solution. The inequality holds for steps that are short for the
-//! system, since K is about h times its frequency.
+//! with a matrix K of Lipschitz constants of T in the box of all balls of radius r around these y,
+//! then T is a contraction of each ball into itself. Each ball has one fixed point, which depends
+//! continuously on σ and s (Banach). The fixed point is z₀ at the start and z at the end, so z is
+//! the connected solution. The inequality holds for steps that are short for the system, since K is
+//! about h times its frequency.
 //!
-//! Distances at stage i are in units of `w_i`, the eigenvector of `|a_ij|` for which its norm is smallest.
+//! Distances at stage i are in units of `w_i`, the eigenvector of `|a_ij|` for which the norm is
+//! smallest.
 //!
-//! Source: Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), sections 12.1 and 13.1, for componentwise contractions.
+//! Source: Ortega, Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables*
+//! (1970), sections 12.1 and 13.1, for componentwise contractions.
 
 use super::bounds::{NodeBounds, Radii, StageBounds};
 use super::newton::moves_position;
@@ -36,17 +45,17 @@ use crate::lanes::solve::inverse;
 use crate::phase::configuration::VectorCoordinates;
 use crate::system::Dims;
 
-/// Number of rooms that are tried.
+/// Number of rooms that are tried (`room.rs`).
 const TRIALS: u32 = 4;
 
-/// Least room, so that a system at rest has some.
+/// Least size of a room, so that a system at rest has a room.
 const LEAST: f64 = 1e-150;
 
 /// A solution of the stages, a row for each coordinate.
 pub(super) struct Solution<const S: usize, const N: usize> {
     /// The velocity at the start.
     pub(super) start: [f64; N],
-    /// Positions, velocities and momenta relative to those of the start.
+    /// Positions, velocities and momenta, relative to the values at the start.
     pub(super) moves: Rows<S, N>,
     pub(super) changes: Rows<S, N>,
     pub(super) kicks: Rows<S, N>,
@@ -81,7 +90,7 @@ where
     false
 }
 
-/// The way of a solution from the limit.
+/// The path of a solution from the limit.
 struct Path<'a, Sys, const S: usize, const N: usize, const M: usize> {
     step: &'a Step<'a, Sys, S, N, M>,
     /// The velocity at the start.
@@ -89,7 +98,7 @@ struct Path<'a, Sys, const S: usize, const N: usize, const M: usize> {
     q: Extent<N>,
     v: Extent<N>,
     p: Extent<N>,
-    /// Whether a noise depends on momenta.
+    /// True if a noise depends on momenta.
     moves_position: bool,
 }
 
@@ -98,7 +107,7 @@ where
     Sys: StageBounds<N, M, Dims = Dims<N, M, Q>>,
     Q: VectorCoordinates<N>,
 {
-    /// A room that is enough for most short steps.
+    /// Returns a room that is large enough for most short steps.
     #[inline(always)]
     fn first_room(&self) -> Room<N> {
         let mut room = Room {
@@ -114,7 +123,7 @@ where
         room
     }
 
-    /// The bounds over the box with this room.
+    /// Returns the bounds over the box with this room.
     #[inline(always)]
     fn bounds(&self, room: &Room<N>) -> NodeBounds<N, M> {
         let Step { state, h, .. } = *self.step;
@@ -137,7 +146,7 @@ where
         self.step.system.bounds(time, [&q, &v, &p], &radii)
     }
 
-    /// Returns what the bounds in a room ask for; `None` if there are no bounds.
+    /// Returns the room that the bounds over a room require; `None` if there are no bounds.
     #[inline(always)]
     fn needed(&self, room: &Room<N>) -> Option<Needed<N>> {
         let bounds = self.bounds(room);
@@ -165,7 +174,7 @@ where
         Some(more)
     }
 
-    /// g, what noise moves.
+    /// Returns g, the distances that noise moves the stages.
     #[inline(always)]
     fn moved_by_noise(
         &self,
@@ -189,7 +198,7 @@ where
         Distances { q: shift, v }
     }
 
-    /// `part (|d| + |g|) + more |g|`, beside the room.
+    /// Returns `room + part (|d| + |g|) + more |g|`.
     #[inline(always)]
     fn distances(
         &self,
@@ -209,13 +218,14 @@ where
         all
     }
 
-    /// What T varies over: a quarter of the chord, noise and the radii.
+    /// Returns the distances over which T varies: the radii, and a quarter of the chord and of the
+    /// noise.
     #[inline(always)]
     fn near(&self, room: &Room<N>, noise: &Distances<N>) -> Distances<N> {
         self.distances(0.25, 0.0, room, noise)
     }
 
-    /// The longest time to a stage, in units of the stage.
+    /// Returns the longest time to a stage, in units of the stage.
     #[inline(always)]
     fn latest(&self) -> f64 {
         self.step.h.abs() * const { Tableau::<S>::VALUES.latest }
@@ -250,7 +260,7 @@ where
         needed.map(|x| const { Tableau::<S>::VALUES.norm } * x)
     }
 
-    /// How far the impulses vary within `near`.
+    /// Returns how much the impulses vary within `near`.
     #[inline(always)]
     fn impulses(
         &self,
@@ -282,7 +292,8 @@ where
         impulses.map(|x| const { Tableau::<S>::VALUES.norm } * x)
     }
 
-    /// Adds how far `∂L/∂v` differs from its linearisation by velocities: what the inverse of the mass matrix does not solve.
+    /// Adds the difference between `∂L/∂v` and its linearisation by velocities, which the inverse
+    /// of the mass matrix does not solve.
     #[inline(always)]
     fn add_momenta(
         &self,
@@ -291,7 +302,7 @@ where
         noise: &Distances<N>,
         pushed: &mut [f64; N],
     ) {
-        // half of the chord, noise, and the radii beside the noise that the room has
+        // Half of the chord, the noise, and the radii, which the room has beside the noise.
         let chord = self.distances(0.5, 1.0, room, noise);
         for n in 0..N {
             pushed[n] += 0.5 * self.latest() * bounds.momentum_by_time_radius[n];
@@ -303,7 +314,7 @@ where
         }
     }
 
-    /// The largest increment of each process at a stage, in units of the weights.
+    /// Returns the largest increment of each process at a stage, in units of the weights.
     #[inline(always)]
     fn increments(&self) -> [f64; M] {
         let inverse_b = const { &Tableau::<S>::VALUES.inverse_b };

@@ -1,30 +1,40 @@
-//! When a fixed-point iteration of stages has converged, and when Newton's method has to take over.
+//! Convergence of a fixed-point iteration of stages, and the criterion for Newton's method to take
+//! over.
 //!
-//! Input: the change of each sweep, relative to the sizes of the coordinates. Output: whether to go on. The iteration starts from the limit of no noise and
-//! h → 0 or from the stages of the step before. Changes that do not grow, and fall by the contraction factor but for the first few, keep the iterates within a ball
-//! around the start, in which Banach's theorem has one fixed point only; the contraction is sampled along the iterates, as Newton's method samples its
-//! Jacobian, and not proved. A proof by bounds (`connected.rs`) would take a tenth of the time of a step, and fail where stages of long steps contract well.
+//! Input: the change of each sweep, relative to the sizes of the coordinates. Output: the verdict
+//! to continue, to stop, or to leave the step to Newton's method. The iteration starts from the
+//! limit of no noise and h → 0 or from the stages of the step before. Changes that do not grow, and
+//! that fall by the contraction factor after the first few sweeps, keep the iterates within a ball
+//! around the start. In this ball Banach's theorem allows one fixed point only. The contraction is
+//! sampled along the iterates, as Newton's method samples its Jacobian, and not proved. A proof by
+//! bounds (`connected.rs`) would take a tenth of the time of a step, and fail at long steps whose
+//! stages contract well.
 //!
-//! Source of the test: Hairer, `McLachlan`, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta methods*, BIT 48 (2008).
+//! Source of the test: Hairer, `McLachlan`, Razakarivony, *Achieving Brouwer's law with implicit
+//! Runge–Kutta methods*, BIT 48 (2008).
 
-/// Largest contraction factor. A slower iteration costs more than Newton's method, and its limit is less surely the connected root.
+/// Largest contraction factor. A slower iteration costs more than Newton's method, and its limit is
+/// less surely the connected root.
 const LARGEST_FACTOR: f64 = 0.6;
 
-/// Number of sweeps whose changes may fall more slowly, as long as they do not grow: an iteration reaches its linear rate only near the solution, and Newton's method costs
-/// more than they do.
+/// Number of sweeps whose changes may fall more slowly, as long as they do not grow. An iteration
+/// reaches its linear rate only near the solution, and Newton's method costs more than these
+/// sweeps.
 const SLOW_SWEEPS: u32 = 2;
 
 /// Largest number of sweeps.
 const MOST_SWEEPS: u32 = 30;
 
-/// Size of the predicted next change, relative to the coordinates, at which the iteration ends. What is left over has the same sign in many steps, and adds up: from a tenth of half a unit of rounding on,
-/// ten million steps of a pendulum show no drift of the energy beyond the random walk of rounding errors. With a whole half unit the drift is twice as large as the walk.
+/// Size of the predicted next change, relative to the coordinates, at which the iteration ends. The
+/// error that remains has the same sign in many steps and adds up. If it is at most a tenth of half
+/// a unit of rounding, ten million steps of a pendulum show no drift of the energy beyond the
+/// random walk of rounding errors. With a whole half unit the drift is twice as large as the walk.
 const NEGLIGIBLE: f64 = 1e-17;
 
 /// Changes that no longer fall below this size are rounding errors.
 const STAGNATION: f64 = 1e-14;
 
-/// The course of an iteration.
+/// The state of an iteration.
 #[derive(Clone, Copy)]
 pub(super) struct Course {
     /// The last change.
@@ -34,12 +44,12 @@ pub(super) struct Course {
     slow: u32,
 }
 
-/// What follows from a sweep.
+/// The decision after a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     Continue,
     Converged,
-    /// The iteration does not contract, or is not finite: Newton's method is to solve the step.
+    /// The iteration does not contract, or is not finite: Newton's method has to solve the step.
     Leave,
 }
 
@@ -58,8 +68,8 @@ impl Course {
         self.sweeps == 0
     }
 
-    /// Judges a sweep by its change. Convergence is linear: the next change is about `change² / last`. The first sweep says nothing about the rate, unless it
-    /// changes nothing.
+    /// Judges a sweep by its change. Convergence is linear: the next change is about
+    /// `change² / last`. The first sweep says nothing about the rate, unless it changes nothing.
     #[inline(always)]
     pub(super) fn judge(&mut self, change: f64) -> Verdict {
         let last = self.last;
@@ -89,7 +99,8 @@ impl Course {
 mod tests {
     use super::{Course, Verdict};
 
-    /// The verdict on changes that fall by a factor down to a level, with the number of sweeps.
+    /// Returns the verdict on changes that fall by a factor down to a level, and the number of
+    /// sweeps.
     fn run(factor: f64, level: f64) -> (Verdict, u32) {
         let (mut course, mut change) = (Course::new(), 0.1_f64);
         loop {
@@ -111,7 +122,7 @@ mod tests {
     #[test]
     fn slow_iterations_are_left() {
         assert_eq!(run(0.7, 0.0), (Verdict::Leave, 4));
-        // it would take more sweeps than Newton's method costs
+        // The iteration would take more sweeps than Newton's method costs.
         assert_eq!(run(0.55, 0.0), (Verdict::Leave, 30));
     }
 

@@ -1,6 +1,8 @@
-//! Numbers of 106 bits as unevaluated sums of two `f64`, in constant functions: the matrices of the Gauss rules are computed by the compiler.
+//! Numbers of 106 bits as unevaluated sums of two `f64`, in constant functions: the compiler
+//! computes the matrices of the Gauss rules.
 //!
-//! Error-free transformations of Dekker (1971) and Knuth; a relative error of a few 2⁻¹⁰⁴ an operation.
+//! Error-free transformations of Dekker (1971) and Knuth; a relative error of a few 2⁻¹⁰⁴ per
+//! operation.
 
 /// `high + low`, with `high` the nearest `f64`.
 #[derive(Clone, Copy, Debug)]
@@ -13,12 +15,12 @@ impl Double {
     pub(super) const ZERO: Self = Self::of(0.0);
     pub(super) const ONE: Self = Self::of(1.0);
 
-    /// An `f64`.
+    /// Returns the number with the value of an `f64`.
     pub(super) const fn of(x: f64) -> Self {
         Self { high: x, low: 0.0 }
     }
 
-    /// The exact sum of two `f64`.
+    /// Returns the exact sum of two `f64`.
     const fn exact_sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let part = high - a;
@@ -26,7 +28,8 @@ impl Double {
         Self { high, low }
     }
 
-    /// The exact product of two `f64`, by splitting each into halves of 26 bits: constant functions have no fused operations.
+    /// Returns the exact product of two `f64`. Splits each into halves of 26 bits, since constant
+    /// functions have no fused operations.
     const fn exact_product(a: f64, b: f64) -> Self {
         const SPLITTER: f64 = 134_217_729.0;
         let (shifted_a, shifted_b) = (SPLITTER * a, SPLITTER * b);
@@ -70,7 +73,8 @@ impl Double {
         first.plus(second).plus(third)
     }
 
-    /// The nearest multiple of `2^-bits`, exactly, for numbers below 2 in magnitude and `bits` up to 60.
+    /// Returns the nearest multiple of `2^-bits`, exactly, for numbers below 2 in magnitude and
+    /// `bits` up to 60.
     pub(super) const fn to_multiple_of_two_to_minus(self, bits: u32) -> f64 {
         let scale = (1u64 << bits) as f64;
         // a product with a power of two is exact

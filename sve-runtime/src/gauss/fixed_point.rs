@@ -1,15 +1,20 @@
-//! The equations of a step of a Gauss rule, solved by fixed-point iteration with the stages in lanes.
+//! The equations of a step of a Gauss rule, solved by fixed-point iteration with the stages in
+//! lanes.
 //!
-//! Input: a step whose velocities follow from positions and momenta. Output: the increments and the unknowns of Newton's method; nothing if the iteration does not
-//! contract. A sweep is partitioned (Gauss–Seidel): impulses and momenta from the positions, then positions from the new momenta.
+//! Input: a step whose velocities follow from positions and momenta. Output: the increments and the
+//! unknowns of Newton's method; `None` if the iteration does not contract. A sweep is partitioned
+//! (Gauss–Seidel): impulses and momenta from the positions, then positions from the new momenta.
 //!
-//! - [`solve_second_order`]: L = ½⟨v, Mv⟩ − V(t, q) with constant M, a force and noises of the position alone. Only impulses are iterated,
+//! - [`solve_second_order`]: L = ½⟨v, Mv⟩ − V(t, q) with constant M, and a force and noises that
+//!   depend on the position alone. Only impulses are iterated,
 //!   `Q_i = q₀ + h c_i M⁻¹p₀ + Σ_j h η_ij M⁻¹F_j`.
 //! - [`solve_partitioned`]: ∂L/∂v affine in v; masses, force and noises of any form.
 //!
-//! Both run with the widest vectors of the machine. Their loops have no branches, and their functions are those for lanes.
-//! Source: Antoñana, Makazaga, Murua, *Efficient implementation of symplectic implicit Runge–Kutta schemes with simplified Newton iterations* (2017), for
-//! the increments as unknowns; Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.6.
+//! Both run with the widest vectors of the machine. Their loops have no branches, and call the
+//! elementary functions for lanes. Source: Antoñana, Makazaga, Murua, *Efficient implementation of
+//! symplectic implicit Runge–Kutta schemes with simplified Newton iterations* (2017), for the
+//! increments as unknowns; Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006),
+//! section VIII.6.
 
 use super::convergence::{Course, Verdict};
 use super::newton::{Solved, displacement, moves_position, velocity};
@@ -19,12 +24,12 @@ use super::step::Step;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::system::System;
 
-/// The stages of a step, each in a lane.
+/// The stages of a step, one in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct StageLanes<'a, const S: usize, const N: usize, const M: usize> {
     /// `h b_i`.
     pub weights: &'a [f64; S],
-    /// Times.
+    /// Times of the stages.
     pub times: &'a [f64; S],
     /// The position at the start.
     pub q: &'a [f64; N],
@@ -36,17 +41,21 @@ pub struct StageLanes<'a, const S: usize, const N: usize, const M: usize> {
     pub noise: &'a [[f64; S]; M],
 }
 
-/// A system of the form ½⟨v, Mv⟩ − V(t, q) with constant masses M, whose force and noises depend on time and position alone.
+/// A system of the form ½⟨v, Mv⟩ − V(t, q) with constant masses M, whose force and noises depend on
+/// time and position alone.
 pub trait SecondOrder<const N: usize, const M: usize>: System {
-    /// Whether M is diagonal.
+    /// True if M is diagonal.
     const HAS_DIAGONAL_MASS: bool;
-    /// Returns the impulses `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai` of the stages. NaN where L is not defined.
+    /// Returns the impulses `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai` of the stages. NaN where L is not
+    /// defined.
     fn impulses<const S: usize>(&self, stages: &StageLanes<'_, S, N, M>) -> [[f64; S]; N];
 }
 
 /// A system with ∂L/∂v = M(t, q) v + a(t, q).
 pub trait Partitioned<const N: usize, const M: usize>: System {
-    /// Computes the impulses `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai` of the stages from positions and momenta, with the masses. `kicks` are momenta relative to the start. NaN where L is not defined.
+    /// Computes the impulses `h b_i (∂L/∂q + F) − Σ ∂G_a/∂q ω_ai` of the stages from positions and
+    /// momenta, with the masses. `kicks` are momenta relative to the start. NaN where L is not
+    /// defined.
     fn impulses<const S: usize>(
         &self,
         stages: &StageLanes<'_, S, N, M>,
@@ -61,12 +70,12 @@ pub trait Partitioned<const N: usize, const M: usize>: System {
     ) -> Motion<S, N>;
 }
 
-/// What makes velocities of momenta at the stages, `v = M⁻¹ (p − a)`.
+/// The masses and offsets that give velocities at the stages from momenta, `v = M⁻¹ (p − a)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Masses<const S: usize, const N: usize> {
-    /// M⁻¹; of a diagonal one the diagonal alone.
+    /// M⁻¹. If M is diagonal, only the diagonal is set.
     pub inverse: [[[f64; S]; N]; N],
-    /// a.
+    /// The offset a.
     pub offset: [[f64; S]; N],
 }
 
@@ -79,8 +88,9 @@ pub struct Motion<const S: usize, const N: usize> {
     pub displacements: [[f64; S]; N],
 }
 
-/// Solves a step of a system of second order from the impulses of the step before, or from the motion with constant velocity. Returns the impulses
-/// beside the solution, or nothing if the iteration does not contract.
+/// Solves a step of a system of second order, starting from the impulses of the step before or from
+/// the motion with constant velocity. Returns the impulses beside the solution; `None` if the
+/// iteration does not contract.
 pub(super) fn solve_second_order<
     Sys,
     const S: usize,
@@ -171,7 +181,8 @@ where
             for i in 0..S {
                 x[velocity::<S>(i, n)] = start[n][0] + velocities[n][i];
             }
-            // h = h c₁ + h (1 − c₁): what is added to the position has more digits than the momentum
+            // h = h c₁ + h (1 − c₁): the sum that is added to the position has more digits than the
+            // momentum.
             dq[n] = nodes[0] * start[n][0] + (rest[0] * start[n][0] + late[n][0]);
             dp[n] = sum(&impulses[n]);
         }
@@ -184,7 +195,8 @@ impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize>
 where
     Sys: SecondOrder<N, M>,
 {
-    /// Positions relative to the start, `free + M⁻¹ Σ_j h η_ij F_j`, for the columns of `h η`.
+    /// Returns positions relative to the start, `free + M⁻¹ Σ_j h η_ij F_j`, for the columns of
+    /// `h η`.
     #[inline(always)]
     fn moves(
         &self,
@@ -214,7 +226,7 @@ where
         moves
     }
 
-    /// The velocities of some momenta.
+    /// Returns the velocities of the given momenta.
     #[inline(always)]
     fn velocity<const L: usize>(&self, momenta: &Rows<L, N>) -> Rows<L, N> {
         let inverse_mass = &self.coefficients.inverse_mass;
@@ -236,8 +248,9 @@ where
     }
 }
 
-/// Solves a step of a system with ∂L/∂v affine in v, from the stages of the step before or from the start. Returns displacements and impulses beside the
-/// solution, or nothing if the iteration does not contract.
+/// Solves a step of a system with ∂L/∂v affine in v, starting from the stages of the step before or
+/// from the start. Returns displacements and impulses beside the solution; `None` if the iteration
+/// does not contract.
 pub(super) fn solve_partitioned<
     Sys,
     const S: usize,
@@ -271,7 +284,8 @@ where
     #[inline(always)]
     fn run(self) -> Self::Output {
         let Step { state, tableau, .. } = *self.step;
-        // Relative to the start; nothing moves in the limit of no noise and h → 0.
+        // Displacements and impulses are relative to the start; nothing moves in the limit of no
+        // noise and h → 0.
         let (mut moves, mut kicks) = ([[0.0; S]; N], [[0.0; S]; N]);
         if let Some([displacements, impulses]) = self.before {
             for n in 0..N {
@@ -312,7 +326,7 @@ where
     }
 }
 
-/// The increments and unknowns of the last sweep.
+/// Returns the increments and unknowns of the last sweep.
 #[inline(always)]
 fn increments<const S: usize, const N: usize, const K: usize>(
     motion: &Motion<S, N>,
@@ -333,7 +347,7 @@ fn increments<const S: usize, const N: usize, const K: usize>(
 }
 
 impl<Sys, const S: usize, const N: usize, const M: usize> Step<'_, Sys, S, N, M> {
-    /// The stages at these positions relative to the start.
+    /// Returns the stages at these positions relative to the start.
     #[inline(always)]
     fn lanes<'a>(&'a self, moves: &'a Rows<S, N>) -> StageLanes<'a, S, N, M> {
         StageLanes {

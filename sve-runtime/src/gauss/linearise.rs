@@ -1,4 +1,5 @@
-//! The linearised step of a Gauss rule, for tangent maps and sensitivities (`docs/mathematics.md`, section 8).
+//! The linearised step of a Gauss rule, for tangent maps and sensitivities (`docs/mathematics.md`,
+//! section 8).
 
 use nalgebra::DMatrix;
 
@@ -12,21 +13,22 @@ use crate::system::{Dims, System};
 /// Derivatives by a parameter at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterJet<const N: usize, const M: usize> {
-    /// Of `∂L/∂q`.
+    /// Derivatives of `∂L/∂q`.
     pub dq: [f64; N],
-    /// Of `∂L/∂v`.
+    /// Derivatives of `∂L/∂v`.
     pub dv: [f64; N],
-    /// Of the force.
+    /// Derivatives of the force.
     pub force: [f64; N],
-    /// Of `∂G_a/∂q` for each noise Hamiltonian.
+    /// Derivatives of `∂G_a/∂q` for each noise Hamiltonian.
     pub noise_dq: [[f64; N]; M],
-    /// Of `∂G_a/∂p` for each noise Hamiltonian.
+    /// Derivatives of `∂G_a/∂p` for each noise Hamiltonian.
     pub noise_dp: [[f64; N]; M],
 }
 
 /// A system whose equations of motion are differentiated by the parameters.
 pub trait ByParameters<const N: usize, const M: usize>: System {
-    /// Visits the derivatives by each parameter, in the order of [`PARAMETERS`](System::PARAMETERS).
+    /// Visits the derivatives by each parameter, in the order of
+    /// [`PARAMETERS`](System::PARAMETERS).
     fn parameter_jets(
         &self,
         t: f64,
@@ -42,7 +44,7 @@ where
     Sys: System<Dims = Dims<N, M, Q>> + ByParameters<N, M>,
     Q: VectorCoordinates<N>,
 {
-    /// Linearises the equations and results around the solution `x`. Returns what `then` makes of them.
+    /// Linearises the equations and results around the solution `x`. Returns the result of `then`.
     pub(super) fn linearise<const K: usize, T>(
         &self,
         x: &[f64; K],
@@ -82,7 +84,7 @@ where
         then(Linearisation::new([K, 2 * N, inputs], entries))
     }
 
-    /// What the unknowns of stage `k` do to the results `Σ Y_j` and `Σ F_j`.
+    /// Adds the derivatives of the results `Σ Y_j` and `Σ F_j` by the unknowns of stage `k`.
     fn outputs<const K: usize>(&self, k: usize, stages: &[Stage<N>; S], all: &mut Matrices) {
         let ratio = const { &Tableau::<S>::VALUES.ratio };
         for m in 0..N {
@@ -109,7 +111,8 @@ where
         }
     }
 
-    /// What the state at the start does to the equations of stage `i` and to the results.
+    /// Adds the derivatives of the equations of stage `i` and of the results by the state at the
+    /// start.
     fn start<const K: usize>(i: usize, stages: &[Stage<N>; S], all: &mut Matrices) {
         let ratio = const { &Tableau::<S>::VALUES.ratio };
         for m in 0..N {
@@ -130,7 +133,7 @@ where
         }
     }
 
-    /// What the parameters do through stage `j` to the equations and to the results.
+    /// Adds the derivatives of the equations and results by the parameters at stage `j`.
     fn parameters<const K: usize>(
         &self,
         j: usize,
@@ -175,7 +178,7 @@ where
     }
 }
 
-/// Returns row and column of all entries of a matrix, in the order in which it is stored.
+/// Returns row and column of each entry of a matrix, in the order of storage.
 fn places(matrix: &DMatrix<f64>) -> Vec<(usize, usize)> {
     let (rows, columns) = matrix.shape();
     let columns = (0..columns).flat_map(|column| (0..rows).map(move |row| (row, column)));

@@ -1,12 +1,15 @@
-//! What a trajectory carries between steps of a Gauss rule: numbers at the stages, from which the next step extrapolates its first guess.
+//! Numbers that a trajectory carries between steps of a Gauss rule. The next step extrapolates its
+//! first guess from them.
 //!
-//! Input: `L = 1 + R N S` numbers, the step size and `R` numbers for each coordinate at each stage. Invariant: a guess changes the result of a step by no more than
-//! the rounding error of the iteration. A step of another size does not use the numbers, and neither does a step with noise, since increments of different
-//! steps are independent.
+//! Input: `L = 1 + R N S` numbers, the step size and `R` numbers for each coordinate at each stage.
+//! Invariant: a guess changes the result of a step by no more than the rounding error of the
+//! iteration. A step of another size does not use the numbers, and neither does a step with noise,
+//! since increments of different steps are independent.
 
 use super::stages::Rows;
 
-/// Solves a step of size `h` from the stages of the step before; if this fails, or there are none, from the start. Replaces the numbers.
+/// Solves a step of size `h` from the stages of the step before. If this fails, or no stages are
+/// recorded, solves it from the start. Replaces the numbers.
 #[inline]
 pub(super) fn solve_from_memory<
     T,

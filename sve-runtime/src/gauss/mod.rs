@@ -1,4 +1,5 @@
-//! The Gauss rules, of any number of stages and for any Lagrangian: what generated implementations of a step call.
+//! The Gauss rules, of any number of stages and for any Lagrangian. Generated implementations of a
+//! step call these functions.
 //!
 //! | file | part |
 //! | --- | --- |
@@ -8,17 +9,20 @@
 //! | `fixed_point.rs`, `scaled.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
 //! | `bounds.rs`, `connected.rs`, `room.rs` | the proof that a solution is the connected one |
 //! | `stage_noise.rs` | increments at the stages |
-//! | `memory.rs` | what a trajectory carries from step to step |
+//! | `memory.rs` | the numbers that a trajectory carries from step to step |
 //! | `linearise.rs` | the linearised step |
 //! | `potential.rs` | the term of the option `weak2` |
 //!
-//! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian allows that. Its solution is accepted if the iteration contracts, which is sampled along
-//! the iterates. Where the iteration does not contract, and with fewer stages, Newton's method solves the step. Its solution is accepted
-//! - for linear equations, which have one;
-//! - for systems of up to four coordinates whose functions have bounds, if the bounds prove that it is the connected one;
+//! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian
+//! allows it. The solution is accepted if the iteration contracts, which is sampled along the
+//! iterates. Where the iteration does not contract, and with fewer stages, Newton's method solves
+//! the step. Its solution is accepted
+//! - for linear equations, which have one solution;
+//! - for systems of up to four coordinates whose functions have bounds, if the bounds prove that
+//!   the solution is the connected one;
 //! - for other systems, if each iteration leaves at most 1/64 of the residual.
 //!
-//! What is not accepted is followed by [`continuation`](crate::continuation).
+//! If a solution is not accepted, [`continuation`](crate::continuation) follows it from the limit.
 
 mod bounds;
 mod connected;
@@ -72,7 +76,8 @@ where
     Step::<_, S, N, M>::new(system, state, h, noise).solve(solver)
 }
 
-/// Solves a step of a system of second order, first by fixed-point iteration. `memory` has what the step before left: its impulses.
+/// Solves a step of a system of second order, first by fixed-point iteration. `memory` holds the
+/// impulses of the step before.
 ///
 /// # Errors
 /// As [`newton_increment`].
@@ -112,7 +117,8 @@ where
     solve_by_newton(&step, solver)
 }
 
-/// Solves a step of a system with ∂L/∂v affine in v, first by fixed-point iteration. `memory` has what the step before left: its displacements and impulses.
+/// Solves a step of a system with ∂L/∂v affine in v, first by fixed-point iteration. `memory` holds
+/// the displacements and impulses of the step before.
 ///
 /// # Errors
 /// As [`newton_increment`].
@@ -169,7 +175,7 @@ pub fn shares<const S: usize, const M: usize>(dw: &[f64; M]) -> [[f64; S]; M] {
     dw.map(|dw| b.map(|b| b * dw))
 }
 
-/// Returns the increments at the stages, which are given process by process.
+/// Returns the increments at the stages by process and stage; `dw` lists them process by process.
 #[inline(always)]
 #[must_use]
 pub fn by_stage<const S: usize, const M: usize, const L: usize>(dw: &[f64; L]) -> [[f64; S]; M] {
@@ -187,7 +193,7 @@ pub fn start<const S: usize, const N: usize, const K: usize>(velocity: &[f64; N]
     x
 }
 
-/// Linearises a solved step. Returns what `then` makes of the equations and results.
+/// Linearises a solved step. Returns the result of `then` for the linearised equations and results.
 pub fn linearise<T, Sys, Q, const S: usize, const N: usize, const M: usize, const K: usize>(
     system: &Sys,
     state: &State<[f64; N]>,

@@ -1,7 +1,8 @@
 //! The equations of a step of a Gauss rule, solved by Newton's method with their analytic Jacobian.
 //!
-//! Unknowns are the velocities `V_i` of the stages, component by component, and behind them the displacements `Y_i` if a noise moves positions. Without such
-//! a noise `Y_i = h b_i V_i` is no unknown. Residuals, with the notation of `step.rs`:
+//! Unknowns are the velocities `V_i` of the stages, component by component, and behind them the
+//! displacements `Y_i` if a noise moves positions. Without such a noise `Y_i = h b_i V_i` is no
+//! unknown. Residuals, with the notation of `step.rs`:
 //!
 //! ```text
 //! L_v(Q_i, V_i) − p₀ − Σ_j μ_ij F_j          Y_i − h b_i V_i − Σ_a ∂G_a/∂p ω_ai
@@ -37,7 +38,8 @@ where
     /// Solves the step.
     ///
     /// # Errors
-    /// As [`BlockSolver::solve_block`]; [`SolveError::OtherBranch`] if the step is to be judged and bounds do not prove that the solution is connected.
+    /// As [`BlockSolver::solve_block`]; [`SolveError::OtherBranch`] if the step has to be judged
+    /// and bounds do not prove that the solution is connected.
     pub(super) fn solve<const K: usize>(
         &self,
         solver: &BlockSolver<'_>,
@@ -64,9 +66,11 @@ where
         self.judged(x, &guess, solver.tests_bounds())
     }
 
-    /// Returns the increments of a solution, of which `start` is the velocity at the start. If it is to be judged, only the connected one is returned.
+    /// Returns the increments of a solution; `start` is the velocity at the start. If `is_judged`,
+    /// returns only the connected solution.
     ///
-    /// A function apart, so that the jets of many coordinates are not on the stack beside Newton's matrix.
+    /// A separate function, so that the jets of many coordinates are not on the stack beside
+    /// Newton's matrix.
     #[inline(never)]
     fn judged<const K: usize>(
         &self,
@@ -95,7 +99,7 @@ where
         }
     }
 
-    /// The solution as it is judged, with the velocity at the start.
+    /// Returns the solution in the form for the proof, with the velocity at the start.
     #[inline]
     fn solution(
         &self,
@@ -125,8 +129,9 @@ where
     Sys: System<Dims = Dims<N, M, Q>>,
     Q: VectorCoordinates<N>,
 {
-    /// Returns the velocity at the start, and the sign of the Jacobian's determinant in the limit of no noise and h → 0: there it is that of the mass
-    /// matrix, once for each stage.
+    /// Returns the velocity at the start, and the sign of the Jacobian's determinant in the limit
+    /// of no noise and h → 0. In this limit the determinant is a product of one determinant of the
+    /// mass matrix for each stage.
     fn velocity_at_start(&self) -> Result<([f64; N], DeterminantSign), SolveError> {
         let v = legendre::velocity(self.system, self.state)?;
         let mass = self
@@ -153,7 +158,8 @@ where
         x
     }
 
-    /// Returns the unknowns for a velocity that changes linearly in time, with acceleration and noise of the start.
+    /// Returns the unknowns for a velocity that changes linearly in time, with acceleration and
+    /// noise of the start.
     fn guess<const K: usize>(&self, v: &[f64; N]) -> [f64; K] {
         let mut x = self.constant_velocity(v);
         let Step { system, state, .. } = *self;
@@ -198,7 +204,7 @@ where
         x
     }
 
-    /// Returns what the unknowns stand for.
+    /// Returns the unknowns as velocities, displacements and positions.
     #[inline]
     pub(super) fn unknowns<const K: usize>(&self, x: &[f64; K]) -> Unknowns<S, N> {
         let mut all = Unknowns {
@@ -254,7 +260,7 @@ where
         at
     }
 
-    /// `L_v(Q_i, V_i) − p₀ − Σ_j μ_ij F_j`.
+    /// Adds the equation `L_v(Q_i, V_i) − p₀ − Σ_j μ_ij F_j`.
     #[inline]
     fn momentum_equation<const K: usize>(
         &self,
@@ -281,7 +287,7 @@ where
         }
     }
 
-    /// `Y_i − h b_i V_i − Σ_a ∂G_a/∂p ω_ai`.
+    /// Adds the equation `Y_i − h b_i V_i − Σ_a ∂G_a/∂p ω_ai`.
     #[inline]
     fn displacement_equation<const K: usize>(
         &self,
@@ -317,7 +323,8 @@ where
     }
 }
 
-/// Place of a component of the velocity of stage `i` among the unknowns. Those of all stages stand together, as in the lanes of the fixed-point iteration.
+/// Place of a component of the velocity of stage `i` among the unknowns. The velocities of all
+/// stages stand together, as in the lanes of the fixed-point iteration.
 #[inline(always)]
 pub(super) const fn velocity<const S: usize>(i: usize, component: usize) -> usize {
     component * S + i
@@ -332,7 +339,8 @@ pub(super) const fn displacement<const S: usize, const N: usize>(
     (N + component) * S + i
 }
 
-/// Returns whether a noise moves positions: displacements are then unknowns beside the velocities.
+/// Returns whether a noise moves positions. If so, the displacements are unknowns beside the
+/// velocities.
 pub(super) const fn moves_position<const S: usize, const N: usize, const K: usize>() -> bool {
     assert!(
         K == S * N || K == 2 * S * N,
@@ -341,7 +349,7 @@ pub(super) const fn moves_position<const S: usize, const N: usize, const K: usiz
     K == 2 * S * N
 }
 
-/// The derivatives of the residuals in the unknowns.
+/// Computes the derivatives of the residuals by the unknowns.
 pub(super) fn jacobian<const S: usize, const N: usize, const K: usize>(
     weights: &[f64; S],
     stages: &[Stage<N>; S],
@@ -351,7 +359,7 @@ pub(super) fn jacobian<const S: usize, const N: usize, const K: usize>(
     let ratio = const { &Tableau::<S>::VALUES.ratio };
     for i in 0..S {
         for k in 0..S {
-            // what stage k does to stage i through all stages between them
+            // The effect of stage k on stage i through all stages j.
             let mut through = [[0.0; N]; N];
             for j in 0..S {
                 let factor = ratio[j][i] * ratio[k][j];

@@ -1,7 +1,7 @@
 //! The nodes of the Gauss rules: the roots of the Legendre polynomials on (−1, 1).
 //!
-//! Each is an unevaluated sum of two `f64`, computed with 60 digits by Newton's method on the polynomials. Roots that are not negative,
-//! ascending; the others follow by symmetry.
+//! Each is an unevaluated sum of two `f64`, computed with 60 digits by Newton's method on the
+//! polynomials. Roots that are not negative, ascending; the others follow by symmetry.
 
 use super::double_double::Double;
 

@@ -1,7 +1,9 @@
-//! The term of the option `weak2` in the action of a Gauss rule, `− ½ κ h |h| Σ b_i Σ_a K_a` at the stages.
+//! The term of the option `weak2` in the action of a Gauss rule, `− ½ κ h |h| Σ b_i Σ_a K_a` at the
+//! stages.
 //!
-//! It is that of one more noise, with the Hamiltonian `½ Σ_a K_a` and the increment `κ h |h| b_i` at stage i. So a step with the term is a step of a system with this noise behind its
-//! own: equations, solvers and derivatives are those of any step.
+//! The term has the form of one more noise, with the Hamiltonian `½ Σ_a K_a` and the increment
+//! `κ h |h| b_i` at stage i. So a step with the term is a step of a system with this noise after
+//! its own noises, and its equations, solvers and derivatives are the usual ones.
 
 use super::bounds::{NodeBounds, Radii, StageBounds, Uniqueness};
 use super::linearise::{ByParameters, ParameterJet};
@@ -11,9 +13,11 @@ use crate::phase::configuration::VectorCoordinates;
 use crate::system::CoordinateRole;
 use crate::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
 
-/// A system with a potential. `E` is the number of its noises with the potential, which is the last of them.
+/// A system with a potential. `E` is the number of its noises including the potential, which is the
+/// last noise.
 pub trait WithPotential<const N: usize, const E: usize>: System {
-    /// Every noise Hamiltonian, and `½ Σ_a K_a`, with its first and second derivatives.
+    /// Returns the jets of every noise Hamiltonian and of `½ Σ_a K_a`, with first and second
+    /// derivatives.
     fn noise_jets(&self, t: f64, q: &[f64; N], p: &[f64; N]) -> [NoiseJet<N>; E];
 }
 
@@ -21,7 +25,8 @@ pub trait WithPotential<const N: usize, const E: usize>: System {
 #[derive(Clone, Copy, Debug)]
 pub struct Corrected<'a, Sys, const E: usize>(pub &'a Sys);
 
-/// Returns the increments at the stages with those of the potential, for `½ κ`. The Hamiltonian is `½ Σ_a K_a`, so the increments have κ.
+/// Returns the increments at the stages together with the increments of the potential, for `½ κ`.
+/// The Hamiltonian is `½ Σ_a K_a`, so its increments have the factor κ.
 #[inline(always)]
 #[must_use]
 pub fn with_potential<const S: usize, const M: usize, const E: usize>(

@@ -1,16 +1,18 @@
-//! Vectors of distances, by which a solution is judged: its extent, the room around it, and what bounds ask of that room.
+//! Distances that judge a solution: its extent, the room around it, and the room that bounds
+//! require.
 
 use super::bounds::NodeBounds;
 use super::stages::Rows;
 use super::tableau::Tableau;
 
-/// Largest ratio of what is needed to what there is. Its distance from 1 covers rounding errors.
+/// Largest ratio of the room that is required to the room that there is. The distance from 1 covers
+/// rounding errors.
 const BOUND: f64 = 0.95;
 
-/// Factor by which a room exceeds what the bounds in the room before asked for.
+/// Factor by which a new room exceeds the room that the bounds over the room before required.
 const GROWTH: f64 = 1.3;
 
-/// The numbers between which a coordinate moves, relative to its value at the start.
+/// The interval in which a coordinate moves, relative to its value at the start.
 pub(super) struct Extent<const N: usize> {
     pub(super) middle: [f64; N],
     pub(super) half: [f64; N],
@@ -57,16 +59,17 @@ pub(super) struct Distances<const N: usize> {
     pub(super) v: [f64; N],
 }
 
-/// What bounds ask for.
+/// The room that bounds require.
 pub(super) struct Needed<const N: usize> {
-    /// Whether the room was enough.
+    /// True if the given room was enough.
     pub(super) is_enough: bool,
     /// A room that may be enough.
     pub(super) room: Room<N>,
 }
 
 impl<const N: usize> Needed<N> {
-    /// Compares what is needed of a part of the room with what noise leaves of it.
+    /// Compares the requirement on a part of the room with the size of this part less its share of
+    /// noise.
     #[inline(always)]
     pub(super) fn grow(
         &mut self,
@@ -82,7 +85,7 @@ impl<const N: usize> Needed<N> {
     }
 }
 
-/// `|matrix| x`.
+/// Returns `|matrix| x`.
 #[inline(always)]
 pub(super) fn magnitudes<const N: usize>(matrix: &[[f64; N]; N], x: &[f64; N]) -> [f64; N] {
     let mut sums = [0.0; N];
@@ -94,7 +97,7 @@ pub(super) fn magnitudes<const N: usize>(matrix: &[[f64; N]; N], x: &[f64; N]) -
     sums
 }
 
-/// How far momenta differ whose positions, velocities and times differ by these distances.
+/// Returns how much momenta differ whose positions, velocities and times differ by these distances.
 #[inline(always)]
 pub(super) fn momentum<const N: usize, const M: usize>(
     bounds: &NodeBounds<N, M>,

@@ -1,27 +1,30 @@
 //! The coefficients of the second-order form of a Gauss rule, times the step size.
 //!
-//! Input: the step size. Output: `h c_i`, `h (1 − c_i)` and `h η_ij`, rounded to multiples of the unit in the last place of h, so that the condition of symplecticity holds exactly:
+//! Input: the step size. Output: `h c_i`, `h (1 − c_i)` and `h η_ij`, rounded to multiples of the
+//! unit in the last place of h, so that the condition of symplecticity holds exactly:
 //!
 //! ```text
 //! h η_ji = h η_ij − (h c_i − h c_j)
 //! ```
 //!
-//! No number of a step is multiplied by h itself. Where h is near a simple fraction, such as 0.2, the rounding error of products with h has a mean that depends on the other factor, and the energy drifts by some 10⁻¹⁸ a step.
+//! No number of a step is multiplied by h itself. If h is near a simple fraction, such as 0.2, the
+//! rounding error of products with h has a mean that depends on the other factor, and the energy
+//! drifts by some 10⁻¹⁸ a step.
 
 use super::tableau::Tableau;
 use crate::phase::configuration::VectorCoordinates;
 use crate::solve::dense;
 use crate::system::{Dims, System};
 
-/// What a step of a system of second order computes from parameters and step size alone.
+/// Numbers that a step of a system of second order computes from parameters and step size alone.
 #[derive(Clone, Copy, Debug)]
 pub struct SecondOrderCoefficients<const S: usize, const N: usize> {
-    /// The inverse of the constant mass matrix; NaN if it has none.
+    /// The inverse of the constant mass matrix; NaN if the mass matrix is singular.
     pub(super) inverse_mass: [[f64; N]; N],
     pub(super) scaled: Scaled<S>,
 }
 
-/// The coefficients for a step size. Matrices are stored column by column, as those of [`Tableau`].
+/// The coefficients for a step size. Matrices are stored column by column, as in [`Tableau`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scaled<const S: usize> {
     /// `h c_i`.
@@ -37,7 +40,8 @@ pub(super) struct Scaled<const S: usize> {
 impl<const S: usize> Scaled<S> {
     fn new(h: f64) -> Self {
         let tableau = const { &Tableau::<S>::VALUES };
-        // The distance to the next number towards zero. All multiples of it up to h are numbers.
+        // The unit is the distance to the next number towards zero. All its multiples up to h are
+        // representable.
         let unit = h.abs() - h.abs().next_down();
         let nodes = tableau.c.map(|c| to_multiple(h * c, unit));
         let mut second_order = [[0.0; S]; S];
@@ -72,7 +76,7 @@ fn to_multiple(x: f64, unit: f64) -> f64 {
 }
 
 impl<const S: usize, const N: usize> SecondOrderCoefficients<S, N> {
-    /// The coefficients of a system's steps of size `h`.
+    /// Returns the coefficients of a system's steps of size `h`.
     pub fn new<Sys, Q, const M: usize>(system: &Sys, h: f64) -> Self
     where
         Sys: System<Dims = Dims<N, M, Q>>,
@@ -112,7 +116,7 @@ mod tests {
         let near = |x: f64, y: f64| (x - y).abs() <= 2.0 * unit;
         for i in 0..S {
             assert!(near(nodes[i], h * tableau.c[i]), "{S} stages, h = {h:e}");
-            // exactly: sums of multiples of the unit below 2⁵³ of them
+            // The equality is exact, since the sum of multiples of the unit stays below 2⁵³ units.
             assert_eq!(nodes[i] + rest[i], h);
             assert_eq!((nodes[i] / unit).fract(), 0.0);
             for j in 0..S {

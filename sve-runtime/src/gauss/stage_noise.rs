@@ -1,7 +1,9 @@
 //! Increments at the stages of a Gauss rule.
 //!
-//! The increment of a process at stage i is `ω_i = ∫ ℓ_i dW`, where ℓ is the Lagrange basis of the nodes. The ω are independent with variance `b_i h`, since the basis is orthogonal, and add
-//! up to ΔW. In terms of the coefficients `ξ_k` of the path in Legendre polynomials, independent with variance h, of which the first is ΔW,
+//! The increment of a process at stage i is `ω_i = ∫ ℓ_i dW`, where ℓ is the Lagrange basis of the
+//! nodes. The ω are independent with variance `b_i h`, since the basis is orthogonal, and add up to
+//! ΔW. Let `ξ_k` be the coefficients of the path in Legendre polynomials. They are independent with
+//! variance h, and the first one is ΔW. Then
 //!
 //! ```text
 //! ω_i = b_i Σ_{k<S} √(2k+1) P_k(2c_i − 1) ξ_k
@@ -36,8 +38,8 @@ pub(crate) fn weights(stages: usize) -> Option<&'static [f64]> {
     with_stages!(stages, of())
 }
 
-/// Writes the increments at the stages, as many as `parts` has, from the coefficients of the path in Legendre polynomials. Returns whether there is a rule with so many
-/// stages.
+/// Writes the increments at the stages to `parts`, one for each stage, from the coefficients of the
+/// path in Legendre polynomials. Returns whether there is a rule with so many stages.
 #[inline]
 pub(crate) fn from_coefficients(coefficients: impl Fn(usize) -> f64, parts: &mut [f64]) -> bool {
     fn of<const S: usize>(coefficients: impl Fn(usize) -> f64, parts: &mut [f64]) {
@@ -59,8 +61,9 @@ pub(crate) fn from_coefficients(coefficients: impl Fn(usize) -> f64, parts: &mut
     with_stages!(parts.len(), of(coefficients, parts)).is_some()
 }
 
-/// Adds the increments at the stages of step `number` among `count` steps to those of one step over all of them. The basis of the long step is a polynomial on each short step, of a
-/// degree that the basis of the short step represents, so the sum is exact.
+/// Adds the increments at the stages of step `number` among `count` steps to the increments of one
+/// step over all of them. The basis of the long step is a polynomial on each short step, and the
+/// basis of the short step represents its degree, so the sum is exact.
 pub(crate) fn add_to_longer_step(parts: &[f64], [number, count]: [usize; 2], longer: &mut [f64]) {
     fn of<const S: usize>(parts: &[f64], [number, count]: [usize; 2], longer: &mut [f64]) {
         let c = const { &Tableau::<S>::VALUES.c };
@@ -81,7 +84,7 @@ pub(crate) fn add_to_longer_step(parts: &[f64], [number, count]: [usize; 2], lon
 mod tests {
     use super::{add_to_longer_step, from_coefficients, weights};
 
-    /// The increments at the stages for each coefficient alone.
+    /// Returns the increments at the stages for each coefficient alone.
     fn matrix(stages: usize) -> Vec<Vec<f64>> {
         let column = |k: usize| {
             let mut parts = vec![0.0; stages];
@@ -115,7 +118,8 @@ mod tests {
         assert_eq!(weights(0), None);
     }
 
-    /// The integral of `x^degree` in place of a path: `ω_i = ∫ ℓ_i f′ dt` is exact where `f′` has a degree up to S.
+    /// Takes the integral of `x^degree` in place of a path: `ω_i = ∫ ℓ_i f′ dt` is exact where `f′`
+    /// has a degree up to S.
     #[test]
     fn longer_steps_have_the_integrals_of_the_path() {
         for stages in 2..=8 {
@@ -143,7 +147,7 @@ mod tests {
     }
 
     fn nodes(stages: usize) -> Vec<f64> {
-        // the second column is √3 b (2c − 1)
+        // The second column is √3 b (2c − 1).
         let (columns, b) = (matrix(stages), weights(stages).unwrap());
         let node = |i: usize| 0.5 * (1.0 + columns[1][i] / (3.0f64.sqrt() * b[i]));
         (0..stages).map(node).collect()

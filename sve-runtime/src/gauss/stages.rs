@@ -1,11 +1,13 @@
-//! Stages in lanes: sums over stages and products with the matrices of a rule, as loops over arrays that the compiler turns into vector instructions.
+//! Stages in lanes: sums over stages and products with the matrices of a rule, as loops over arrays
+//! that the compiler turns into vector instructions.
 
 use super::tableau::Tableau;
 
 /// A number at each stage, for each coordinate.
 pub(super) type Rows<const S: usize, const N: usize> = [[f64; S]; N];
 
-/// Returns `Σ_j matrix[j] z_j`. The products are added as a tree, whose chain of operations is shorter than that of a sum in order.
+/// Returns `Σ_j matrix[j] z_j`. The products are added as a tree, whose chain of operations is
+/// shorter than the chain of a sum in order.
 #[inline(always)]
 pub(super) fn product<const S: usize>(matrix: &[[f64; S]; S], z: &[f64; S]) -> [f64; S] {
     let mut terms = [[0.0; S]; S];
@@ -40,7 +42,8 @@ pub(super) fn at_stages<const S: usize, const N: usize>(
     sums
 }
 
-/// Returns the sum over the stages, the first with the last: the order is that of the step backwards.
+/// Returns the sum over the stages, adding the first to the last. The order is the same for the
+/// step backwards.
 #[inline(always)]
 pub(super) fn sum<const S: usize>(z: &[f64; S]) -> f64 {
     let mut sum = 0.0;
@@ -53,7 +56,8 @@ pub(super) fn sum<const S: usize>(z: &[f64; S]) -> f64 {
     sum
 }
 
-/// Returns the reciprocal of the size of a coordinate: its magnitude at the start and the farthest that it moves at the stages.
+/// Returns the reciprocal of the size of a coordinate: its magnitude at the start plus its largest
+/// displacement at the stages.
 #[inline(always)]
 pub(super) fn inverse_size<const S: usize>(start: f64, moves: &[f64; S]) -> f64 {
     let mut sizes = [0.0; S];
@@ -63,9 +67,11 @@ pub(super) fn inverse_size<const S: usize>(start: f64, moves: &[f64; S]) -> f64 
     1.0 / (start.abs() + largest(sizes) + f64::MIN_POSITIVE)
 }
 
-/// Returns the largest change of a coordinate at a stage, relative to the sizes of the coordinates; NaN if a change is not a number. Overwrites `old`.
+/// Returns the largest change of a coordinate at a stage, relative to the sizes of the coordinates;
+/// NaN if a change is not a number. Overwrites `old`.
 ///
-/// Rows are combined in memory: variables that a loop over coordinates carries for each stage would not be put into vectors.
+/// Rows are combined in memory: variables that a loop over coordinates carries for each stage would
+/// not be put into vectors.
 #[inline(always)]
 pub(super) fn relative_change<const S: usize, const N: usize>(
     old: &mut Rows<S, N>,
@@ -90,7 +96,7 @@ pub(super) fn relative_change<const S: usize, const N: usize>(
     largest(old[0])
 }
 
-/// Returns the largest of numbers that are not negative; NaN if one of them is.
+/// Returns the largest of numbers that are not negative; NaN if a number is NaN.
 #[inline(always)]
 fn largest<const S: usize>(mut numbers: [f64; S]) -> f64 {
     let mut width = S;
@@ -104,10 +110,11 @@ fn largest<const S: usize>(mut numbers: [f64; S]) -> f64 {
     numbers[0]
 }
 
-/// Returns the larger of two numbers without a sign, or NaN. Such numbers are in the order of their bits, and NaN is behind them.
+/// Returns the larger of two numbers whose sign bit is 0; NaN if one is NaN. The bits of such
+/// numbers have the order of the numbers, and the bits of NaN are the largest.
 #[inline(always)]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
-    // Signed numbers, which more vector units compare.
+    // More vector units compare signed integers than unsigned ones.
     let (a, b) = (a.to_bits().cast_signed(), b.to_bits().cast_signed());
     f64::from_bits(if a > b { a } else { b }.cast_unsigned())
 }

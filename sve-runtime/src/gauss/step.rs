@@ -1,4 +1,4 @@
-//! What a step of a Gauss rule consists of: its data, and the forces at its stages.
+//! The data of a step of a Gauss rule, and the forces at its stages.
 //!
 //! With velocities `V_i`, positions `Q_i` and momenta `P_i = L_v(Q_i, V_i)` of the stages,
 //!
@@ -8,7 +8,8 @@
 //! q₁ = q₀ + Σ Y_j                             p₁ = p₀ + Σ F_j
 //! ```
 //!
-//! where `μ_ij = a_ij / b_j`, and `ω_ai` is the increment of process a at stage i: `b_i ΔW_a`, or with stage noise that of `stage_noise.rs`. The equations are those of the action in
+//! where `μ_ij = a_ij / b_j`, and `ω_ai` is the increment of process a at stage i: `b_i ΔW_a`, or
+//! with stage noise the increment of `stage_noise.rs`. The equations follow from the action in
 //! `docs/mathematics.md`, section 2; the momenta need `1 − μ_ji`, which is `μ_ij`.
 
 use super::tableau::Tableau;
@@ -22,7 +23,8 @@ pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> 
     pub(super) system: &'a Sys,
     pub(super) state: &'a State<[f64; N]>,
     pub(super) h: f64,
-    /// The coefficients of the rule. Behind a reference they are data and no constants: the compiler then multiplies with whole rows.
+    /// The coefficients of the rule. Behind a reference they are data instead of constants, so the
+    /// compiler multiplies with whole rows.
     pub(super) tableau: &'static Tableau<S>,
     /// Times of the stages.
     pub(super) times: [f64; S],
@@ -32,14 +34,15 @@ pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> 
     pub(super) noise: [[f64; S]; M],
 }
 
-/// Jets at a stage, with the impulses and what they depend on.
+/// Jets at a stage, and the impulses and displacements with their derivatives.
 pub(super) struct Stage<const N: usize> {
     pub(super) lagrangian: LagrangianJet<N>,
     /// `F_i`.
     pub(super) impulse: Response<N>,
     /// `Σ_a ∂G_a/∂p ω_ai`, the displacement by noise.
     pub(super) shift: Response<N>,
-    /// A bound of the rounding error of the impulse, from those of position and velocity.
+    /// A bound of the rounding error of the impulse, due to the rounding errors of position and
+    /// velocity.
     pub(super) rounding: [f64; N],
 }
 
@@ -47,9 +50,9 @@ pub(super) struct Stage<const N: usize> {
 #[derive(Clone, Copy)]
 pub(super) struct Response<const N: usize> {
     pub(super) value: [f64; N],
-    /// Rows by component.
+    /// Derivatives by position, with rows by component.
     pub(super) by_position: [[f64; N]; N],
-    /// Rows by component.
+    /// Derivatives by velocity, with rows by component.
     pub(super) by_velocity: [[f64; N]; N],
 }
 
@@ -66,7 +69,7 @@ where
     Sys: System<Dims = Dims<N, M, Q>>,
     Q: VectorCoordinates<N>,
 {
-    /// The step with these increments at the stages.
+    /// Returns the step with these increments at the stages.
     #[inline(always)]
     pub(super) fn new(
         system: &'a Sys,
@@ -130,7 +133,8 @@ where
         }
     }
 
-    /// Adds what the noises do at stage `i`. The momentum at which they are evaluated is that of the stage, which depends on position and velocity.
+    /// Adds the impulses and displacements by noise at stage `i`. The noise Hamiltonians take the
+    /// momentum of the stage, which depends on position and velocity.
     #[inline]
     fn add_noise(
         &self,
@@ -183,7 +187,7 @@ pub(super) fn at_stage<const S: usize, const N: usize>(i: usize, z: &[[f64; N]; 
     sum
 }
 
-/// Returns `Σ_j z_j`, from both ends to the middle: the order is that of the step backwards.
+/// Returns `Σ_j z_j`, from both ends to the middle. The order is the same for the step backwards.
 #[inline]
 pub(super) fn total<const S: usize, const N: usize>(z: &[[f64; N]; S]) -> [f64; N] {
     let mut sum = [0.0; N];

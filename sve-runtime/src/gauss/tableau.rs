@@ -1,13 +1,17 @@
 //! The coefficients of the Gauss rules, computed by the compiler from the nodes.
 //!
-//! Input: the nodes to 106 bits. Output: the coefficients. Those of the first-order form, `μ_ij = a_ij / b_j`, are rounded such that the condition of symplecticity holds exactly in `f64`,
-//! `μ_ij + μ_ji = 1`. Those of the second-order form, `η_ij = Σ_k a_ik a_kj / b_j`, are rounded for each step size, in `scaled.rs`.
+//! Input: the nodes to 106 bits. Output: the coefficients. The coefficients of the first-order
+//! form, `μ_ij = a_ij / b_j`, are rounded such that the condition of symplecticity holds exactly in
+//! `f64`, `μ_ij + μ_ji = 1`. The coefficients of the second-order form,
+//! `η_ij = Σ_k a_ik a_kj / b_j`, are rounded for each step size, in `scaled.rs`.
 //!
-//! With the shifted Legendre polynomials, `b_j μ_ij` is the integral of the Lagrange polynomial of node j from 0 to node i, in a form that does not cancel:
-//! `μ_ij = (1 + y_i)/2 + ½ Σ_k P_k(y_j) (P_{k+1}(y_i) − P_{k−1}(y_i))`, k from 1 to S − 1, with `y = 2c − 1`.
+//! With the shifted Legendre polynomials, `b_j μ_ij` is the integral of the Lagrange polynomial of
+//! node j from 0 to node i, in a form that does not cancel: `μ_ij = (1 + y_i)/2 + ½ Σ_k P_k(y_j)
+//! (P_{k+1}(y_i) − P_{k−1}(y_i))`, k from 1 to S − 1, with `y = 2c − 1`.
 //!
-//! Sources: Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), sections II.1.3 and VIII.6 (rounding); Antoñana, Makazaga, Murua, *Reducing and
-//! monitoring round-off error propagation for symplectic implicit Runge–Kutta schemes* (2017).
+//! Sources: Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), sections II.1.3 and
+//! VIII.6 (rounding); Antoñana, Makazaga, Murua, *Reducing and monitoring round-off error
+//! propagation for symplectic implicit Runge–Kutta schemes* (2017).
 
 use super::double_double::Double;
 use super::nodes::root;
@@ -15,14 +19,15 @@ use super::nodes::root;
 /// Largest number of stages.
 pub(super) const MOST_STAGES: usize = 8;
 
-/// Bits behind the point of the ratios μ: their sums with 1 are then exact.
+/// Binary digits after the point of the ratios μ: their sums with 1 are then exact.
 const BITS_OF_RATIOS: u32 = 52;
 
-/// Bits behind the point of the nodes.
+/// Binary digits after the point of the nodes.
 const BITS_OF_NODES: u32 = 53;
 
-/// The coefficients of the Gauss rule with `S` stages. Matrices are stored column by column, `matrix[j][i]` for the effect of stage j on stage i, so that
-/// a product with a vector adds columns.
+/// The coefficients of the Gauss rule with `S` stages. Matrices are stored column by column,
+/// `matrix[j][i]` for the effect of stage j on stage i, so that a product with a vector adds
+/// columns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tableau<const S: usize> {
     /// Nodes, in units of the step.
@@ -50,7 +55,7 @@ pub(super) struct Tableau<const S: usize> {
 }
 
 impl<const S: usize> Tableau<S> {
-    /// The coefficients.
+    /// The coefficients of the rule.
     pub(super) const VALUES: Self = Self::new();
 
     const fn new() -> Self {
@@ -138,7 +143,7 @@ impl<const S: usize> Tableau<S> {
         self
     }
 
-    /// `Σ_j |a_ij| x_j`.
+    /// Returns `Σ_j |a_ij| x_j`.
     const fn magnitudes(&self, x: &[f64; S]) -> [f64; S] {
         let (mut sums, mut i) = ([0.0; S], 0);
         while i < S {
@@ -165,7 +170,8 @@ pub(super) struct Exact<const S: usize> {
     pub(super) c: [Double; S],
     pub(super) b: [Double; S],
     pub(super) ratio: [[Double; S]; S],
-    /// `b_i ℓ_j(1 + c_i) / b_j`: the impulses of the next step that the polynomial through those of a step predicts.
+    /// `b_i ℓ_j(1 + c_i) / b_j`, which extrapolates the impulses of a step by their polynomial to
+    /// the impulses of the next step.
     ahead: [[Double; S]; S],
 }
 
@@ -216,7 +222,7 @@ impl<const S: usize> Exact<S> {
         Self { c, b, ratio, ahead }
     }
 
-    /// `Σ_k a_ik a_kj / b_j`.
+    /// Returns `Σ_k a_ik a_kj / b_j`.
     const fn second_order(&self, i: usize, j: usize) -> Double {
         let (mut sum, mut k) = (Double::ZERO, 0);
         while k < S {
@@ -228,7 +234,7 @@ impl<const S: usize> Exact<S> {
     }
 }
 
-/// The Legendre polynomials of degree 0 to [`MOST_STAGES`], by their recurrence.
+/// Returns the Legendre polynomials of degree 0 to [`MOST_STAGES`], by their recurrence.
 const fn legendre_at(y: Double) -> [Double; MOST_STAGES + 1] {
     let mut p = [Double::ONE; MOST_STAGES + 1];
     p[1] = y;
@@ -246,8 +252,8 @@ const fn legendre_at(y: Double) -> [Double; MOST_STAGES + 1] {
 mod tests {
     use super::{Double, Exact, Tableau};
 
-    /// Checks the simplifying conditions B(2S), C(S) and D(S), which give order 2S (Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*,
-    /// theorem II.7.4), in 106 bits.
+    /// Checks the simplifying conditions B(2S), C(S) and D(S), which give order 2S (Hairer,
+    /// Nørsett, Wanner, *Solving Ordinary Differential Equations I*, theorem II.7.4), in 106 bits.
     fn check_order<const S: usize>() {
         let exact = Exact::<S>::new();
         let power = |x: Double, k: usize| (0..k).fold(Double::ONE, |p, _| p.times(x));
@@ -323,7 +329,7 @@ mod tests {
             assert!((c[i] - exact.c[i].high).abs() <= 2.0_f64.powi(-53));
             assert!((b[i] - exact.b[i].high).abs() <= 2.0_f64.powi(-54));
             for j in 0..S {
-                // exactly: the sums of multiples of 2⁻⁵² below 4 are not rounded
+                // The equality is exact: sums of multiples of 2⁻⁵² below 4 are not rounded.
                 assert_eq!(ratio[j][i] + ratio[i][j], 1.0, "{S} stages, {i} {j}");
                 let difference = second_order[j][i] - second_order[i][j];
                 assert!((difference - (c[i] - c[j])).abs() < 1e-15);

@@ -1,15 +1,19 @@
 //! Linear systems with a banded matrix of a size known at compile time.
 //!
-//! Input: the entries near the diagonal and a right-hand side. Output: bit for bit what [`dense`](super::dense) gives for the same
-//! matrix written in full: the same pivots, the same operations on entries that are not zero, the same test for singular matrices.
-//! Each elimination step shifts the rows below the pivot by one entry to the left, so that the factors need no more room than
-//! the matrix (Martin and Wilkinson, *Solution of symmetric and unsymmetric band equations*, 1967).
+//! Input: the entries near the diagonal and a right-hand side. Output: bit for bit what
+//! [`dense`](super::dense) gives for the same matrix written in full: the same pivots, the same
+//! operations on entries that are not zero, the same test for singular matrices. Each elimination
+//! step shifts the rows below the pivot by one entry to the left, so that the factors need no more
+//! room than the matrix (Martin and Wilkinson, *Solution of symmetric and unsymmetric band
+//! equations*, 1967).
 
 use super::dense::{DeterminantSign, Matrix, all_finite, largest_magnitude};
 
-/// A matrix of `K` rows with at most `LOWER` entries before the diagonal, and `WIDTH` entries in a row.
+/// A matrix of `K` rows with at most `LOWER` entries before the diagonal, and `WIDTH` entries in a
+/// row.
 ///
-/// Row `i` begins at column 0 if `i ≤ LOWER`, otherwise at column `i − LOWER`. Entries beyond the last column are zero.
+/// Row `i` begins at column 0 if `i ≤ LOWER`, otherwise at column `i − LOWER`. Entries beyond the
+/// last column are zero.
 #[derive(Clone, Copy, Debug)]
 pub struct Banded<const K: usize, const LOWER: usize, const WIDTH: usize>(pub [[f64; WIDTH]; K]);
 
@@ -61,7 +65,8 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Matrix<K> for Bande
 }
 
 impl<const K: usize, const LOWER: usize, const WIDTH: usize> Banded<K, LOWER, WIDTH> {
-    /// Returns whether the pivot of column `column` is only rounding error, by the method of [`dense`](super::dense).
+    /// Returns whether the pivot of column `column` is only rounding error, by the method of
+    /// [`dense`](super::dense).
     #[cold]
     fn is_rounding_error(&self, rounding: f64, column: usize) -> bool {
         let mut a = self.0;
@@ -90,8 +95,8 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Banded<K, LOWER, WI
     }
 }
 
-/// Returns the number of the first row below row `k` that has no entry in column `k`. When column `k` is eliminated, the rows before
-/// it begin at that column.
+/// Returns the number of the first row below row `k` that has no entry in column `k`. When column
+/// `k` is eliminated, the rows before it begin at that column.
 #[inline]
 fn end_of_column<const K: usize, const LOWER: usize>(k: usize) -> usize {
     (k + LOWER + 1).min(K)
@@ -139,7 +144,8 @@ mod tests {
         full
     }
 
-    /// Returns a matrix with entries in [−1, 1). A part of the entries is zero; each row and each column has its own unit.
+    /// Returns a matrix with entries in [−1, 1). A part of the entries is zero; each row and each
+    /// column has its own unit.
     fn random<const K: usize, const LOWER: usize, const WIDTH: usize>(
         random: &mut Random,
         zeros: f64,

@@ -1,15 +1,18 @@
 //! Linear systems with a dense matrix of three rows, by Cramer's rule.
 //!
-//! Input: the matrix and a right-hand side. Output: the solution and the sign of the determinant, or `None` if the matrix is singular to
-//! rounding. The solution needs a single division, where elimination needs five that wait for one another.
+//! Input: the matrix and a right-hand side. Output: the solution and the sign of the determinant,
+//! or `None` if the matrix is singular to rounding. The solution needs a single division, where
+//! elimination needs five that wait for one another.
 //!
-//! The rule is for the equations of a rotation, whose three unknowns have one unit, as their equations have. There is no pivot to be chosen by units
-//! then. The relative error of the solution is bounded by the condition number of the matrix times a few units of rounding (Higham, *Accuracy and Stability of
-//! Numerical Algorithms*, section 1.10.1), and Newton's method, which uses it, corrects such errors in its next update.
+//! The rule is for the equations of a rotation, whose three unknowns have one unit, as their
+//! equations have. There is no pivot to be chosen by units then. The relative error of the solution
+//! is bounded by the condition number of the matrix times a few units of rounding (Higham,
+//! *Accuracy and Stability of Numerical Algorithms*, section 1.10.1), and Newton's method, which
+//! uses it, corrects such errors in its next update.
 
 use super::dense::{DeterminantSign, Matrix, all_finite};
 
-/// Number of rows, to which the rounding errors of a determinant are in proportion.
+/// Number of rows: the rounding error of the determinant is proportional to it.
 const ROWS: f64 = 3.0;
 
 /// A dense matrix that is solved by Cramer's rule.
@@ -23,7 +26,8 @@ impl Matrix<3> for Cofactors {
         // the columns of the inverse, but for the determinant
         let columns = [cross(y, z), cross(z, x), cross(x, y)];
         let determinant = (x[0] * columns[0][0] + x[1] * columns[0][1]) + x[2] * columns[0][2];
-        // the product of the sums of rows is at least the sum of the magnitudes of the terms of the determinant
+        // the product of the sums of rows is at least the sum of the magnitudes of the terms of the
+        // determinant
         let size = |row: [f64; 3]| (row[0].abs() + row[1].abs()) + row[2].abs();
         let bound = size(x) * size(y) * size(z);
         // false for NaN
@@ -52,7 +56,8 @@ impl Matrix<3> for Cofactors {
 }
 
 impl Cofactors {
-    /// Returns whether the determinant is only rounding error: far below the sum of the magnitudes of its terms.
+    /// Returns whether the determinant is only rounding error: far below the sum of the magnitudes
+    /// of its terms.
     #[cold]
     fn is_singular(&self, rounding: f64, determinant: f64) -> bool {
         let [x, y, z] = self.0.map(|row| row.map(f64::abs));

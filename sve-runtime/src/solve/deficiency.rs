@@ -1,10 +1,11 @@
-//! What makes a matrix singular: the equation that its elimination leaves without a pivot.
+//! The equation that makes a matrix singular: elimination finds no pivot for it.
 //!
 //! Input: matrix and right-hand side. Output: numbers for a message. Runs off the hot path.
 
 use super::dense::WITHOUT_DIGITS;
 
-/// Rounding errors of a right-hand side in the elimination, in units of those of a pivot.
+/// Rounding error of a right-hand side in the elimination, in units of the rounding error of a
+/// pivot.
 const ROUNDING_OF_RIGHT_SIDE: f64 = 4.0;
 
 /// An equation of a singular system for which the elimination found no pivot.
@@ -12,16 +13,18 @@ const ROUNDING_OF_RIGHT_SIDE: f64 = 4.0;
 pub(crate) struct Deficiency {
     /// Number of the equation.
     pub(crate) row: usize,
-    /// The largest coefficient that is left of it.
+    /// The largest coefficient of the equation after elimination.
     pub(crate) pivot: f64,
-    /// The sum of the magnitudes of the terms of that coefficient.
+    /// The sum of the magnitudes of the terms of this coefficient.
     pub(crate) terms: f64,
-    /// What is left of its right-hand side; 0 if this is only rounding error. If it is not 0, the equations contradict one another.
+    /// The right-hand side after elimination; 0 if it is only rounding error. If it is not 0, the
+    /// equations contradict one another.
     pub(crate) rest: f64,
 }
 
-/// Eliminates with scaled partial pivoting and passes over columns whose pivots are only rounding error, as [`is_regular`](super::dense::is_regular) decides it. Returns, of the equations that are left, the one with the
-/// largest contradiction.
+/// Eliminates with scaled partial pivoting and passes over columns whose pivots are only rounding
+/// error, by the criterion of [`is_regular`](super::dense::is_regular). Returns, among the
+/// equations without a pivot, the one with the largest contradiction.
 pub(crate) fn deficiency<const K: usize>(matrix: &[[f64; K]; K], b: &[f64; K]) -> Deficiency {
     let (mut a, mut terms) = (*matrix, matrix.map(|row| row.map(f64::abs)));
     let (mut rest, mut rest_terms) = (*b, b.map(f64::abs));
@@ -52,7 +55,8 @@ pub(crate) fn deficiency<const K: usize>(matrix: &[[f64; K]; K], b: &[f64; K]) -
     };
     let size = |i: usize| (contradiction(i) / (rest_terms[i] + f64::MIN_POSITIVE)).abs();
     let left = (0..K).filter(|&i| is_left[i]);
-    // a matrix that is regular here, and was not by another order of pivots, has no equation left
+    // A matrix that is singular in another order of the pivots can be regular here: no equation is
+    // left.
     let row = left.max_by(|&i, &j| size(i).total_cmp(&size(j)));
     let row = row.unwrap_or(K.saturating_sub(1));
     let columns = (0..K).filter(|&j| !has_pivot[j]);
@@ -116,7 +120,8 @@ mod tests {
             let found = deficiency(&matrix, &image);
             assert!(found.pivot <= 1e-14 * found.terms, "{found:?}");
             assert_eq!(found.rest, 0.0, "{matrix:?} {image:?}");
-            // a change of the size of the terms: the image itself may be a small difference of these
+            // The change has the size of the terms, since the image itself may be a small
+            // difference of terms.
             let mut outside = image;
             let terms = (0..2).map(|j| (b[found.row][j] * v[j]).abs());
             outside[found.row] += terms.sum::<f64>();

@@ -1,25 +1,29 @@
 //! Linear systems with a dense matrix of a size known at compile time.
 //!
-//! Input: matrix and right-hand side. Output: the solution and the sign of the determinant, or `None` if the matrix is singular to
-//! rounding. One and two unknowns are solved by Cramer's rule, which is forward stable for two (Higham, *Accuracy and
-//! Stability of Numerical Algorithms*, section 1.10.1). Three and more are solved by Gaussian elimination with scaled partial
-//! pivoting: equations in different units choose the same pivots. Their factors can be kept for further right-hand sides.
+//! Input: matrix and right-hand side. Output: the solution and the sign of the determinant, or
+//! `None` if the matrix is singular to rounding. One and two unknowns are solved by Cramer's rule,
+//! which is forward stable for two (Higham, *Accuracy and Stability of Numerical Algorithms*,
+//! section 1.10.1). Three and more are solved by Gaussian elimination with scaled partial pivoting:
+//! equations in different units choose the same pivots. Their factors can be kept for further
+//! right-hand sides.
 
-/// Relative size below which a difference of two terms is indistinguishable from rounding error. A pivot is a difference of
-/// K terms, so its threshold is K times this one.
+/// Relative size below which a difference of two terms is indistinguishable from rounding error. A
+/// pivot is a difference of K terms, so its threshold is K times this one.
 pub(crate) const SINGULAR: f64 = 4.0 * f64::EPSILON;
 
-/// The same size for a matrix whose entries are sums with rounding errors of their own, as those of a mass matrix.
+/// The same size for a matrix whose entries are sums with rounding errors of their own, such as a
+/// mass matrix.
 pub(crate) const WITHOUT_DIGITS: f64 = 16.0 * SINGULAR;
 
 /// The sign of a determinant, as a number of that sign.
 ///
-/// Two regular matrices between which a path of regular matrices exists have determinants of the same sign.
+/// Two regular matrices between which a path of regular matrices exists have determinants of the
+/// same sign.
 #[derive(Clone, Copy, Debug)]
 pub struct DeterminantSign(f64);
 
 impl DeterminantSign {
-    /// The sign of no determinant: opposite to none.
+    /// The sign of an unknown determinant. It is opposite to no sign.
     pub const UNKNOWN: Self = Self(f64::NAN);
 
     /// The sign of a number.
@@ -50,14 +54,16 @@ impl DeterminantSign {
     }
 }
 
-/// A square matrix of `K` rows that a step solves with.
+/// A square matrix of `K` rows that linear systems of a step have.
 pub trait Matrix<const K: usize>: Copy {
-    /// Solves `a x = b`. Returns the solution and the sign of the determinant, or `None` if the matrix is singular to rounding.
+    /// Solves `a x = b`. Returns the solution and the sign of the determinant, or `None` if the
+    /// matrix is singular to rounding.
     #[inline(always)]
     fn solve_with_sign(&self, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)> {
         self.solve_above(SINGULAR, b)
     }
-    /// Solves `a x = b` as [`solve_with_sign`](Self::solve_with_sign) does, with another relative size of the pivots that count as rounding error.
+    /// Solves `a x = b` as [`solve_with_sign`](Self::solve_with_sign) does, with another relative
+    /// size of the pivots that count as rounding error.
     fn solve_above(&self, rounding: f64, b: &[f64; K]) -> Option<([f64; K], DeterminantSign)>;
     /// Returns whether all entries are finite.
     fn is_finite(&self) -> bool;
@@ -90,7 +96,7 @@ pub fn solve_with_sign<const K: usize>(
     a.solve_with_sign(b)
 }
 
-/// Returns whether the pivots of a matrix whose entries are sums have digits.
+/// Returns whether every pivot exceeds the rounding errors of a matrix whose entries are sums.
 #[inline(always)]
 pub fn is_regular<const K: usize>(a: &impl Matrix<K>) -> bool {
     a.solve_above(WITHOUT_DIGITS, &[0.0; K]).is_some()
@@ -188,7 +194,7 @@ pub fn factored<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
     Some(Factors { lu, rows, sign })
 }
 
-/// Solves with the factors of a matrix, whose rows have been exchanged.
+/// Solves with the factors of a matrix. `rows` gives the exchanges of rows.
 #[inline(always)]
 fn substitute<const K: usize>(lu: &[[f64; K]; K], rows: &[usize; K], b: &[f64; K]) -> [f64; K] {
     let mut x = rows.map(|row| b[row]);
@@ -207,8 +213,9 @@ fn substitute<const K: usize>(lu: &[[f64; K]; K], rows: &[usize; K], b: &[f64; K
     x
 }
 
-/// Gaussian elimination with scaled partial pivoting: turns `a`, a copy of the matrix, into its factors. Returns the row of the matrix that became each row, and the
-/// sign of the determinant. In place, since code that is not optimised would put several copies of a large matrix on the stack.
+/// Gaussian elimination with scaled partial pivoting: turns `a`, a copy of the matrix, into its
+/// factors. Returns the row of the matrix that became each row, and the sign of the determinant. In
+/// place, since code that is not optimised would put several copies of a large matrix on the stack.
 #[inline(always)]
 fn factor<const K: usize>(
     matrix: &[[f64; K]; K],
@@ -223,8 +230,8 @@ fn factor<const K: usize>(
     }
     for k in 0..K {
         let pivot = pivot_row(a, &scale, k);
-        // A pivot that is small beside its row may be a rounding error, or its unknown may have a large unit.
-        // The slower test distinguishes the two.
+        // A pivot that is small beside its row may be a rounding error, or its unknown may have a
+        // large unit. The slower test distinguishes the two.
         let size = a[pivot][k].abs();
         if size <= K as f64 * rounding * scale[pivot] && is_rounding_error(matrix, rounding, k) {
             return None;
@@ -259,8 +266,9 @@ fn pivot_row<const K: usize>(a: &[[f64; K]; K], scale: &[f64; K], k: usize) -> u
 
 /// Returns whether the pivot of column `k` is only rounding error.
 ///
-/// Repeats the elimination and accumulates, for each entry, the sum of the magnitudes of the terms subtracted to form it. A pivot
-/// far below that sum has no correct digits. Unlike the largest entry of a row or column, the sum has the unit of the pivot.
+/// Repeats the elimination and accumulates, for each entry, the sum of the magnitudes of the terms
+/// subtracted to form it. A pivot far below that sum has no correct digits. Unlike the largest
+/// entry of a row or column, the sum has the unit of the pivot.
 #[cold]
 fn is_rounding_error<const K: usize>(matrix: &[[f64; K]; K], rounding: f64, k: usize) -> bool {
     let mut a = *matrix;

@@ -1,11 +1,11 @@
 //! Diagonal linear systems of a size known at compile time: a division per unknown.
 //!
-//! Input: the diagonal and a right-hand side. Output: what [`dense::solve`](super::dense::solve) gives for the same matrix written in
-//! full, from three unknowns on, up to the sign of a zero.
+//! Input: the diagonal and a right-hand side. Output: what [`dense::solve`](super::dense::solve)
+//! gives for the same matrix written in full, from three unknowns on, up to the sign of a zero.
 
 use super::dense::{DeterminantSign, Matrix, all_finite};
 
-/// A diagonal matrix of `K` rows, of each its stored entry.
+/// A diagonal matrix of `K` rows; the one entry of each stored row is the diagonal entry.
 #[derive(Clone, Copy, Debug)]
 pub struct Diagonal<const K: usize>(pub [[f64; 1]; K]);
 
@@ -37,8 +37,9 @@ impl<const K: usize> Matrix<K> for Diagonal<K> {
     }
 }
 
-/// Solves with a diagonal matrix in a lane: as [`lanes::solve`](crate::lanes::solve::solve) does from three unknowns on, which
-/// multiplies by the inverses of the pivots.
+/// Solves with a diagonal matrix in a lane. From three unknowns on, the result is bit for bit the
+/// result of [`lanes::solve`](crate::lanes::solve::solve), which multiplies by the inverses of the
+/// pivots.
 #[inline(always)]
 pub fn solve_in_lane<const K: usize>(diagonal: &[f64; K], b: &[f64; K]) -> [f64; K] {
     let mut x = [0.0; K];
@@ -75,7 +76,8 @@ mod tests {
             match (found, expected) {
                 (Some((x, sign)), Some((y, expected))) => {
                     solved += 1;
-                    // an overflow of one unknown is a NaN in others by elimination, and stays by itself here
+                    // By elimination, an overflow of one unknown makes others NaN. Here it stays
+                    // with the one unknown.
                     let finite = y.iter().all(|y| y.is_finite());
                     assert!(!finite || x == y, "{diagonal:?} {b:?}");
                     assert!(finite || x.iter().any(|x| !x.is_finite()));

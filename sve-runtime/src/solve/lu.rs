@@ -1,13 +1,15 @@
 //! Dense linear systems of a size known at run time, with many right-hand sides.
 //!
-//! Input: matrix and right-hand sides. Output: the solutions, or an error if the matrix is singular. It allocates, so it is off the hot path: derivatives of a step use it.
+//! Input: matrix and right-hand sides. Output: the solutions, or an error if the matrix is
+//! singular. The functions allocate, so only derivatives of a step call them.
 
 use nalgebra::DMatrix;
 
 use super::SolveError;
 
-/// Solves `a x = b` for many right-hand sides, the columns of `b`, by LU decomposition with partial pivoting. Rows are first multiplied by
-/// powers of two so that their largest entries are comparable: equations in different units choose the same pivots.
+/// Solves `a x = b` for many right-hand sides, the columns of `b`, by LU decomposition with partial
+/// pivoting. Rows are first multiplied by powers of two so that their largest entries are
+/// comparable: equations in different units choose the same pivots.
 ///
 /// # Errors
 /// [`SolveError::Singular`] if a pivot vanishes.
@@ -45,7 +47,8 @@ mod tests {
     use super::{SolveError, solve};
     use crate::solve::dense::tests::Random;
 
-    /// The bound of Gaussian elimination with partial pivoting, whose growth is small for random matrices.
+    /// The bound of Gaussian elimination with partial pivoting, whose growth is small for random
+    /// matrices.
     #[test]
     fn many_right_hand_sides_are_solved_to_rounding() {
         let mut random = Random(7);
@@ -57,7 +60,7 @@ mod tests {
             let error = (&a * &x - &b).abs().component_div(&magnitude).max();
             assert!(error <= 8.0 * size as f64 * f64::EPSILON, "{error:e}");
 
-            // the units of the equations: the same pivots, so the same bits
+            // Other units of the equations give the same pivots, so the same bits.
             let units: Vec<f64> = (0..size).map(|_| random.unit()).collect();
             let scaled = |m: &DMatrix<f64>| m.map_with_location(|i, _, x| x * units[i]);
             assert_eq!(solve(scaled(&a), scaled(&b)), Ok(x));

@@ -1,24 +1,29 @@
-//! Regularity of an interval matrix: decides whether every matrix within given distances of another one is regular. A step
-//! accepts its root by this test.
+//! Regularity of an interval matrix: decides whether every matrix within given distances of a
+//! midpoint matrix is regular. A step accepts its root by this test.
 //!
-//! Input: midpoints and radii of the entries. Output: whether all matrices in between have an inverse. Invariant: no
-//! branches, so that a loop over lanes compiles to vector instructions, and the answer is the same for a single state and in lanes.
+//! Input: midpoints and radii of the entries. Output: true if all matrices in between have an
+//! inverse. Invariant: no branches, so that a loop over lanes compiles to vector instructions, and
+//! the answer is the same for a single state and in lanes.
 //!
-//! Let C be the inverse of the midpoint matrix, R the radii and `E = |C| R`. Then `C A` differs from the identity by at most E in each entry, and A is
-//! regular if the spectral radius of E is below 1. This holds if `1 − E` is an M-matrix, whose pivots are positive. The test
-//! does not depend on the units of equations and unknowns.
+//! Let C be the inverse of the midpoint matrix, R the radii and `E = |C| R`. Then `C A` differs
+//! from the identity by at most E in each entry, and A is regular if the spectral radius of E is
+//! below 1. This holds if `1 − E` is an M-matrix, whose pivots are positive. The test does not
+//! depend on the units of equations and unknowns.
 //!
-//! A box contains a path of solutions if `|A⁻¹ F|` is within the box for all these matrices and the residuals F at its centre. `(1 − E)⁻¹ |C| |F|` bounds it.
+//! A box contains a path of solutions if, for every A in the interval matrix and every residual F
+//! at the centre of the box, `|A⁻¹ F|` is within the box. `(1 − E)⁻¹ |C| |F|` bounds it.
 //!
-//! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), proposition 4.1.1; Berman, Plemmons, *Nonnegative
-//! Matrices in the Mathematical Sciences* (1994), chapter 6, for M-matrices.
+//! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), proposition 4.1.1;
+//! Berman, Plemmons, *Nonnegative Matrices in the Mathematical Sciences* (1994), chapter 6, for
+//! M-matrices.
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
 
 use super::banded::Banded;
 use super::diagonal::Diagonal;
 
-/// Bound of the spectral radius. Its distance from 1 covers the rounding errors of the radii and of a nearly singular inverse.
+/// Bound of the spectral radius. The distance from 1 covers the rounding errors of the radii and of
+/// a nearly singular inverse.
 const BOUND: f64 = 0.95;
 
 /// The midpoints of an interval matrix.
@@ -27,20 +32,25 @@ pub trait Midpoints<const K: usize> {
     type Radii;
     /// Returns whether every matrix whose entries are within `radius` of the midpoints is regular.
     fn is_regular_within(&self, radius: &Self::Radii) -> bool;
-    /// Returns whether every such matrix A is regular with `|A⁻¹ b| ≤ reach` for `|b| ≤ defects`. See [`contains_path`].
+    /// Returns whether every such matrix A is regular with `|A⁻¹ b| ≤ reach` for `|b| ≤ defects`.
+    /// See [`contains_path`].
     fn contains_path(&self, radius: &Self::Radii, defects: &[f64; K], reach: &[f64; K]) -> bool;
 }
 
-/// Returns whether every matrix whose entries are within `radius` of those of `middle` is regular; `false` if an entry is NaN.
+/// Returns whether every matrix whose entries are within `radius` of the entries of `middle` is
+/// regular; `false` if an entry is NaN.
 #[inline(always)]
 pub fn is_regular_within<const K: usize, A: Midpoints<K>>(middle: &A, radius: &A::Radii) -> bool {
     middle.is_regular_within(radius)
 }
 
-/// Returns whether a box contains the path of solutions of equations from the limit x₀ of no noise and h → 0 to the step, and no other solution; `false` if a number is NaN.
+/// Returns whether a box contains the whole path of solutions from the limit x₀ of no noise and h →
+/// 0 to the step, and no other solution; `false` if a number is NaN.
 ///
-/// The box is `|x − x₀| ≤ reach`. The radii hold within it, and `defects` bound the residuals at x₀, for every smaller step. As long as the path is in the box,
-/// `x − x₀ = −A⁻¹ F` with a matrix A within the radii and F within the defects. If this is within the box for all of them, the path cannot leave the box.
+/// The box is `|x − x₀| ≤ reach`. For every smaller step, the radii hold within the box and
+/// `defects` bound the residuals at x₀. As long as the path is in the box, `x − x₀ = −A⁻¹ F` with a
+/// matrix A within the radii and F within the defects. If this vector is within the box for all A
+/// and F, the path cannot leave the box.
 #[inline(always)]
 pub fn contains_path<const K: usize, A: Midpoints<K>>(
     middle: &A,
@@ -108,7 +118,8 @@ impl<const K: usize, const LOWER: usize, const WIDTH: usize> Midpoints<K>
 impl<const K: usize> Midpoints<K> for Diagonal<K> {
     type Radii = [[f64; K]; K];
 
-    /// `1 − E` times the midpoint is an M-matrix if `1 − E` is, so that no inverse is needed.
+    /// Tests `1 − E` multiplied by the midpoint. The product is an M-matrix if `1 − E` is one, so
+    /// no inverse is needed.
     #[inline(always)]
     fn is_regular_within(&self, radius: &[[f64; K]; K]) -> bool {
         has_positive_pivots(self.less(radius))
@@ -121,7 +132,7 @@ impl<const K: usize> Midpoints<K> for Diagonal<K> {
 }
 
 impl<const K: usize> Diagonal<K> {
-    /// Returns the magnitudes, but for [`BOUND`], less the radii.
+    /// Returns the magnitudes of the midpoints, times [`BOUND`], less the radii.
     #[inline(always)]
     fn less(&self, radius: &[[f64; K]; K]) -> [[f64; K]; K] {
         let mut difference = *radius;
@@ -141,7 +152,8 @@ fn is_regular_within_dense<const K: usize>(middle: &[[f64; K]; K], radius: &[[f6
         1 => radius[0][0] < BOUND * middle[0][0].abs(),
         2 => {
             let [a, b, c, d] = [middle[0][0], middle[0][1], middle[1][0], middle[1][1]];
-            // (1 − E) times the determinant of the midpoint: the adjugate needs no division
+            // The matrix is (1 − E) times the determinant of the midpoint: the adjugate needs no
+            // division.
             let size = BOUND * (a * d - b * c).abs();
             let row = |x: f64, y: f64, j: usize| x.abs() * radius[0][j] + y.abs() * radius[1][j];
             let [e00, e01, e10, e11] = [row(d, b, 0), row(d, b, 1), row(c, a, 0), row(c, a, 1)];
@@ -245,7 +257,8 @@ fn is_within<const K: usize>(x: &[f64; K], bounds: &[f64; K]) -> bool {
     all
 }
 
-/// Returns the inverse, by Gauss–Jordan elimination with partial pivoting; NaN or infinite if the matrix is singular.
+/// Returns the inverse, by Gauss–Jordan elimination with partial pivoting; NaN or infinite if the
+/// matrix is singular.
 #[inline(always)]
 fn inverse<const K: usize>(mut a: [[f64; K]; K]) -> [[f64; K]; K] {
     let mut b = [[0.0; K]; K];

@@ -28,8 +28,9 @@ fn product<const K: usize>(a: &[[f64; K]; K], x: &[f64; K]) -> [f64; K] {
     core::array::from_fn(|i| (0..K).map(|j| a[i][j] * x[j]).sum())
 }
 
-/// Returns the componentwise backward error of a solution, which for a backward stable method is a small multiple of ε. Cramer's
-/// rule is only forward stable: its backward error grows with the condition number.
+/// Returns the componentwise backward error of a solution, which for a backward stable method is a
+/// small multiple of ε. Cramer's rule is only forward stable: its backward error grows with the
+/// condition number.
 fn backward_error<const K: usize>(a: &[[f64; K]; K], x: &[f64; K], b: &[f64; K]) -> f64 {
     let ax = product(a, x);
     (0..K)
@@ -149,8 +150,8 @@ fn singular<const K: usize>() {
             assert_eq!(solve(&a, &b), None, "{a:?}");
             assert_eq!(solve(&scaled(&a, &rows, &columns), &b), None, "{a:?}");
         }
-        // The rounding error of the combined row grows with the condition number of the other rows. A bound that
-        // detected every such matrix would refuse regular matrices.
+        // The rounding error of the combined row grows with the condition number of the other rows.
+        // A bound that detected every such matrix would refuse regular matrices.
         for a in [combination, scaled(&combination, &rows, &[1.0; K])] {
             missed += u32::from(solve(&a, &b).is_some());
         }
@@ -186,7 +187,8 @@ fn in_other_units<const K: usize>() {
         let mut a = random.matrix::<K>();
         for i in 0..K {
             for j in 0..K {
-                // With zeros, a row without the unknown in the largest unit has a small scale and is preferred as pivot row.
+                // With zeros, a row without the unknown in the largest unit has a small scale and
+                // is preferred as pivot row.
                 if random.next() > 0.0 {
                     a[i][j] = 0.0;
                 }
@@ -202,7 +204,8 @@ fn in_other_units<const K: usize>() {
         // Other units of the equations give the same pivots, so the same bits.
         assert_eq!(solve(&scaled(&a, &rows, &[1.0; K]), &rhs), Some(x));
 
-        // Other units of the unknowns give other pivots, which are not the best in each column: a few digits are lost.
+        // Other units of the unknowns give other pivots, which are not the best in each column: a
+        // few digits are lost.
         let y = solve(&scaled(&a, &rows, &columns), &rhs).expect("regular in any units");
         for i in 0..K {
             let y = y[i] * columns[i];
@@ -226,14 +229,15 @@ fn units_do_not_matter() {
 
 #[test]
 fn pivots_are_scaled() {
-    // Without scaling, the huge first row would be the pivot row, and the second unknown would lose all its digits.
+    // Without scaling, the huge first row would be the pivot row, and the second unknown would lose
+    // all its digits.
     let big = 2.0_f64.powi(60);
     let a = [[2.0, big, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let x = solve(&a, &[big, 2.0, 3.0]).unwrap();
     assert_eq!(x, [1.0, 1.0, 3.0]);
 }
 
-/// Elimination with scaled partial pivoting that carries the right-hand side along.
+/// Solves by elimination with scaled partial pivoting that carries the right-hand side along.
 fn eliminated<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
     let mut scale = a.map(|row| largest_magnitude(&row));
     for k in 0..K {

@@ -1,6 +1,8 @@
-//! The interface of a step to Newton's method: the guesses of its blocks, and the roots that they accept.
+//! The interface of a step to Newton's method: the guesses of its blocks, and the roots that they
+//! accept.
 //!
-//! Input: guess and equations of a block. Output: its solution. Invariant: on the fast path the interface costs one test of its mode.
+//! Input: guess and equations of a block. Output: its solution. Invariant: on the fast path the
+//! interface costs one test of its mode.
 
 use super::convergence::{CONTRACTION, STRONG_CONTRACTION};
 use super::driver::{Acceptance, RootTest};
@@ -8,25 +10,29 @@ use super::{Evaluation, Newton};
 use crate::solve::SolveError;
 use crate::solve::dense::{DeterminantSign, Matrix};
 
-/// Solves the blocks of a step: what [`StepEquations::increment`](crate::StepEquations::increment) is called with.
+/// Solves the blocks of a step. [`StepEquations::increment`](crate::StepEquations::increment) takes
+/// it as an argument.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockSolver<'a> {
     newton: &'a Newton,
     mode: Mode<'a>,
 }
 
-/// Which guesses blocks start from, and which roots they accept.
+/// The guesses from which blocks start, and the roots that they accept.
 #[derive(Clone, Copy, Debug)]
 enum Mode<'a> {
-    /// Starts from the guesses of the blocks. A root is accepted by the path of the iteration if the block needs strong contraction or has no bounds, otherwise by
-    /// the bounds of the block's Jacobian.
+    /// Starts from the guesses of the blocks. A root is accepted by the path of the iteration if
+    /// the block needs strong contraction or has no bounds, otherwise by the bounds of the block's
+    /// Jacobian.
     FastPath,
-    /// As on the fast path, but blocks that need strong contraction are accepted by the bounds of their paths.
+    /// Like the fast path, but blocks that need strong contraction are accepted by the bounds of
+    /// their paths.
     Bounds,
-    /// Starts from the given solutions, one number for each unknown of the step (warm start). Rejects a root that Newton does not reach by
-    /// contracting steps.
+    /// Starts from the given solutions, one number for each unknown of the step (warm start).
+    /// Rejects a root that Newton does not reach by contracting steps.
     Continuation(&'a [f64]),
-    /// Starts from the guesses of the blocks and accepts any root: continuation has no point to start from.
+    /// Starts from the guesses of the blocks and accepts any root: continuation has no point to
+    /// start from.
     Unchecked,
 }
 
@@ -35,9 +41,10 @@ enum Mode<'a> {
 pub struct BlockProperties {
     /// Number of the block's first unknown among all unknowns of the step.
     pub first: usize,
-    /// Whether the step tests the root by bounds of the Jacobian afterwards.
+    /// True if the step tests the root by bounds of the Jacobian afterwards.
     pub has_bounds: bool,
-    /// Whether the fast path accepts a root only if the iteration contracts strongly, and never by its determinant: for many stages without bounds, and for multipliers of
+    /// True if the fast path accepts a root only when the iteration contracts strongly, and never
+    /// by its determinant. This holds for many stages without bounds, and for multipliers of
     /// constraints.
     pub needs_strong_contraction: bool,
     /// The sign of the Jacobian's determinant in the limit of no noise and h → 0.
@@ -54,8 +61,8 @@ impl<'a> BlockSolver<'a> {
         }
     }
 
-    /// A solver that starts from the given solutions, one number for each unknown of the step, and rejects a root that Newton
-    /// does not reach by contracting steps.
+    /// A solver that starts from the given solutions, one number for each unknown of the step, and
+    /// rejects a root that Newton does not reach by contracting steps.
     pub(crate) fn warm_started(newton: &'a Newton, solutions: &'a [f64]) -> Self {
         Self {
             newton,
@@ -79,7 +86,8 @@ impl<'a> BlockSolver<'a> {
         }
     }
 
-    /// Returns whether the step is solved on its own, from its own guesses and with its own tests of the root.
+    /// Returns whether the step is solved on its own, from its own guesses and with its own tests
+    /// of the root.
     #[inline(always)]
     pub fn is_fast_path(&self) -> bool {
         matches!(self.mode, Mode::FastPath)
@@ -97,7 +105,8 @@ impl<'a> BlockSolver<'a> {
         matches!(self.mode, Mode::Bounds)
     }
 
-    /// Solves a block. Starts from `guess`, which is not copied on its way to the first evaluation, then from what `fallback` returns; `rounding` bounds the rounding errors of the residual.
+    /// Solves a block. Starts from `guess`, then from the result of `fallback`. `guess` is not
+    /// copied before the first evaluation. `rounding` bounds the rounding errors of the residual.
     /// The header of `solve/newton/mod.rs` says which attempts follow a failure.
     ///
     /// # Errors
@@ -147,7 +156,8 @@ impl<'a> BlockSolver<'a> {
     }
 }
 
-/// Returns the numbers of a block with its first unknown at `first`; `guess` if there are none.
+/// Returns the recorded solution of the block whose first unknown has the number `first`; `guess`
+/// if no solution is recorded.
 #[cold]
 fn block_of<'a, const K: usize>(
     solutions: &'a [f64],

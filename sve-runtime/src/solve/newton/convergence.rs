@@ -1,11 +1,12 @@
-//! How a residual is judged: the one test of convergence, for single states and for lanes.
+//! The test of convergence by residuals, for single states and for lanes.
 //!
-//! Input: the relative residuals of two successive iterations. Output: whether the iteration has converged, contracts, or stalls.
-//! Invariant: [`judge`] and [`predicts_negligible`] have no branches, so that a loop over lanes compiles to vector instructions.
+//! Input: the relative residuals of two successive iterations. Output: the iteration has converged,
+//! contracts, or stalls. Invariant: [`judge`] and [`predicts_negligible`] have no branches, so that
+//! a loop over lanes compiles to vector instructions.
 
 #![allow(clippy::needless_bitwise_bool)] // both sides are computed, without a branch
 
-/// Residual and Jacobian at a point. The Jacobian is of any type that can be solved with.
+/// Residual and Jacobian at a point. The Jacobian is of any type that implements `Matrix`.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation<const K: usize, J = [[f64; K]; K]> {
     /// The values that vanish at the root.
@@ -14,35 +15,42 @@ pub struct Evaluation<const K: usize, J = [[f64; K]; K]> {
     pub magnitude: [f64; K],
     /// Derivatives, rows by equation.
     pub jacobian: J,
-    /// Second derivative of a single equation in a single unknown; NaN if there are more unknowns or it is not known.
+    /// Second derivative of a single equation in a single unknown; NaN if there are more unknowns
+    /// or it is not known.
     pub curvature: f64,
 }
 
-/// Residual below which an exact Newton step squares the residual to rounding level: the square root of rounding. A residual that does
-/// not even halve there is its own rounding error.
+/// Residual below which an exact Newton step squares the residual to rounding level: the square
+/// root of rounding. A residual that does not even halve there is its own rounding error.
 pub(crate) const ROOT_OF_ROUNDING: f64 = 1.5e-8;
 
-/// Largest residual on which the constant of convergence is measured.
+/// Largest residual at which the constant of convergence is measured.
 const ASYMPTOTIC: f64 = 0.1;
 
-/// Fraction of the tolerance below which a predicted residual need not be evaluated: 3·10⁻²⁰ of the terms by default.
+/// Fraction of the tolerance below which a predicted residual need not be evaluated: 3·10⁻²⁰ of the
+/// terms by default.
 ///
-/// An error left over by the iteration has the same sign step after step, while the rounding errors of the unknowns, 10⁻¹⁶, form a random
-/// walk. Over 10⁷ steps the sum of the former stays below the latter.
+/// The error that the iteration leaves has the same sign step after step, while the rounding errors
+/// of the unknowns, 10⁻¹⁶, form a random walk. Over 10⁷ steps the sum of the iteration errors stays
+/// below the random walk.
 pub(crate) const NEGLIGIBLE: f64 = 1.0 / 16384.0;
 
-/// Largest factor by which an iteration decreases the residual and is not stalled.
+/// Largest ratio of successive residuals at which the iteration does not count as stalled.
 pub(crate) const STALL: f64 = 0.5;
 
-/// Largest ratio of successive residuals at which the iteration counts as contracting. Kantorovich's theorem guarantees ¼ for a
-/// start inside its ball.
+/// Largest ratio of successive residuals at which the iteration counts as contracting.
+/// Kantorovich's theorem guarantees ¼ for a start inside its ball.
 pub(crate) const CONTRACTION: f64 = 0.25;
 
-/// The same for roots that no bounds judge, on the fast path: stages of many coordinates, and multipliers of constraints. A step whose velocity turns by an angle α has a ratio of about α²/4, so this is a turn of a quarter of a radian: far from
-/// one at which the path of solutions ends, and from a fold. At a double root, where the gradient of a constraint vanishes with it, the ratio is ¼.
+/// The largest ratio for roots that no bounds judge, on the fast path: stages of many coordinates,
+/// and multipliers of constraints. A step whose velocity turns by an angle α has a ratio of about
+/// α²/4, so this ratio is a turn of a quarter of a radian: far from a turn at which the path of
+/// solutions ends, and from a fold. At a double root, where the gradient of a constraint vanishes
+/// with the constraint, the ratio is ¼.
 pub(crate) const STRONG_CONTRACTION: f64 = 1.0 / 64.0;
 
-/// Residual after an update that can be rounding error of the update, relative to the terms: the solution of a small linear system loses a few digits.
+/// Residual after an update that can be rounding error of the update, relative to the terms: the
+/// solution of a small linear system loses a few digits.
 pub(crate) const ERROR_OF_UPDATE: f64 = 64.0 * f64::EPSILON;
 
 /// The verdict on two successive residuals.
@@ -67,12 +75,16 @@ pub(crate) fn judge(residual: f64, previous: f64, tolerance: f64) -> Verdict {
     }
 }
 
-/// Largest growth of the terms of an equation at which two relative residuals are comparable. The prediction errs by its square, which [`NEGLIGIBLE`] leaves room for.
+/// Largest growth of the terms of an equation at which two relative residuals are comparable. The
+/// prediction errs by the square of this growth, and [`NEGLIGIBLE`] leaves room for that error.
 const COMPARABLE: f64 = 64.0;
 
-/// Returns whether the relative residuals of two successive points are in the same units: no equation has terms that are much larger at the second one. An equation whose
-/// terms all vanish at the root, but for rounding errors, can have a relative residual of any size, which then says nothing about the others. `bounds` are those of
-/// [`Evaluation::contraction_bounds`], the residuals times the magnitudes of the terms.
+/// Returns whether the relative residuals of two successive points are in the same units: no
+/// equation has terms that are much larger at the second point. The relative residual of an
+/// equation whose terms all vanish at the root, but for rounding errors, can have any size and then
+/// says nothing about the other equations. `before` and `here` are
+/// [`Evaluation::contraction_bounds`] at the two points, the residuals times the magnitudes of the
+/// terms.
 #[inline(always)]
 pub(crate) fn are_comparable<const K: usize>(
     [previous, residual]: [f64; 2],
@@ -86,10 +98,12 @@ pub(crate) fn are_comparable<const K: usize>(
     all
 }
 
-/// Returns whether the residual after an update of second or third order is predicted to be negligible beside the tolerance.
+/// Returns whether the residual after an update of second or third order is predicted to be
+/// negligible beside the tolerance.
 ///
-/// The prediction is `r_{k+1} ≈ (r_k / r_{k−1}²) r_k²`, or with cubes: the constant of convergence is that of the last update. After a damped
-/// update, or before the order is reached, the measured ratio is too large for the test.
+/// The prediction is `r_{k+1} ≈ (r_k / r_{k−1}²) r_k²`, or with cubes: it takes the constant of
+/// convergence from the last update. After a damped update, or before the order is reached, the
+/// measured ratio is too large for the test.
 #[inline(always)]
 pub(crate) fn predicts_negligible(
     residual: f64,
@@ -104,14 +118,15 @@ pub(crate) fn predicts_negligible(
 }
 
 impl<const K: usize, J> Evaluation<K, J> {
-    /// Returns the largest residual relative to the sum of its terms' magnitudes; NaN if one of them is not finite.
+    /// Returns the largest residual relative to the sum of its terms' magnitudes; NaN if one of
+    /// them is not finite.
     #[inline]
     pub(crate) fn relative_residual(&self) -> f64 {
         let (mut largest, mut sum) = (0.0, 0.0);
         for i in 0..K {
             let m = self.magnitude[i];
-            // 0/0 is 0: an equation whose terms all vanish is satisfied. An infinite m gives NaN: no finite residual is small
-            // relative to infinity.
+            // 0/0 is 0: an equation whose terms all vanish is satisfied. An infinite m gives NaN:
+            // no finite residual is small relative to infinity.
             let r = self.residual[i].abs() / (m + f64::MIN_POSITIVE) + 0.0 * m;
             if r > largest {
                 largest = r;
@@ -122,7 +137,8 @@ impl<const K: usize, J> Evaluation<K, J> {
         largest + 0.0 * sum
     }
 
-    /// Returns the largest residuals of the next point at which the iteration counts as contracting by this ratio; `relative` is the relative residual here.
+    /// Returns the largest residuals of the next point at which the iteration counts as contracting
+    /// by the given ratio; `relative` is the relative residual at this point.
     #[inline(always)]
     pub(crate) fn contraction_bounds(&self, relative: f64, ratio: f64) -> [f64; K] {
         let mut bounds = [0.0; K];

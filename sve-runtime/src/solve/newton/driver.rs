@@ -1,7 +1,9 @@
-//! The driver of Newton's method: attempts, phases, and the decision when an iteration leaves the fast path.
+//! The driver of Newton's method: attempts, phases, and the decision when an iteration leaves the
+//! fast path.
 //!
-//! The loop of [`Newton::solve_from`] is the fast path: evaluate, judge, update. What is rare is decided in `#[cold]` functions, which get the iteration
-//! by value so that its numbers stay in registers on the fast path.
+//! The loop of [`Newton::solve_from`] is the fast path: evaluate, judge, update. Functions marked
+//! `#[cold]` decide the rare cases. They get the iteration by value, so that its numbers stay in
+//! registers on the fast path.
 
 use super::convergence::{
     CONTRACTION, ERROR_OF_UPDATE, ROOT_OF_ROUNDING, are_comparable, judge, predicts_negligible,
@@ -12,8 +14,8 @@ use super::{Evaluation, Newton};
 use crate::solve::SolveError;
 use crate::solve::dense::{DeterminantSign, Matrix};
 
-/// Relative change of an unknown that is only rounding: an iteration at its root jumps between neighbouring numbers, which
-/// differ by up to one unit of rounding.
+/// Relative change of an unknown that is only rounding: an iteration at its root jumps between
+/// neighbouring numbers, which differ by up to one unit of rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Halvings of an update in the line search.
@@ -22,7 +24,7 @@ const MAX_DAMPINGS: u32 = 24;
 /// Largest residual at which a change of the unknowns by rounding alone ends the iteration.
 const STEEP: f64 = 0.1;
 
-/// Which roots a solve returns.
+/// The roots that a solve returns.
 #[derive(Clone, Copy)]
 pub(super) struct RootTest {
     /// The sign of the Jacobian's determinant in the limit of no noise and h → 0.
@@ -32,20 +34,23 @@ pub(super) struct RootTest {
     pub(super) contraction: f64,
 }
 
-/// Which roots are accepted besides that of a contracting iteration.
+/// The roots that are accepted beside the root of a contracting iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Acceptance {
     /// None.
     Contracting,
-    /// A root of a single unknown with the right sign of the determinant along the segment from the guess: there is no fold between
-    /// the two. For more unknowns a segment proves little, since paths lead around folds.
+    /// A root of a single unknown with the right sign of the determinant along the segment from the
+    /// guess: there is no fold between guess and root. For more unknowns a segment proves little,
+    /// since paths lead around folds.
     OneUnknownOnSegment,
-    /// Any root with the right sign of the determinant along the segment. Any root at all if the sign is unknown.
+    /// Any root with the right sign of the determinant along the segment. Any root at all if the
+    /// sign is unknown.
     Any,
 }
 
 impl RootTest {
-    /// Returns whether a root in so many unknowns can be accepted if the iteration does not contract.
+    /// Returns whether a root in so many unknowns can be accepted if the iteration does not
+    /// contract.
     #[inline(always)]
     fn accepts_without_contraction(self, unknowns: usize) -> bool {
         match self.acceptance {
@@ -78,12 +83,14 @@ impl Newton {
 
     /// Finds a root and tests it.
     ///
-    /// Attempts full steps from `guess`, then full steps from the point that `fallback` returns, then damped steps from `guess`. The later attempts are made only if
-    /// the test can accept a root of theirs. `rounding` bounds the rounding errors of the residual at a point; it
-    /// is called only if the residual stops decreasing.
+    /// Attempts full steps from `guess`, then full steps from the point that `fallback` returns,
+    /// then damped steps from `guess`. A later attempt is made only if the test can accept its
+    /// root. `rounding` bounds the rounding errors of the residual at a point; it is called only if
+    /// the residual stops decreasing.
     ///
-    /// An update that leads out of the domain of the equations is halved until it does not. A guess outside of the domain moves towards zero in the
-    /// same way: unknowns are increments or velocities, and at zero nothing moves.
+    /// An update that leads out of the domain of the equations is halved until it stays inside. A
+    /// guess outside of the domain moves towards zero in the same way: unknowns are increments or
+    /// velocities, and at zero nothing moves.
     ///
     /// # Errors
     /// The [`SolveError`] of the last attempt.
@@ -106,7 +113,8 @@ impl Newton {
             let bounds = || at.contraction_bounds(residual, test.contraction);
             let verdict = judge(residual, iteration.previous_residual, self.tolerance);
             let iterates = !matches!(iteration.phase, Phase::Verification { .. });
-            // A guess at which the Jacobian is singular is one of many roots, or next to none.
+            // If the Jacobian at the guess is singular, the guess is one of many roots or next to
+            // no root.
             let is_root = if iterates
                 && verdict.is_converged
                 && (iteration.updates > 0 || is_regular_with(update.as_ref(), test.sign))
@@ -172,8 +180,8 @@ impl Newton {
         }
     }
 
-    /// Makes an update. Returns whether it leads to the root, or `None` if the determinant of the Jacobian has not the given sign, or the update is
-    /// not finite.
+    /// Makes an update. Returns whether it leads to the root. Returns `None` if the determinant of
+    /// the Jacobian does not have the given sign, or if the update is not finite.
     #[inline(always)]
     fn update<const K: usize>(
         &self,
@@ -219,8 +227,9 @@ impl Newton {
         Some(is_root)
     }
 
-    /// Decides how an iteration goes on if it is in verification, or its evaluation is not finite, its residual did not contract, its limit is reached, or its Jacobian is
-    /// singular or has a determinant of the wrong sign.
+    /// Decides how an iteration continues off the fast path: in verification, or after an
+    /// evaluation that is not finite, a residual that did not contract, the limit of iterations, or
+    /// a Jacobian that is singular or has a determinant of the wrong sign.
     #[cold]
     fn leave_fast_path<const K: usize>(
         &self,
@@ -292,9 +301,10 @@ impl Newton {
         }
     }
 
-    /// Returns whether the iteration contracts but for rounding errors: each residual is within its bound or is a rounding error, of its own terms or of the
-    /// last update, which has those of the terms before it. This is so at a solution at which all terms of an equation vanish, such as the momentum of a
-    /// system at rest that noise alone moves.
+    /// Returns whether the iteration contracts but for rounding errors: each residual is within its
+    /// bound or is the rounding error of its own terms or of the last update, which has the
+    /// rounding errors of the terms before it. An example is a solution at which all terms of an
+    /// equation vanish, such as the momentum of a system at rest that only noise moves.
     fn contracts_to_rounding<const K: usize>(
         iteration: &Iteration<K>,
         judged: &Judged<K>,
@@ -323,7 +333,8 @@ impl Newton {
         if !judged.has_finite_jacobian {
             return false;
         }
-        // One unit in the last place of an unknown can change a steep residual by more than its tolerance.
+        // One unit in the last place of an unknown can change a steep residual by more than its
+        // tolerance.
         let Iteration { x, previous_x, .. } = iteration;
         let has_changed_by_rounding =
             |i: usize| (x[i] - previous_x[i]).abs() <= ROUNDING * x[i].abs();
@@ -333,8 +344,9 @@ impl Newton {
         if iteration.updates == 0 {
             return false;
         }
-        // A residual of products whose factors cancel, such as the force between neighbours far from the origin, can be
-        // rounding error of the factors. It cannot decrease relative to its terms, which are as small as the error.
+        // A residual of products whose factors cancel, such as the force between neighbours far
+        // from the origin, can be rounding error of the factors. It cannot decrease relative to its
+        // terms, which are as small as the error.
         let bounds = rounding(x);
         let is_rounding_error = |i: usize| {
             let size = judged.residual[i].abs();

@@ -1,5 +1,5 @@
-//! The state of an iteration of Newton's method, and what happens to it off the fast path: the last update, the line search,
-//! the verification of a root.
+//! The state of an iteration of Newton's method and the operations off the fast path: the last
+//! update, the line search, the verification of a root.
 
 use super::update::{Update, tie_breaking_factor};
 use crate::solve::SolveError;
@@ -10,8 +10,8 @@ const MAX_HALVINGS: u32 = 60;
 /// Fraction of the predicted decrease that a damped step must achieve (Armijo's condition).
 const DECREASE: f64 = 0.25;
 
-/// Number of subintervals of the segment from the initial guess to the root; the sign of the Jacobian's determinant is
-/// checked at their end points.
+/// Number of subintervals of the segment from the initial guess to the root; the sign of the
+/// Jacobian's determinant is checked at their end points.
 const SUBINTERVALS: u32 = 16;
 
 /// The phase of an iteration.
@@ -21,7 +21,8 @@ pub(super) enum Phase<const K: usize> {
     FullSteps,
     /// Makes damped steps: halves each step until it decreases the residual.
     DampedSteps,
-    /// Checks the sign of the Jacobian's determinant at the points of the segment from the guess to the root.
+    /// Checks the sign of the Jacobian's determinant at the points of the segment from the guess to
+    /// the root.
     Verification {
         root: [f64; K],
         /// Number of the point, from 0 at the guess.
@@ -45,11 +46,12 @@ pub(super) struct Iteration<const K: usize> {
     pub(super) updates: u32,
     /// Halvings of the last update.
     pub(super) halvings: u32,
-    /// Whether all residuals so far have decreased by the contraction factor.
+    /// True if all residuals so far have decreased by the contraction factor.
     pub(super) is_contracting: bool,
 }
 
-/// What is known of the point of an iteration. The Jacobian itself is not passed on, so that its entries need not be stored.
+/// Residual and update at the point of an iteration. The Jacobian itself is not passed on, so that
+/// its entries need not be stored.
 #[derive(Clone, Copy)]
 pub(super) struct Judged<const K: usize> {
     pub(super) residual: [f64; K],
@@ -57,7 +59,7 @@ pub(super) struct Judged<const K: usize> {
     pub(super) magnitude: [f64; K],
     /// The largest residual relative to the magnitude.
     pub(super) relative: f64,
-    /// The update from there; `None` if the Jacobian is singular.
+    /// The update from this point; `None` if the Jacobian is singular.
     pub(super) update: Option<Update<K>>,
     pub(super) has_finite_jacobian: bool,
 }
@@ -87,8 +89,8 @@ impl<const K: usize> Iteration<K> {
         }
     }
 
-    /// Makes the last update, at a residual below the tolerance. Does nothing if the Jacobian is singular, or if the update would be larger
-    /// than the one before and so gain nothing.
+    /// Makes the last update, at a residual below the tolerance. Does nothing if the Jacobian is
+    /// singular, or if the update would be larger than the one before and so gain nothing.
     #[inline(always)]
     pub(super) fn make_last_update(&mut self, update: Option<&Update<K>>) {
         let Some(Update { newton: update, .. }) = update else {
@@ -116,7 +118,7 @@ impl<const K: usize> Iteration<K> {
     /// Halves the last update.
     ///
     /// # Errors
-    /// [`SolveError::NonFinite`] if nothing is left of it.
+    /// [`SolveError::NonFinite`] if the halved update no longer changes the unknowns.
     pub(super) fn halve_update(self) -> Result<Self, SolveError> {
         if self.x == self.previous_x || self.halvings == MAX_HALVINGS {
             return Err(SolveError::NonFinite);
@@ -150,7 +152,8 @@ impl<const K: usize> Iteration<K> {
         }
     }
 
-    /// Goes on to the next point of the segment from the guess to the root, after a point that passed.
+    /// Goes on to the next point of the segment from the guess to the root, after a point that
+    /// passed.
     pub(super) fn verify_next(
         mut self,
         guess: &[f64; K],

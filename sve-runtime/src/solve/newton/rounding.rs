@@ -1,7 +1,9 @@
-//! Numbers with bounds of their rounding errors, for residuals whose terms' magnitudes do not show them.
+//! Numbers with bounds of their rounding errors, for residuals whose terms' magnitudes do not show
+//! these errors.
 //!
-//! A running error analysis (Higham, Accuracy and Stability of Numerical Algorithms, section 3.3): each operation adds the rounding of
-//! its result to what the errors of its operands become, to first order. Inputs are exact, and stay `f64`.
+//! A running error analysis (Higham, Accuracy and Stability of Numerical Algorithms, section 3.3):
+//! each operation propagates the errors of its operands to first order and adds the rounding of its
+//! result. Inputs are exact, and stay `f64`.
 
 /// A number with a bound of its rounding error.
 #[derive(Clone, Copy, Debug)]
@@ -43,24 +45,24 @@ pub fn error(a: impl Operand) -> f64 {
     a.error().unwrap_or(0.0)
 }
 
-/// Returns the result of an operation, with what it inherits from each operand.
+/// Returns the result of an operation, with the error that it inherits from each operand.
 fn result<const K: usize>(value: f64, inherited: [Option<f64>; K]) -> Rounded {
     let inherited: f64 = inherited.into_iter().flatten().sum();
     let error = inherited + f64::EPSILON * value.abs();
     Rounded { value, error }
 }
 
-/// `a + b`.
+/// Returns `a + b`.
 pub fn add(a: impl Operand, b: impl Operand) -> Rounded {
     result(a.value() + b.value(), [a.error(), b.error()])
 }
 
-/// `a − b`.
+/// Returns `a − b`.
 pub fn sub(a: impl Operand, b: impl Operand) -> Rounded {
     result(a.value() - b.value(), [a.error(), b.error()])
 }
 
-/// `a b`.
+/// Returns `a b`.
 pub fn mul(a: impl Operand, b: impl Operand) -> Rounded {
     let (of_a, of_b) = (b.value().abs(), a.value().abs());
     let errors = [
@@ -70,7 +72,7 @@ pub fn mul(a: impl Operand, b: impl Operand) -> Rounded {
     result(a.value() * b.value(), errors)
 }
 
-/// `a / b`.
+/// Returns `a / b`.
 pub fn div(a: impl Operand, b: impl Operand) -> Rounded {
     let ratio = a.value() / b.value();
     let errors = [
@@ -80,31 +82,31 @@ pub fn div(a: impl Operand, b: impl Operand) -> Rounded {
     result(ratio, errors)
 }
 
-/// `1 / a`.
+/// Returns `1 / a`.
 pub fn recip(a: impl Operand) -> Rounded {
     let inverse = 1.0 / a.value();
     let error = a.error().map(|error| inverse * inverse * error);
     result(inverse, [error])
 }
 
-/// `−a`.
+/// Returns `−a`.
 pub fn neg(a: impl Operand) -> Rounded {
     result(-a.value(), [a.error()])
 }
 
-/// `|a|`.
+/// Returns `|a|`.
 pub fn abs(a: impl Operand) -> Rounded {
     result(a.value().abs(), [a.error()])
 }
 
-/// `f(a)`.
+/// Returns `f(a)`.
 pub fn call(f: impl Fn(f64) -> f64, a: impl Operand) -> Rounded {
     let x = a.value();
     let error = a.error().map(|error| propagated_error(&f, x, error));
     result(f(x), [error])
 }
 
-/// `f(a, b)`.
+/// Returns `f(a, b)`.
 pub fn call2(f: impl Fn(f64, f64) -> f64, a: impl Operand, b: impl Operand) -> Rounded {
     let (x, y) = (a.value(), b.value());
     let errors = [
@@ -116,12 +118,12 @@ pub fn call2(f: impl Fn(f64, f64) -> f64, a: impl Operand, b: impl Operand) -> R
     result(f(x, y), errors)
 }
 
-/// `sin(a)` and `cos(a)`.
+/// Returns `sin(a)` and `cos(a)`.
 pub fn sin_cos(a: impl Operand) -> (Rounded, Rounded) {
     pair(a.value().sin_cos(), error(a))
 }
 
-/// `sin(α + by)` and `cos(α + by)`, from sine and cosine of α.
+/// Returns `sin(α + by)` and `cos(α + by)`, from sine and cosine of α.
 pub fn sin_cos_of_sum(
     sin: impl Operand,
     cos: impl Operand,
@@ -131,7 +133,7 @@ pub fn sin_cos_of_sum(
     pair(values, error(sin) + error(cos) + error(by))
 }
 
-/// A sine and a cosine, which differ by at most as much as their angles.
+/// Returns a sine and a cosine, which differ by at most as much as their angles.
 fn pair((sin, cos): (f64, f64), inherited: f64) -> (Rounded, Rounded) {
     let error = inherited + f64::EPSILON;
     (Rounded { value: sin, error }, Rounded { value: cos, error })
@@ -142,7 +144,7 @@ fn pair((sin, cos): (f64, f64), inherited: f64) -> (Rounded, Rounded) {
 fn propagated_error(f: impl Fn(f64) -> f64, x: f64, error: f64) -> f64 {
     let value = f(x);
     let (above, below) = ((f(x + error) - value).abs(), (f(x - error) - value).abs());
-    // The larger one, or NaN: at the boundary of its domain a function has no bound.
+    // Takes the larger difference, or NaN: at the boundary of its domain a function has no bound.
     let largest = if above > below { above } else { below };
     largest + 0.0 * above + f64::EPSILON * value.abs()
 }

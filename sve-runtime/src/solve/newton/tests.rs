@@ -42,7 +42,8 @@ fn converges_quadratically_without_a_confirming_evaluation() {
     });
     let error = (found.unwrap()[0] - 2.0_f64.sqrt()).abs();
     assert!(error <= f64::EPSILON, "{error:e}");
-    // e₁ = e₀²/(2x): 9e-2, 2.5e-3, 2e-6, 1.6e-12, and the root of the fifth iteration is not evaluated
+    // The errors are e₁ = e₀²/(2x): 9e-2, 2.5e-3, 2e-6, 1.6e-12. The root of the fifth iteration is
+    // not evaluated.
     assert_eq!(count, 4);
     let errors = errors.into_inner();
     for pair in errors.windows(2) {
@@ -81,7 +82,8 @@ fn a_linear_equation_takes_two_evaluations() {
     assert_eq!((found, count), (Ok([2.0]), 2));
 }
 
-/// Two equations that mix: `x² + y − 3 = 0`, `x y − 2 + sin(x − 1) = 0`, in the given units.
+/// Evaluates two coupled equations, `x² + y − 3 = 0` and `x y − 2 + sin(x − 1) = 0`, in the given
+/// units.
 fn pair(units: [f64; 2], rows: [f64; 2], z: &[f64; 2]) -> Evaluation<2> {
     let (x, y) = (z[0] / units[0], z[1] / units[1]);
     let terms = [[x * x, y, -3.0], [x * y, -2.0, (x - 1.0).sin()]];
@@ -283,7 +285,8 @@ fn an_update_that_overflows_ends() {
 
 #[test]
 fn rounding_above_the_tolerance_is_accepted_where_it_stalls() {
-    // The magnitudes do not show that the first term is a difference of large numbers, as in a user's own body.
+    // The magnitudes do not show that the first term is a difference of large numbers, as in a
+    // user's own body.
     let square = 7.0 / 3.0; // between two numbers that the blurred term can be
     for (large, worst) in [(1e3, 1e-12), (1e5, 1e-10), (1e7, 1e-8)] {
         let (found, count) = counted(&Newton::default(), [1.2], |x| {
@@ -305,7 +308,7 @@ fn a_looser_tolerance_saves_evaluations() {
     let (found, count) = counted(&loose, [1.5], square_root);
     let error = (found.unwrap()[0] - 2.0_f64.sqrt()).abs();
     assert!(error < 1e-4 && count <= 3, "{error:e} {count}");
-    // tolerances that nothing can meet end by the stall
+    // No residual meets these tolerances, so the iteration ends by the stall.
     for tolerance in [0.0, f64::NAN] {
         let strict = Newton {
             tolerance,

@@ -1,4 +1,5 @@
-//! Regularity within bounds: determinants by elimination, matrices within bounds, signs along a path.
+//! Regularity within bounds: determinants by elimination, matrices within bounds, signs along a
+//! path.
 
 use super::{contains_path, is_regular_within};
 use crate::solve::banded::Banded;
@@ -26,7 +27,8 @@ fn determinant<const K: usize>(mut a: [[f64; K]; K]) -> f64 {
     product
 }
 
-/// Checks that no matrix within the radii of an accepted one has a determinant of the other sign. Returns the numbers of refused and accepted matrices.
+/// Checks that no matrix within the radii of an accepted one has a determinant of the other sign.
+/// Returns the numbers of refused and accepted matrices.
 fn samples<const K: usize>(random: &mut Random) -> [u32; 2] {
     let mut counts = [0; 2];
     for _ in 0..400 {
@@ -64,7 +66,8 @@ fn accepted_neighbourhoods_contain_no_singular_matrix() {
     }
 }
 
-/// Checks that solutions with matrices within the radii and right-hand sides within the defects of an accepted box are in the box. Returns the numbers of refused and accepted boxes.
+/// Checks that solutions with matrices within the radii and right-hand sides within the defects of
+/// an accepted box are in the box. Returns the numbers of refused and accepted boxes.
 fn boxes<const K: usize>(random: &mut Random) -> [u32; 2] {
     let mut counts = [0; 2];
     for _ in 0..400 {
@@ -112,7 +115,7 @@ fn accepted_boxes_contain_all_solutions() {
 fn boxes_that_are_just_too_small_or_not_numbers_are_refused() {
     let middle = [[2.0, 0.0], [0.0, 4.0]];
     let none = [[0.0; 2]; 2];
-    // 1/0.95 of the solution
+    // The bound is 1/0.95 of the solution.
     assert!(contains_path(&middle, &none, &[1.0, 1.0], &[0.53, 0.27]));
     assert!(!contains_path(&middle, &none, &[1.0, 1.0], &[0.52, 0.27]));
     assert!(!contains_path(&middle, &none, &[1.0, 1.0], &[0.53, 0.26]));

@@ -5,7 +5,7 @@ use super::{counted, scalar, square_root};
 use crate::solve::SolveError;
 use crate::solve::dense::DeterminantSign;
 
-/// Solves a block with a known sign of the determinant, and a second guess that leads nowhere either.
+/// Solves a block with a known sign of the determinant and a second guess that leads to no root.
 fn solve_with_limit_sign(
     guess: f64,
     limit_sign: DeterminantSign,
@@ -59,7 +59,8 @@ fn updates_are_damped_where_full_ones_diverge() {
 
 #[test]
 fn a_root_with_the_other_sign_of_the_determinant_is_rejected() {
-    // x³ − 4x² + 2.5x = 0.45 has one real root, near 3.2. Without the first two terms the root is 0.18.
+    // x³ − 4x² + 2.5x = 0.45 has one real root, near 3.2. Without the first two terms the root is
+    // 0.18.
     let third = |x: &[f64; 1]| Evaluation {
         curvature: 6.0 * x[0] - 8.0,
         ..scalar(
@@ -69,9 +70,10 @@ fn a_root_with_the_other_sign_of_the_determinant_is_rejected() {
     };
     let [near] = solve_with_limit_sign(3.4, POSITIVE, third).unwrap();
     assert!((third(&[near]).residual[0]).abs() < 1e-14);
-    // From the other side of the local extrema, the segment to the root contains points with the other sign.
+    // From the other side of the local extrema, the segment to the root contains points with the
+    // other sign.
     assert!(solve_with_limit_sign(0.6, POSITIVE, third).is_err());
-    // The sign at the root is not that of the limit.
+    // The sign at the root differs from the sign in the limit.
     assert_eq!(
         solve_with_limit_sign(3.4, NEGATIVE, third),
         Err(SolveError::OtherBranch)
