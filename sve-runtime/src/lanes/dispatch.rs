@@ -1,10 +1,14 @@
-//! Run-time dispatch: code compiled for several widths of vectors, of which the machine's is chosen.
+//! Run-time dispatch: compiles code for several widths of vectors and chooses the widest one that
+//! the machine has.
 //!
-//! Input: a kernel, whose whole body is inlined. Output: its result, with the same bits for all versions: wider vectors
-//! change no rounding, since Rust never contracts a multiplication and an addition into a fused operation. A fused operation that is written as
-//! one (`mul_add`) is exact everywhere; it is an instruction in the versions for x86-64, and elsewhere can be a slow call of the library.
+//! Input: a kernel, whose whole body is inlined. Output: its result, with the same bits for all
+//! versions: wider vectors change no rounding, since Rust never contracts a multiplication and an
+//! addition into a fused operation. A fused operation that the source requests (`mul_add`) is exact
+//! everywhere; it is an instruction in the versions for x86-64, and elsewhere can be a slow call of
+//! the library.
 
-/// A computation that is compiled for several widths of vectors. `run` and everything it calls in its loops have to be `#[inline(always)]`.
+/// A computation that is compiled for several widths of vectors. `run` and everything it calls in
+/// its loops have to be `#[inline(always)]`.
 pub(crate) trait Kernel {
     /// The result.
     type Output;
@@ -28,7 +32,8 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
             return unsafe { avx2(kernel) };
         }
     }
-    // Other machines use the vectors that every machine of the target has: two numbers on x86-64 and AArch64.
+    // Other machines use the vectors that every machine of the target has: two numbers on x86-64
+    // and AArch64.
     kernel.run()
 }
 
@@ -63,11 +68,12 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
-/// A computation that is told which vectors it is compiled for, since it calls instructions by name. Otherwise as [`Kernel`].
+/// A computation that calls instructions by name, so that it has to know the vectors for which it
+/// is compiled. Otherwise like [`Kernel`].
 pub(crate) trait VectorKernel {
     /// The result.
     type Output;
-    /// Computes the result. `AVX512` says whether the vectors are those of AVX-512.
+    /// Computes the result. `AVX512` is true if the machine has the vectors of AVX-512.
     fn run<const AVX512: bool>(self) -> Self::Output;
 }
 
@@ -90,7 +96,7 @@ pub(crate) fn dispatch_vectors<K: VectorKernel>(kernel: K) -> K::Output {
     kernel.run::<false>()
 }
 
-/// A kernel for one answer to the question which vectors there are.
+/// A kernel compiled with or without the vectors of AVX-512.
 #[derive(Clone)]
 struct ForVectors<K, const AVX512: bool>(K);
 

@@ -1,15 +1,16 @@
 //! Lanes: many states that are stepped at once, by vector instructions. Ensembles use them.
 //!
-//! Invariant: the result of a lane depends on that lane only, and operations are not fused. A path has
-//! the same bits in any lane, beside any neighbours, with vectors of any width.
+//! Invariant: the result of a lane depends on that lane only, and operations are not fused. A path
+//! has the same bits in any lane, beside any neighbours, with vectors of any width.
 
 pub(crate) mod dispatch;
 pub(crate) mod elementary;
 pub(crate) mod newton;
 pub(crate) mod solve;
 
-/// Number of states that are stepped at once: four registers of AVX-512, eight of AVX2. The loops of a step over the lanes are fused, so
-/// that as many independent chains of operations are executed at the same time.
+/// Number of states that are stepped at once: four registers of AVX-512, eight of AVX2. The loops
+/// of a step over the lanes are fused, so that as many independent chains of operations are
+/// executed at the same time.
 pub const LANES: usize = 32;
 
 /// A number for each lane.
@@ -49,7 +50,8 @@ fn collect(numbers: &Lane) -> Mask {
     })
 }
 
-/// Numbers for the lanes, aligned to cache lines: loads and stores across two cache lines take twice as long.
+/// Numbers for the lanes, aligned to cache lines: loads and stores across two cache lines take
+/// twice as long.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Aligned<T>(pub T);

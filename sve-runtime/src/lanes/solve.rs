@@ -1,9 +1,11 @@
 //! Linear systems of a few unknowns, without branches, for loops over lanes.
 //!
-//! Input: matrix and right-hand side of a lane. Output: the solution; NaN or infinite if the matrix is singular.
-//! One and two unknowns are solved by the formulas of [`dense`](crate::solve::dense), bit for bit. Three and more are solved by Gaussian elimination
-//! with partial pivoting. Pivots may differ from those of the scalar solve, which scales rows before comparing them. Steps with constraints solve
-//! three and more unknowns by code that the macro writes for the zeros of their matrices.
+//! Input: matrix and right-hand side of a lane. Output: the solution; NaN or infinite if the matrix
+//! is singular. One and two unknowns are solved by the formulas of [`dense`](crate::solve::dense),
+//! bit for bit. Three and more are solved by Gaussian elimination with partial pivoting. Pivots may
+//! differ from those of the scalar solve, which scales rows before comparing them. Steps with
+//! constraints solve three and more unknowns by code that the macro writes for the zeros of their
+//! matrices.
 
 use crate::solve::dense::SINGULAR;
 
@@ -52,17 +54,20 @@ pub fn solved<const K: usize>(a: &[[f64; K]; K], b: &[f64; K]) -> Solved<K> {
     Solved { by, determinant }
 }
 
-/// Size of a pivot, in units of the threshold below which the scalar solve takes it for rounding error, at which a lane is sure of it. The scalar solve has other
-/// pivots with other rounding errors; it decides where a lane is not sure.
+/// Size of a pivot at which a lane is sure that it is not rounding error, in units of the threshold
+/// of the scalar solve. The scalar solve has other pivots with other rounding errors; it decides
+/// where a lane is not sure.
 const SURE: f64 = 1024.0;
 
-/// Returns whether a pivot of a matrix of `K` rows has correct digits; `terms` is the sum of the magnitudes of the terms that it is the sum of.
+/// Returns whether a pivot of a matrix of `K` rows has correct digits. `terms` is the sum of the
+/// magnitudes of the terms whose sum is the pivot.
 #[inline(always)]
 pub fn has_digits<const K: usize>(pivot: f64, terms: f64) -> bool {
     pivot.abs() > SURE * K as f64 * SINGULAR * terms
 }
 
-/// Returns whether a matrix is surely regular, without branches. The scalar test decides where a lane is not sure.
+/// Returns whether a matrix is surely regular, without branches. The scalar test decides where a
+/// lane is not sure.
 #[inline(always)]
 pub fn is_regular<const K: usize>(a: &[[f64; K]; K]) -> bool {
     if K == 1 {
@@ -100,15 +105,16 @@ pub fn is_regular<const K: usize>(a: &[[f64; K]; K]) -> bool {
 /// The LU factors of a matrix, for several right-hand sides.
 #[derive(Clone, Copy)]
 pub struct Factors<const K: usize> {
-    /// The upper factor with the inverses of its diagonal. Below it, in column `k`, the multiples of row `k` that the elimination of this
-    /// column subtracts, in the order of the rows at that time.
+    /// The upper factor with the inverses of its diagonal. Below it, in column `k`, the multiples
+    /// of row `k` that the elimination of this column subtracts, in the order of the rows at that
+    /// time.
     lu: [[f64; K]; K],
-    /// Whether row `k` was exchanged with a row below it, by the number of `k` and of that row.
+    /// True if row `k` was exchanged with row `i` below it, for the indices `[k][i]`.
     is_exchanged: [[bool; K]; K],
 }
 
-/// Factors a matrix by Gaussian elimination with partial pivoting. Rows are exchanged by selecting each entry, without a branch. The
-/// factors of a singular matrix are not finite.
+/// Factors a matrix by Gaussian elimination with partial pivoting. Rows are exchanged by selecting
+/// each entry, without a branch. The factors of a singular matrix are not finite.
 #[inline(always)]
 pub fn factored<const K: usize>(a: &[[f64; K]; K]) -> Factors<K> {
     let mut a = *a;
@@ -206,7 +212,8 @@ mod tests {
             let b: [f64; K] = core::array::from_fn(|_| random.next());
             let x = solve(&a, &b);
             let expected = dense::solve(&a, &b).unwrap();
-            // A backward stable solution has a residual that is small relative to its terms, whatever the condition of the matrix.
+            // A backward stable solution has a residual that is small relative to its terms,
+            // whatever the condition of the matrix.
             for i in 0..K {
                 let terms = (0..K).map(|j| a[i][j] * x[j]);
                 let (mut residual, mut size) = (-b[i], b[i].abs());
@@ -292,7 +299,7 @@ mod tests {
         assert!(!is_regular(&[[f64::NAN, 1.0], [1.0, 1.0]]));
     }
 
-    /// Elimination with the right-hand side carried along.
+    /// Solves by elimination that carries the right-hand side along.
     fn eliminated<const K: usize>(mut a: [[f64; K]; K], mut b: [f64; K]) -> [f64; K] {
         for k in 0..K {
             for i in k + 1..K {

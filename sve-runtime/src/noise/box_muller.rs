@@ -1,19 +1,24 @@
 //! Box and Muller's transform: random words to standard normals.
 //!
-//! Input: two words, uniform and independent, and a scale. Output: two independent normals of that standard deviation.
-//! Invariant: a pure function of additions, multiplications, fused multiply-adds and square roots: the same bits on every machine, for
-//! one pair or for lanes of pairs. |z| ≤ √(130 ln 2) = 9.4926; a true normal exceeds this bound once in 4·10²⁰ draws.
+//! Input: two words, uniform and independent, and a scale. Output: two independent normals whose
+//! standard deviation is the scale. Invariant: a pure function of additions, multiplications, fused
+//! multiply-adds and square roots: the same bits on every machine, for one pair or for lanes of
+//! pairs. |z| ≤ √(130 ln 2) = 9.4926; a true normal exceeds this bound once in 4·10²⁰ draws.
 //!
-//! The first word w gives the radius √(−2 ln u) with u = (w + ½)/2⁶⁴, rounded to the nearest number: small u, which give the tail of the
-//! distribution, keep 64 bits (53 bits would end the tail at 8.6). The second word gives the angle. Its lower 63 bits, taken as the signed
-//! number t in (−1, 1) at the centre of a cell of width 2⁻⁶², give the half turn θ = πt/2, where no argument needs to be reduced; the top bit
-//! is the sign of the cosine. Opposite cells have opposite values, so all odd moments are exactly 0. Given u and θ, the absolute error of each z is
-//! below 4·10⁻¹⁵, and below 5·10⁻¹⁵ for radii above 8.5, of which there is one in 5·10¹⁵ pairs.
+//! The first word w gives the radius √(−2 ln u) with u = (w + ½)/2⁶⁴, rounded to the nearest
+//! number: small u, which give the tail of the distribution, keep 64 bits (53 bits would end the
+//! tail at 8.6). The second word gives the angle. Its lower 63 bits, taken as the signed number t
+//! in (−1, 1) at the centre of a cell of width 2⁻⁶², give the half turn θ = πt/2, where no argument
+//! needs to be reduced; the top bit is the sign of the cosine. Opposite cells have opposite values,
+//! so all odd moments are exactly 0. Given u and θ, the absolute error of each z is below 4·10⁻¹⁵,
+//! and below 5·10⁻¹⁵ for radii above 8.5, which occur once in 5·10¹⁵ pairs.
 //!
-//! With A = sin(θ/2) and B = cos(θ/2), half the sine is AB and half the cosine ½ − A², which takes fewer operations than direct polynomials. The
-//! polynomials are minimax (Remez' algorithm at 60 digits): A by its absolute error, B by that of the sine.
+//! With A = sin(θ/2) and B = cos(θ/2), half the sine is AB and half the cosine ½ − A², which takes
+//! fewer operations than direct polynomials. The polynomials are minimax (Remez' algorithm at 60
+//! digits): A minimises its own absolute error, B the absolute error of the sine.
 //!
-//! Source: Box, Muller, *A note on the generation of random normal deviates*, Ann. Math. Statist. 29 (1958).
+//! Source: Box, Muller, *A note on the generation of random normal deviates*, Ann. Math. Statist.
+//! 29 (1958).
 
 mod logarithm;
 
@@ -22,13 +27,14 @@ use core::f64::consts::FRAC_PI_4;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use logarithm::Uniform;
 
-/// Sign of a number.
+/// Sign bit of a number.
 const SIGN: u64 = 1 << 63;
 
-/// 2⁶³, the range of a signed word. Words are used as integers: to scale them to fractions would cost an operation.
+/// 2⁶³, the range of a signed word. Words are used as integers, since scaling them to fractions
+/// would cost an operation.
 const HALF: f64 = (1_u64 << 63) as f64;
 
-/// sin(πt/4)/t in t², to 1.4·10⁻¹⁷ for |t| ≤ 1.
+/// Coefficients of sin(πt/4)/t in t², to 1.4·10⁻¹⁷ for |t| ≤ 1.
 const SINE: [f64; 7] = for_words(
     [
         FRAC_PI_4,
@@ -42,7 +48,7 @@ const SINE: [f64; 7] = for_words(
     1.0 / HALF,
 );
 
-/// cos(πt/4) in t². Changes the sine by at most 6.4·10⁻¹⁷ for |t| ≤ 1.
+/// Coefficients of cos(πt/4) in t². Their error changes the sine by at most 6.4·10⁻¹⁷ for |t| ≤ 1.
 const COSINE: [f64; 7] = for_words(
     [
         1.0,
@@ -56,7 +62,8 @@ const COSINE: [f64; 7] = for_words(
     1.0,
 );
 
-/// Returns the coefficients for an argument that is 2⁶³ times as large, all multiplied by `factor`. Exact for powers of two.
+/// Returns the coefficients for an argument that is 2⁶³ times as large, all multiplied by `factor`.
+/// Exact for powers of two.
 const fn for_words(mut coefficients: [f64; 7], mut factor: f64) -> [f64; 7] {
     let mut k = 0;
     while k < 7 {
@@ -112,7 +119,7 @@ impl Kernel for Four {
     }
 }
 
-/// Returns what [`four`] returns, for use within a [`Kernel`]: elsewhere a fused operation can be a call of the library.
+/// Computes [`four`] within a [`Kernel`]. Elsewhere a fused operation can be a call of the library.
 #[inline(always)]
 pub(super) fn inlined_four([a, b, c, d]: [u64; 4], scale: f64) -> [f64; 4] {
     let [z0, z1] = inlined_pair(a, b, scale);
@@ -127,7 +134,8 @@ fn inlined_pair(radius: u64, angle: u64, scale: f64) -> [f64; 2] {
     point::<true>(2.0 * scale * root, angle)
 }
 
-/// Intermediate results of [`fill_lanes`], a row of lanes each. They are kept between calls, since to clear them would take a tenth of the time.
+/// Intermediate results of [`fill_lanes`], one row of lanes each. They are kept between calls,
+/// since clearing them would take a tenth of the time.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Workspace<const L: usize> {
@@ -150,9 +158,11 @@ impl<const L: usize> Workspace<L> {
     }
 }
 
-/// Fills the four rows with [`four`] of each lane's words. `AVX512` says whether the machine has the vectors of that name.
+/// Fills the four rows with [`four`] of each lane's words. `AVX512` is true if the machine has
+/// AVX-512.
 ///
-/// The loops are separate because the words alone take all registers, and the table of the logarithm is read for several lanes at once.
+/// The loops are separate because the words alone take all registers, and the table of the
+/// logarithm is read for several lanes at once.
 #[inline(always)]
 pub(super) fn fill_lanes<const L: usize, const AVX512: bool>(
     words: impl Fn(usize) -> [u64; 4],
@@ -208,8 +218,9 @@ const TWO_TO_84: f64 = TWO_TO_52 * (1_u64 << 32) as f64;
 
 /// Rounds a word to the nearest number.
 ///
-/// Vectors of x86-64 before AVX-512 (`DIRECT` is false) have no instruction for it: the halves of the word become the low bits of 2⁵² and 2⁸⁴, the
-/// last addition is the only rounding, and the bits are the same.
+/// Vectors of x86-64 before AVX-512 (`DIRECT` is false) have no instruction for it: the halves of
+/// the word become the low bits of 2⁵² and 2⁸⁴, the last addition is the only rounding, and the
+/// bits are the same.
 #[inline(always)]
 fn unsigned<const DIRECT: bool>(w: u64) -> f64 {
     if DIRECT || cfg!(not(target_arch = "x86_64")) {
@@ -236,7 +247,8 @@ fn low_half(w: u64) -> f64 {
     f64::from_bits(TWO_TO_52.to_bits() | (w & 0xffff_ffff))
 }
 
-/// Evaluates a polynomial by Horner's scheme. Shorter chains would take more operations, and many lanes are computed at the same time.
+/// Evaluates a polynomial by Horner's scheme. Shorter chains would take more operations, and many
+/// lanes are computed at the same time.
 #[inline(always)]
 fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     let mut sum = coefficients[N - 1];

@@ -1,13 +1,16 @@
 //! Brownian bridges: the same path in smaller steps.
 //!
-//! Input: the increment over an interval. Output: the increments over its two halves, which sum to it.
-//! Invariant: a half is a pure function of (seed, path, step, process, level, index) and the increment of the whole. Given the increment of the
-//! whole, that of the left half is normal with mean ΔW/2 and variance h/4, independent of everything outside the interval.
+//! Input: the increment over an interval. Output: the increments over its two halves, which sum to
+//! it. Invariant: a half is a pure function of (seed, path, step, process, level, index) and the
+//! increment of the whole. Given the increment of the whole, the increment of the left half is
+//! normal with mean ΔW/2 and variance h/4, independent of everything outside the interval.
 //!
-//! Layout: the key of Threefry is (seed, path, domain, 0), the counter (step, process / 4, 2^level + index, 0), and its four
-//! words give the four normals of four processes. The layout is part of the public contract.
+//! Layout: the key of Threefry is (seed, path, domain, 0), the counter (step, process / 4,
+//! 2^level + index, 0), and its four words give the four normals of four processes. The layout is
+//! part of the public contract.
 //!
-//! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd ed., Springer (1991), section 2.3.
+//! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd
+//! ed., Springer (1991), section 2.3.
 
 #[cfg(feature = "ensemble")]
 use super::many_paths::{ManyPaths, PathData};
@@ -38,7 +41,7 @@ pub struct DyadicInterval {
 }
 
 impl DyadicInterval {
-    /// A whole step.
+    /// Returns the interval of a whole step.
     pub const fn whole(step: u64) -> Self {
         Self {
             step,
@@ -72,32 +75,34 @@ impl DyadicInterval {
         }
     }
 
-    /// Number of the step.
+    /// Returns the number of the step.
     pub const fn step(self) -> u64 {
         self.step
     }
 
-    /// Number of halvings of the step.
+    /// Returns the number of halvings of the step.
     pub const fn level(self) -> u32 {
         self.level
     }
 
-    /// Length of the interval as a part of the step.
+    /// Returns the length of the interval as a fraction of the step.
     #[cfg(feature = "ensemble")]
     pub(crate) fn fraction(self) -> f64 {
         1.0 / (1_u64 << self.level) as f64
     }
 
-    /// Number of the interval among those of its level, from 0.
+    /// Returns the number of the interval among the intervals of its level, from 0.
     pub const fn index(self) -> u64 {
         self.index
     }
 }
 
 impl Wiener {
-    /// Returns the increments over the two halves of an interval of length `h`, for a process whose increment over the interval is `whole`.
+    /// Returns the increments over the two halves of an interval of length `h`, for a process whose
+    /// increment over the interval is `whole`.
     ///
-    /// They sum to `whole` up to rounding, and have the conditional distribution of a Brownian path with variance |h|. If `h` is NaN, returns NaN.
+    /// They sum to `whole` up to rounding, and have the conditional distribution of a Brownian path
+    /// with variance |h|. If `h` is NaN, returns NaN.
     ///
     /// ```
     /// use sve_runtime::noise::{DyadicInterval, Wiener};
@@ -113,7 +118,8 @@ impl Wiener {
         split(whole, normals[process % 4])
     }
 
-    /// Returns the same path in steps of `h / 2^depth`: the increments of `2^depth` steps from step `2^depth k` on sum to that of step `k` of length `h`.
+    /// Returns the same path in steps of `h / 2^depth`: the increments of `2^depth` steps from step
+    /// `2^depth k` on sum to the increment of step `k` of length `h`.
     ///
     /// Refinements of different depths of the same path agree.
     ///
@@ -169,29 +175,33 @@ pub(super) fn split(whole: f64, deviation: f64) -> [f64; 2] {
 
 /// A [`Wiener`] path in smaller steps, from [`Wiener::refine`].
 ///
-/// Its step size is `h / 2^depth`, where `h` is the step size of the path. Steps can be evaluated in any order; in
-/// sequence a step costs about two blocks of random words for each four processes.
+/// Its step size is `h / 2^depth`, where `h` is the step size of the path. Steps can be evaluated
+/// in any order; in sequence a step costs about two blocks of random words for each four processes.
 ///
-/// Its only error is [`NoiseError::InvalidStep`], for a step size that is zero or not finite, or whose `2^depth`-fold is not finite.
+/// Its only error is [`NoiseError::InvalidStep`], for a step size that is zero or not finite, or
+/// whose product with `2^depth` is not finite.
 #[derive(Clone, Debug)]
 pub struct Refined {
     path: Wiener,
     depth: u32,
-    /// The step and the step size that `increments` belongs to.
+    /// The step and the step size of `increments`.
     at: Option<(u64, f64)>,
     processes: usize,
-    /// Increments, level by level from the whole step down to the last interval, one entry for each process.
+    /// Increments, level by level from the whole step down to the last interval, one entry for each
+    /// process.
     increments: Vec<f64>,
 }
 
 impl Refined {
-    /// Returns the first level at which two steps are in different intervals; `None` if the steps are the same.
+    /// Returns the first level at which two steps are in different intervals; `None` if the steps
+    /// are the same.
     fn first_difference(&self, a: u64, b: u64) -> Option<u32> {
         let highest = (a ^ b).checked_ilog2()?;
         Some(self.depth.saturating_sub(highest))
     }
 
-    /// Computes the increments of one level from those of the level above; those of level 0 from the path.
+    /// Computes the increments of one level from the increments of the level above. The increments
+    /// of level 0 come from the path.
     fn descend(&mut self, step: u64, level: u32, whole_h: f64) -> Result<(), NoiseError> {
         let processes = self.processes;
         let row = level as usize * processes;
@@ -202,7 +212,8 @@ impl Refined {
                 .increments(whole_step, whole_h, &mut self.increments[..processes]);
         };
         let places = step - (whole_step << self.depth);
-        // number of the interval at this level: its parity says which half of the interval above it is
+        // The number of the interval at this level. Its parity selects a half of the interval
+        // above.
         let index = places >> (self.depth - level);
         let interval = DyadicInterval {
             step: whole_step,
@@ -254,10 +265,12 @@ impl Noise for Refined {
     }
 }
 
-/// An interval of a step of `h / 2^depth` is one of the path itself. Below intervals of level 63 the path is linear.
+/// An interval of a step of `h / 2^depth` is an interval of the path itself. Below intervals of
+/// level 63 the path is linear.
 impl Replayable for Refined {}
 
-/// The steps of the ensemble are parts of those of the path, as in a trajectory: `steps(h / 2^depth, …)`.
+/// The steps of the ensemble are parts of the steps of the path, as in a trajectory:
+/// `steps(h / 2^depth, …)`.
 #[cfg(feature = "ensemble")]
 impl ManyPaths for Refined {
     fn many_paths(self) -> PathData {

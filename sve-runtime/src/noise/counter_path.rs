@@ -1,7 +1,7 @@
 //! A counter-based path: increments that are a pure function of seed, path, step and process.
 //!
-//! Input: seed, path, step, process, step size and a distribution. Output: increments of variance h.
-//! Invariant: the increments kept between calls save work and change no result.
+//! Input: seed, path, step, process, step size and a distribution. Output: increments of variance
+//! h. Invariant: the increments kept between calls save work and change no result.
 
 use core::marker::PhantomData;
 
@@ -20,7 +20,7 @@ const ROWS: usize = 4;
 /// Four increments of each block.
 type Rows = Aligned<[[f64; LANES]; SHARED]>;
 
-/// What lanes are: blocks of steps of one process in each row, or processes.
+/// The content of the lanes: blocks of steps of one process in each row, or processes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layout {
     /// For few processes: row `a` has 32 steps of process `a`.
@@ -47,17 +47,18 @@ impl Layout {
     }
 }
 
-/// A path with increments of a distribution. It keeps them in place, so that a path is `Copy`.
+/// A path with increments of a distribution. It holds them in place, so that a path is `Copy`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CounterPath<D> {
     pub(super) seed: u64,
     pub(super) path: u64,
     distribution: PhantomData<D>,
-    /// The first block of steps that `increments` belongs to, their step size, and what lanes are.
+    /// The first block of steps in `increments`, their step size, and the content of the lanes.
     kept: Option<(u64, f64, Layout)>,
     /// Number of processes that are kept.
     processes: usize,
-    /// The increments of processes whose blocks are shared by steps: those of step `k` in place `k` modulo 4 of a row.
+    /// The increments of processes whose blocks are shared by steps. The increments of step `k` are
+    /// in place `k` modulo 4 of a row.
     increments: [Rows; ROWS],
 }
 

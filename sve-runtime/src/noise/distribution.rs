@@ -5,11 +5,13 @@
 //!
 //! Layout: the key of [`threefry`] is (seed, path, domain, 0). The four words of a block belong to
 //!
-//! - the steps 4k … 4k+3 of one process, for the first [`BY_STEPS`] processes: the counter is (step / 4, process, 0, 0). A path of few processes, drawn
-//!   step after step, wastes no word;
-//! - four processes of one step, for the others: the counter is (step, process / 4, 1, 0). A path of many processes keeps nothing between steps.
+//! - the steps 4k … 4k+3 of one process, for the first [`BY_STEPS`] processes: the counter is
+//!   (step / 4, process, 0, 0). A path of few processes, drawn step after step, wastes no word;
+//! - four processes of one step, for the other processes: the counter is (step, process / 4, 1, 0).
+//!   A path of many processes keeps nothing between steps.
 //!
-//! A change of the layout changes every published result: the layout is part of the public contract, and tests fix its values. [`VERSION`] counts the changes.
+//! A change of the layout changes every published result: the layout is part of the public
+//! contract, and tests fix its values. [`VERSION`] counts the changes.
 
 use core::marker::PhantomData;
 
@@ -17,11 +19,12 @@ pub(super) use super::box_muller::Workspace;
 use super::threefry;
 use crate::lanes::dispatch::{Kernel, dispatch};
 
-/// Version of the increments: it changes with their bits, so that results of different versions are not merged.
+/// Version of the increments. It changes with their bits, so that results of different versions are
+/// not merged.
 #[cfg(feature = "ensemble")]
 pub(crate) const VERSION: u64 = 2;
 
-/// Steps, or processes, that share a block.
+/// Number of steps, or of processes, that share a block.
 pub(crate) const SHARED: usize = 4;
 
 /// Number of processes whose blocks are shared by steps.
@@ -35,7 +38,7 @@ pub(crate) trait Distribution: Copy {
     /// Converts four words to four increments, within a [`Kernel`]; `scale` is √h.
     fn four(words: [u64; 4], scale: f64) -> [f64; 4];
 
-    /// Converts the words of each lane. `AVX512` says whether the machine has the vectors of that name.
+    /// Converts the words of each lane. `AVX512` is true if the machine has AVX-512.
     #[inline(always)]
     fn fill_lanes<const L: usize, const AVX512: bool>(
         words: impl Fn(usize) -> [u64; 4],
@@ -51,7 +54,7 @@ pub(crate) trait Distribution: Copy {
     }
 }
 
-/// The random words of a path.
+/// Seed and path, from which the random words of a path follow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathKey {
     pub(crate) seed: u64,

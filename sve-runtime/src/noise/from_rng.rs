@@ -9,9 +9,10 @@ use crate::gauss::stage_noise;
 
 /// Increments drawn one after another from a generator of the `rand` crates (`rand_core` 0.10).
 ///
-/// The step number is ignored: each call takes the next numbers of the generator. A path cannot be replayed or read in
-/// another order, and two trajectories that share a generator by reference share its stream; use
-/// [`Wiener`](crate::noise::Wiener) for these purposes. Two words give two normals, by the transform of `Wiener`.
+/// The step number is ignored: each call takes the next numbers of the generator. A path cannot be
+/// replayed or read in another order, and two trajectories that share a generator by reference
+/// share its stream; use [`Wiener`](crate::noise::Wiener) for these purposes. Two words give two
+/// normals, by the transform of `Wiener`.
 ///
 /// The only error is [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
@@ -29,7 +30,7 @@ use crate::gauss::stage_noise;
 #[derive(Clone, Debug)]
 pub struct FromRng<R> {
     rng: R,
-    /// The second normal of the last pair, of variance 1.
+    /// The second normal of the last pair, with variance 1.
     spare: Option<f64>,
 }
 

@@ -1,12 +1,15 @@
 //! Sources that can be entered at a step.
 //!
-//! Input: a source and a step. Output: the source's increments from that step on. Invariant: step `k` is step `first + k` of the source, bit for bit.
+//! Input: a source and a step. Output: the source's increments from this step on. Invariant: step
+//! `k` is step `first + k` of the source, bit for bit.
 
 use super::{DyadicInterval, Halves, Noise, NoiseError, WithinSteps};
 
-/// A source whose increments are a function of the step number, so that its path can be entered anywhere.
+/// A source whose increments are a function of the step number, so that its path can be entered
+/// anywhere.
 ///
-/// A trajectory begins at step 0 of its source. To continue from a state reached after `k` steps of a path, enter the path at step `k`:
+/// A trajectory begins at step 0 of its source. To continue from a state reached after `k` steps of
+/// a path, enter the path at step `k`:
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -32,14 +35,15 @@ use super::{DyadicInterval, Halves, Noise, NoiseError, WithinSteps};
 /// # }
 /// ```
 ///
-/// A trajectory that is stored and continued with [`Trajectory::snapshot`](crate::Trajectory::snapshot) counts its steps itself.
+/// A trajectory that is stored and continued with
+/// [`Trajectory::snapshot`](crate::Trajectory::snapshot) counts its steps itself.
 #[diagnostic::on_unimplemented(
     message = "the increments of `{Self}` follow one another",
     label = "this source cannot be entered at a step",
     note = "`Wiener`, `ThreePoint` and what is built on them, `Recorded` and `NoNoise` can; of another source, implement `Replayable` if its increments are a function of the step"
 )]
 pub trait Replayable: Noise {
-    /// Returns the same path from step number `first` on; that step becomes step 0.
+    /// Returns the same path from step number `first` on; this step becomes step 0.
     #[allow(clippy::wrong_self_convention)] // a path from a step on, not a conversion
     fn from_step(self, first: u64) -> FromStep<Self>
     where
@@ -55,7 +59,8 @@ impl<W: Replayable + ?Sized> Replayable for Box<W> {}
 
 /// A source entered at a step, from [`Replayable::from_step`].
 ///
-/// Its errors are those of the source, and [`NoiseError::StepNumber`] for a step of the source above 2⁶⁴ − 1.
+/// Its errors are the errors of the source, and [`NoiseError::StepNumber`] for a step of the source
+/// above 2⁶⁴ − 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FromStep<W> {
     noise: W,

@@ -1,17 +1,20 @@
 //! Sources that know their path within a step.
 //!
-//! Input: the increments over a dyadic interval of a step. Output: the increments over its halves. Invariant: they sum to those of the interval up to rounding, and are
-//! a pure function of the source, the interval and its increments.
+//! Input: the increments over a dyadic interval of a step. Output: the increments over its halves.
+//! Invariant: the halves sum to the increments of the interval up to rounding, and are a pure
+//! function of the source, the interval and its increments.
 
 use core::fmt;
 
 use super::{DyadicInterval, NoNoise, Noise, Wiener};
 use crate::system::Increments;
 
-/// Number of halvings of a step within which the path is known. Between two neighbouring points it is linear.
+/// Number of halvings of a step within which the path is known. Between two neighbouring points it
+/// is linear.
 const LEVELS: u32 = 32;
 
-/// A source that knows its path within steps, so that a step can be divided into smaller steps on the same path.
+/// A source that knows its path within steps, so that a step can be divided into smaller steps on
+/// the same path.
 ///
 /// ```
 /// use sve_runtime::noise::{Halves, Noise, DyadicInterval, Wiener};
@@ -29,7 +32,8 @@ const LEVELS: u32 = 32;
     note = "`Wiener`, also refined, and `NoNoise` know theirs; increments that are recorded, clipped or drawn one after another belong to whole steps"
 )]
 pub trait Halves: Noise {
-    /// Computes the increments of every process over the two halves of an interval of length `h`; `whole` are those over the interval.
+    /// Computes the increments of every process over the two halves of an interval of length `h`;
+    /// `whole` has the increments over the interval.
     fn halves_of(
         &self,
         interval: DyadicInterval,
@@ -79,17 +83,17 @@ impl<W: Halves + ?Sized> Halves for &mut W {
 #[derive(Clone, Copy)]
 pub struct WithinSteps<'a> {
     path: &'a dyn Halves,
-    /// The step of the path that is step 0 here.
+    /// The step of the path that counts as step 0.
     first: u64,
 }
 
 impl<'a> WithinSteps<'a> {
-    /// The path of a source.
+    /// Returns the path of a source.
     pub fn of(path: &'a dyn Halves) -> Self {
         Self { path, first: 0 }
     }
 
-    /// Returns the same path from a step on; that step becomes step 0.
+    /// Returns the same path from a step on; this step becomes step 0.
     pub(super) fn later(self, steps: u64) -> Self {
         let first = self.first.wrapping_add(steps);
         Self { first, ..self }
@@ -102,9 +106,11 @@ impl fmt::Debug for WithinSteps<'_> {
     }
 }
 
-/// Returns the increments over the first `fraction` of a step of length `h`; `whole` are those over the step. `None` if the path is needed within the step and not known there.
+/// Returns the increments over the first `fraction` of a step of length `h`; `whole` has the
+/// increments over the step. Returns `None` if the path within the step is needed and not known.
 ///
-/// The path within a step is a function of seed, path, step and process: its values at the multiples of 2⁻³² of the step are those of the halved intervals.
+/// The path within a step is a function of seed, path, step and process: its values at the
+/// multiples of 2⁻³² of the step follow from the halved intervals.
 pub(crate) fn increments_until<D: Increments>(
     path: Option<WithinSteps<'_>>,
     step: u64,
@@ -141,7 +147,7 @@ pub(crate) fn increments_until<D: Increments>(
     Some(sum)
 }
 
-/// Adds a multiple of increments.
+/// Adds a multiple of the increments `part` to `sum`.
 fn add<D: Increments>(sum: &mut D, factor: f64, part: &D) {
     for (sum, part) in sum.as_mut().iter_mut().zip(part.as_ref()) {
         *sum += factor * part;

@@ -12,7 +12,7 @@ use crate::lanes::{Aligned, LANES, Lane};
 /// The increments of a tile over the four steps of a block.
 pub(crate) type Rows = Aligned<[Lane; SHARED]>;
 
-/// Which increments are drawn.
+/// The paths, steps and processes whose increments are drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Draw<'a> {
     pub(crate) seed: u64,
@@ -27,8 +27,10 @@ pub(crate) struct Draw<'a> {
 
 /// Fills `out` with the increments of all processes of all tiles over blocks of four steps.
 ///
-/// Tile `t` and process `p` (from 0) over step 4 (`first_block` + `b`) + `k` are in `out[(b * tiles + t) * processes + p][k]`; the length of `out`
-/// gives the number of blocks. A call costs as much as some ten increments, so many rows in a call save time; `out` should fit into the first cache.
+/// Tile `t` and process `p` (from 0) over step 4 (`first_block` + `b`) + `k` are in
+/// `out[(b * tiles + t) * processes + p][k]`; the length of `out` gives the number of blocks. The
+/// overhead of a call equals the cost of about ten increments, so many rows in a call save time;
+/// `out` should fit into the first cache.
 #[inline(never)]
 pub(super) fn fill<D: Distribution>(draw: &Draw<'_>, out: &mut [Rows]) {
     if draw.processes == 0 || draw.paths.is_empty() {
@@ -58,7 +60,7 @@ impl Draw<'_> {
         }
     }
 
-    /// Fills the rows of the first processes, a block a row.
+    /// Fills the rows of the first processes, one block for each row.
     #[inline(always)]
     fn fill_by_steps<D: Distribution, const AVX512: bool>(
         &self,
@@ -73,7 +75,7 @@ impl Draw<'_> {
         }
     }
 
-    /// Fills the rows of the further processes, a block for each four rows and step.
+    /// Fills the rows of the further processes, one block for each four rows and step.
     #[inline(always)]
     fn fill_by_processes<D: Distribution, const AVX512: bool>(
         &self,
@@ -139,7 +141,7 @@ mod tests {
         (1 << 40, 1 << 30, 1, 40),
     ];
 
-    /// Consecutive paths in the lanes of tiles.
+    /// Returns consecutive paths in the lanes of tiles.
     fn consecutive(first: u64, tiles: usize) -> Vec<[u64; LANES]> {
         let path = |tile, lane| first.wrapping_add((tile * LANES + lane) as u64);
         let tile = |tile| core::array::from_fn(|lane| path(tile, lane));
@@ -188,7 +190,7 @@ mod tests {
         increments_have_the_bits_of_single_paths::<ThreePoints>();
     }
 
-    /// A fill of its own memory.
+    /// A fill that owns its memory.
     #[derive(Clone)]
     struct Filled<D> {
         case: (u64, u64, usize, usize),

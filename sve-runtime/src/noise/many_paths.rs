@@ -1,7 +1,8 @@
 //! Sources with a path for each number: the noise of an ensemble.
 //!
-//! Input: a source. Output: the plain data from which increments of many paths are drawn in lanes. Invariant: a source is one file, which implements
-//! [`ManyPaths`] and, if its increments have a distribution of their own, [`PathDistribution`].
+//! Input: a source. Output: the data from which increments of many paths are drawn in lanes.
+//! Invariant: a source is one file, which implements [`ManyPaths`] and, if its increments have a
+//! distribution of their own, [`PathDistribution`].
 
 use core::fmt::Debug;
 
@@ -12,9 +13,10 @@ use super::{Halves, Noise, Truncated};
 
 /// A source with a path for each number, for [`Ensemble::noise`](crate::ensemble::Ensemble::noise).
 ///
-/// [`Wiener`](super::Wiener), also [refined](super::Wiener::refine), [`ThreePoint`](super::ThreePoint), [`NoNoise`](super::NoNoise)
-/// and `Truncated<Wiener>` are such sources. Path `k` of the ensemble has the increments of path `first + k`
-/// of the source, where `first` is the path of the given source, 0 unless [`path`](super::Wiener::path) sets it.
+/// [`Wiener`](super::Wiener), also [refined](super::Wiener::refine),
+/// [`ThreePoint`](super::ThreePoint), [`NoNoise`](super::NoNoise) and `Truncated<Wiener>` are such
+/// sources. Path `k` of the ensemble has the increments of path `first + k` of the source, where
+/// `first` is the path of the given source, 0 unless [`path`](super::Wiener::path) sets it.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` cannot be the noise of an ensemble",
     label = "this source does not have a path for each number",
@@ -29,11 +31,12 @@ pub trait ManyPaths {
 
 /// A distribution from which the increments of many paths are drawn.
 pub(crate) trait PathDistribution: Distribution + Debug + Sync + 'static {
-    /// The number by which shards and checkpoints of ensembles know the distribution.
+    /// The number that identifies the distribution in shards and checkpoints of ensembles.
     const NUMBER: u64;
-    /// What pages call the increments.
+    /// The name of the increments on pages.
     const NAME: &'static str;
-    /// Whether the sum of the increments over two halves of a step has the distribution of the increment over the step.
+    /// True if the sum of the increments over two halves of a step has the distribution of the
+    /// increment over the step.
     const HAS_SUMS: bool = false;
 
     /// Returns a path in steps that are halved `depth` times, if the path is known within steps.
@@ -45,13 +48,13 @@ pub(crate) trait PathDistribution: Distribution + Debug + Sync + 'static {
 
 /// A [`PathDistribution`] as a value.
 pub(crate) trait AnyDistribution: Debug + Sync {
-    /// See [`PathDistribution::NUMBER`].
+    /// Returns [`PathDistribution::NUMBER`].
     fn number(&self) -> u64;
-    /// See [`PathDistribution::NAME`].
+    /// Returns [`PathDistribution::NAME`].
     fn name(&self) -> &'static str;
-    /// See [`PathDistribution::HAS_SUMS`].
+    /// Returns [`PathDistribution::HAS_SUMS`].
     fn has_sums(&self) -> bool;
-    /// See [`PathDistribution::within_steps`].
+    /// Calls [`PathDistribution::within_steps`].
     fn within_steps(&self, seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>>;
     /// Returns a path in steps that are halved `depth` times.
     fn path(&self, seed: u64, path: u64, depth: u32) -> Box<dyn Noise>;
@@ -97,7 +100,8 @@ pub struct PathData {
     /// The distribution of the increments; `None` without noise.
     pub(crate) distribution: Option<&'static dyn AnyDistribution>,
     pub(crate) truncation: Option<Truncated<()>>,
-    /// Number of halvings of a step of the source: the ensemble makes 2^`depth` steps in each.
+    /// Number of halvings of a step of the source: the ensemble makes 2^`depth` steps in each step
+    /// of the source.
     pub(crate) depth: u32,
 }
 
@@ -111,7 +115,7 @@ impl PathData {
         depth: 0,
     };
 
-    /// The data of a counter-based source.
+    /// Returns the data of a counter-based source.
     pub(super) fn of<D: PathDistribution>(path: &CounterPath<D>, distribution: &'static D) -> Self {
         Self {
             seed: Some(path.seed),

@@ -1,22 +1,12 @@
-//! Wiener increments for a trajectory.
+//! [`Wiener`], [`Refined`] and [`NoNoise`] know their path within a step ([`Halves`]): steps that
+//! fail can be [refined](crate::Trajectory::refine), and steps can be cut at
+//! [events](crate::Events).
 //!
-//! Input: a step number, a step size `h`, and the number of processes. Output: one increment for each process, normal
-//! with mean 0 and variance `h` (its unit is that of √t), independent between steps and processes.
-//!
-//! | source | increments | replayable | with stage noise |
-//! | --- | --- | --- | --- |
-//! | [`Wiener`] | from a seed, counter-based | any step, in any order | yes; the same path for every number of stages |
-//! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order | no |
-//! | [`ThreePoint`] | of three values, for weak solutions; counter-based | any step, in any order | no: the law of the stages would be another one |
-//! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order | a path of [`Recorded::record_stages`] |
-//! | [`Truncated`] | of another source, clipped for implicit steps | as the other source | as the other source |
-//! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another | yes |
-//! | [`NoNoise`] | zero | trivially | yes |
-//!
-//! [`Wiener`], [`Refined`] and [`NoNoise`] know their path within a step ([`Halves`]): steps that fail can be [refined](crate::Trajectory::refine), and steps can be cut at [events](crate::Events).
-//!
-//! All sources go with all rules that take one increment a process. Rules with [stage noise](crate::StageNoise) ask for an increment for each process and stage: where the table says no, the first step is an
-//! error that says so. Steps that fail cannot be [refined](crate::Trajectory::refine) with stage noise, and ensembles and studies do not take it: both are compile errors.
+//! All sources serve all rules that take one increment for each process. Rules with [stage
+//! noise](crate::StageNoise) ask for an increment for each process and stage. Where the table says
+//! no, the first step returns an error that names the source. Steps that fail cannot be
+//! [refined](crate::Trajectory::refine) with stage noise, and ensembles and studies do not take it:
+//! both are compile errors.
 //!
 //! [`Replayable::from_step`] enters a replayable path at a step.
 //!
@@ -69,9 +59,9 @@ pub use three_point::ThreePoint;
 pub use truncated::Truncated;
 pub use wiener::Wiener;
 
-/// A source of Wiener increments: one path of as many processes as a system asks for.
+/// A source of Wiener increments: one path with as many processes as a system asks for.
 ///
-/// A mutable reference to a source is a source, and so is a box of one.
+/// A mutable reference to a source is a source, and so is a box that contains a source.
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, NoiseError};
@@ -97,20 +87,23 @@ pub use wiener::Wiener;
     note = "sources are `Wiener::new(seed)`, `ThreePoint::new(seed)`, `Recorded`, `Truncated`, `FromRng`, and `NoNoise` for systems without noise terms"
 )]
 pub trait Noise {
-    /// Fills `dw` with the increments of every process over step number `step` (from 0) of length `h`,
-    /// each of variance `h`.
+    /// Fills `dw` with the increments of every process over step number `step` (from 0) of length
+    /// `h`, each with variance `h`.
     ///
     /// # Errors
-    /// When this source cannot serve that step.
+    /// A [`NoiseError`] if the source cannot serve the step.
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError>;
 
-    /// Fills `dw` with the increments of every process at every stage of a Gauss rule, process by process, with nodes ascending: independent, of
-    /// variance `b_i h` at the node with weight `b_i`.
+    /// Fills `dw` with the increments of every process at every stage of a Gauss rule, process by
+    /// process, with nodes ascending. They are independent, with variance `b_i h` at the node with
+    /// weight `b_i`.
     ///
-    /// The increments of a process add up to the one that [`increments`](Self::increments) returns. The default has none.
+    /// The increments of a process add up to the increment that [`increments`](Self::increments)
+    /// returns. The default implementation returns an error.
     ///
     /// # Errors
-    /// When this source cannot serve that step; [`NoiseError::NoStages`] if it draws no increments for stages.
+    /// A [`NoiseError`] if the source cannot serve the step; [`NoiseError::NoStages`] if it draws
+    /// no increments for stages.
     fn stage_increments(
         &mut self,
         step: u64,
@@ -122,13 +115,14 @@ pub trait Noise {
         Err(NoiseError::NoStages { stages })
     }
 
-    /// Returns the path within steps, if the source knows it: `Some(WithinSteps::of(self))` for a source with [`Halves`]. The default does not.
+    /// Returns the path within steps, if the source knows it: `Some(WithinSteps::of(self))` for a
+    /// source with [`Halves`]. The default implementation returns `None`.
     fn within_steps(&self) -> Option<WithinSteps<'_>> {
         None
     }
 }
 
-/// Implements [`Noise`] for what points to a source.
+/// Implements [`Noise`] for a pointer to a source.
 macro_rules! forward {
     ($pointer:ty) => {
         impl<W: Noise + ?Sized> Noise for $pointer {

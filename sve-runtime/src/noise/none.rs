@@ -4,7 +4,8 @@
 use super::many_paths::{ManyPaths, PathData};
 use super::{Noise, NoiseError, Replayable, WithinSteps};
 
-/// No noise at all, for deterministic systems or the deterministic limit of a noisy one.
+/// The source without noise, for deterministic systems or the deterministic limit of a noisy
+/// system.
 ///
 /// ```
 /// use sve_runtime::noise::{NoNoise, Noise};

@@ -1,20 +1,21 @@
 //! Paths given as numbers.
 //!
-//! Input: a step size and the increments of every process over every step. Output: these increments, or their sums over larger steps.
-//! Invariant: the step size is finite and not zero, every increment is finite.
+//! Input: a step size and the increments of every process over every step. Output: these
+//! increments, or their sums over larger steps. Invariant: the step size is finite and not zero,
+//! every increment is finite.
 
 use super::{Noise, NoiseError, Replayable};
 use crate::error::check_step;
 use crate::gauss::stage_noise;
 
-/// Largest relative difference between a step size and the recorded one: `k * h` and `T / n` have one or two rounding errors each. Step
-/// sizes that are meant to differ differ by more.
+/// Largest relative difference between a step size and the recorded one: `k * h` and `T / n` have
+/// one or two rounding errors each. Different step sizes differ by more.
 const STEP_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 
 /// A recorded path: Wiener increments for steps of one size.
 ///
-/// Coarsening gives the same Brownian path in larger steps. Strong errors are measured with it: the solutions with
-/// `h` and with `k h` then have the same noise.
+/// Coarsening gives the same Brownian path in larger steps. Strong errors are measured with it: the
+/// solutions with `h` and with `k h` then have the same noise.
 ///
 /// ```
 /// use sve_runtime::noise::{Recorded, Wiener};
@@ -30,22 +31,23 @@ const STEP_TOLERANCE: f64 = 4.0 * f64::EPSILON;
 /// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
 ///
-/// As [`Noise`], by value or by reference, it starts at step 0 and may be read in any order. Its errors there are
-/// [`NoiseError::Exhausted`] past the last step, which ends a trajectory, [`NoiseError::StepSize`] for a step of another
-/// size (up to rounding), and [`NoiseError::Processes`] for another number of processes.
+/// As [`Noise`], by value or by reference, it starts at step 0 and may be read in any order. Its
+/// errors are [`NoiseError::Exhausted`] past the last step, which ends a trajectory,
+/// [`NoiseError::StepSize`] for a step of another size (up to rounding), and
+/// [`NoiseError::Processes`] for another number of processes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
     h: f64,
     processes: usize,
-    /// Increments of a process in a step, one for each stage.
+    /// Number of increments of a process in a step, one for each stage.
     stages: usize,
     steps: usize,
-    /// Step by step, process by process.
+    /// The increments, step by step, process by process.
     increments: Vec<f64>,
 }
 
 impl Recorded {
-    /// A path with given increments: an array for each step, an entry for each process.
+    /// Returns a path with the given increments: an array for each step, an entry for each process.
     ///
     #[doc = include_str!("../example.md")]
     /// let path = Recorded::new(0.01, [[0.02], [-0.05]])?; // two steps of one process
@@ -53,8 +55,8 @@ impl Recorded {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// [`NoiseError::InvalidStep`] if `h` is zero or not finite; [`NoiseError::NonFinite`] for an increment that is NaN
-    /// or infinite.
+    /// [`NoiseError::InvalidStep`] if `h` is zero or not finite; [`NoiseError::NonFinite`] for an
+    /// increment that is NaN or infinite.
     pub fn new<const M: usize>(
         h: f64,
         increments: impl IntoIterator<Item = [f64; M]>,
@@ -76,7 +78,8 @@ impl Recorded {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// The errors of the source and of [`new`](Self::new), and [`NoiseError::TooLong`] if the path does not fit into memory.
+    /// The errors of the source and of [`new`](Self::new), and [`NoiseError::TooLong`] if the path
+    /// does not fit into memory.
     pub fn record(
         mut noise: impl Noise,
         h: f64,
@@ -88,8 +91,9 @@ impl Recorded {
         })
     }
 
-    /// Records the first `steps` steps of length `h` of another source, for rules with [stage noise](crate::StageNoise) of so many stages. A rule
-    /// with one increment a process takes the path too.
+    /// Records the first `steps` steps of length `h` of another source, for rules with [stage
+    /// noise](crate::StageNoise) of so many stages. A rule with one increment for each process
+    /// takes the path too.
     ///
     #[doc = include_str!("../example.md")]
     /// let path = Recorded::record_stages(Wiener::new(42), 0.01, 1, 2, 100)?;
@@ -98,7 +102,8 @@ impl Recorded {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// As [`record`](Self::record); [`NoiseError::NoStages`] if the source has no increments for so many stages.
+    /// As [`record`](Self::record); [`NoiseError::NoStages`] if the source has no increments for so
+    /// many stages.
     pub fn record_stages(
         mut noise: impl Noise,
         h: f64,
@@ -140,7 +145,8 @@ impl Recorded {
         Self::checked(h, [processes, stages, steps], increments)
     }
 
-    /// The path whose rows have the increments of so many stages, process by process, with nodes ascending.
+    /// Returns the path whose rows contain the increments of so many stages, process by process,
+    /// with nodes ascending.
     ///
     #[doc = include_str!("../example.md")]
     /// // one process with two stages
@@ -149,7 +155,8 @@ impl Recorded {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// [`NoiseError::NoStages`] for a number that no rule has; [`NoiseError::Stages`] if the rows cannot be divided into so many stages.
+    /// [`NoiseError::NoStages`] for a number that no rule has; [`NoiseError::Stages`] if the rows
+    /// cannot be divided into so many stages.
     pub fn with_stages(self, stages: usize) -> Result<Self, NoiseError> {
         let row = self.row();
         if stage_noise::weights(stages).is_none() {
@@ -169,19 +176,22 @@ impl Recorded {
         })
     }
 
-    /// Numbers of a step.
+    /// Returns the number of increments of a step.
     fn row(&self) -> usize {
         self.processes * self.stages
     }
 
-    /// Returns the same path with larger steps: the increments of each `k` steps are summed, the step size is `k h`. Increments of stages become those of the stages of the larger
-    /// step, exactly.
+    /// Returns the same path with larger steps: the increments of each `k` steps are summed, the
+    /// step size is `k h`. The increments of stages become, exactly, the increments of the stages
+    /// of the larger step.
     ///
     #[doc = include_str!("../example.md")]
     /// let fine = Recorded::record(Wiener::new(42), 0.01, 1, 100)?;
     /// let coarse = fine.coarsen(2)?;
-    /// let [a, b] = [(&fine, 0.01), (&coarse, 0.02)].map(|(path, h)| pendulum.trajectory(start, h, path).last());
-    /// assert!((a.expect("steps")?.q[0] - b.expect("steps")?.q[0]).abs() < 1e-3); // the same path in larger steps
+    /// let paths = [(&fine, 0.01), (&coarse, 0.02)];
+    /// let [a, b] = paths.map(|(path, h)| pendulum.trajectory(start, h, path).last());
+    /// let difference = a.expect("steps")?.q[0] - b.expect("steps")?.q[0];
+    /// assert!(difference.abs() < 1e-3); // the same path in larger steps
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
@@ -207,32 +217,33 @@ impl Recorded {
         Self::checked(k as f64 * self.h, sizes, sums)
     }
 
-    /// Number of steps.
+    /// Returns the number of steps.
     pub fn len(&self) -> usize {
         self.steps
     }
 
-    /// Whether there is no step at all.
+    /// Returns whether the path has no step.
     pub fn is_empty(&self) -> bool {
         self.steps == 0
     }
 
-    /// The step size.
+    /// Returns the step size.
     pub fn h(&self) -> f64 {
         self.h
     }
 
-    /// Number of Wiener processes.
+    /// Returns the number of Wiener processes.
     pub fn processes(&self) -> usize {
         self.processes
     }
 
-    /// Number of stages, 1 for a path with an increment a process.
+    /// Returns the number of stages; 1 for a path with one increment for each process.
     pub fn stages(&self) -> usize {
         self.stages
     }
 
-    /// The increments over a step (from 0), one for each process and stage; `None` past the last step.
+    /// Returns the increments over a step (from 0), one for each process and stage; `None` past the
+    /// last step.
     #[inline]
     pub fn get(&self, step: usize) -> Option<&[f64]> {
         // the comparison keeps the products in range

@@ -1,7 +1,8 @@
 //! Increments of many refined paths at once, a lane for each path.
 //!
-//! Input: the increments over whole steps in lanes, and a range of parts of these steps. Output: the increments over the parts.
-//! Invariant: each increment has the bits that [`Refined`](super::Refined) gives for its path.
+//! Input: the increments over whole steps in lanes, and a range of parts of these steps. Output:
+//! the increments over the parts. Invariant: each increment has the bits that
+//! [`Refined`](super::Refined) gives for its path.
 
 use super::box_muller::{self, Workspace};
 use super::bridge::{self, DyadicInterval, two_to};
@@ -19,8 +20,9 @@ pub(crate) struct RefinedLanes<'a> {
 }
 
 impl RefinedLanes<'_> {
-    /// Fills `out` with the increments of a process over the parts `first` … `first + out.len() − 1` of a whole step, whose increments are `whole`. The number of
-    /// parts is a power of two, and `first` is a multiple of it.
+    /// Fills `out` with the increments of a process over the parts `first` …
+    /// `first + out.len() − 1` of a whole step; `whole` has the increments over the step. The
+    /// number of parts is a power of two, and `first` is a multiple of it.
     pub(crate) fn fill(
         &self,
         step: u64,
@@ -39,7 +41,8 @@ impl RefinedLanes<'_> {
             part = halves[half];
             interval = child(interval, half);
         }
-        // the parts of each level are in front of those of the next, which overwrite them from the last on
+        // The parts of each level stand in front of the parts of the next level, which overwrite
+        // them from the last on.
         out[0] = part;
         for level in 0..levels {
             let count = 1 << level;

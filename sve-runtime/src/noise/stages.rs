@@ -1,7 +1,9 @@
 //! Increments of a Wiener path at the stages of a Gauss rule.
 //!
-//! Input: the increment of each process over a step, and words of a domain of their own for the higher coefficients of the path in Legendre polynomials. Output: the
-//! increments at the stages. Invariant: a pure function of seed, path, step and process; coefficient `k ≥ 1` of process `a` of `M` has number `(k − 1) M + a`, whatever the number of stages.
+//! Input: the increment of each process over a step, and words of a separate domain for the higher
+//! coefficients of the path in Legendre polynomials. Output: the increments at the stages.
+//! Invariant: a pure function of seed, path, step and process; coefficient `k ≥ 1` of process `a`
+//! of `M` has number `(k − 1) M + a`, for every number of stages.
 
 use super::counter_path::CounterPath;
 use super::distribution::Distribution;
@@ -22,7 +24,8 @@ impl Distribution for HigherCoefficients {
     }
 }
 
-/// Number of increments in a step up to which a step allocates nothing: eight processes at eight stages.
+/// Largest number of increments for which a step allocates nothing: eight processes at eight
+/// stages.
 const FEW: usize = 64;
 
 /// The higher coefficients of a path.
@@ -38,7 +41,8 @@ impl StagePath {
         Self(self.0.path(path))
     }
 
-    /// Fills `dw` with the increments at the stages of a step. `whole` gives the increments over the step.
+    /// Fills `dw` with the increments at the stages of a step. `whole` gives the increments over
+    /// the step.
     pub(super) fn increments(
         &mut self,
         whole: &mut CounterPath<Normal>,

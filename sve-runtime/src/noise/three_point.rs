@@ -3,7 +3,8 @@
 //! Input: seed, path, step, process and step size. Output: ±√(3h) or 0.
 //! Invariant: a pure function of (seed, path, step, process), the same bits on every machine.
 //!
-//! Source: Kloeden, Platen, *Numerical Solution of Stochastic Differential Equations*, Springer (1992), section 14.2.
+//! Source: Kloeden, Platen, *Numerical Solution of Stochastic Differential Equations*, Springer
+//! (1992), section 14.2.
 
 use super::counter_path::CounterPath;
 use super::distribution::Distribution;
@@ -11,11 +12,14 @@ use super::distribution::Distribution;
 use super::many_paths::{ManyPaths, PathData, PathDistribution};
 use super::{Noise, NoiseError, Replayable};
 
-/// Increments ±√(3h) with probability 1/6 each and 0 with 2/3, counter-based as [`Wiener`](super::Wiener).
+/// Increments ±√(3h) with probability 1/6 each and 0 with 2/3, counter-based as
+/// [`Wiener`](super::Wiener).
 ///
-/// The moments up to the fifth are those of a normal increment, so expectations converge with the same weak order, up
-/// to 2. The increments are cheap and bounded by 1.74 √h, which keeps implicit steps solvable. They are not increments of a Brownian path: solutions do not converge
-/// path by path, and paths with two step sizes are unrelated. Draws are independent of those of a `Wiener` of the same seed.
+/// The moments up to the fifth equal the moments of a normal increment, so expectations converge
+/// with the same weak order, up to 2. The increments are cheap and bounded by 1.74 √h, which keeps
+/// implicit steps solvable. They are not increments of a Brownian path: solutions do not converge
+/// path by path, and paths with two step sizes are unrelated. Draws are independent of the draws of
+/// a `Wiener` with the same seed.
 ///
 /// Its only error is [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
@@ -35,18 +39,19 @@ use super::{Noise, NoiseError, Replayable};
 pub struct ThreePoint(pub(super) CounterPath<ThreePoints>);
 
 impl ThreePoint {
-    /// Path 0 of a seed.
+    /// Returns path 0 of a seed.
     pub fn new(seed: u64) -> Self {
         Self(CounterPath::new(seed))
     }
 
-    /// Path number `path` of the same seed.
+    /// Returns path number `path` of the same seed.
     #[must_use]
     pub fn path(&self, path: u64) -> Self {
         Self(self.0.path(path))
     }
 
-    /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`. Its variance is |h|. If `h` is NaN, returns NaN or 0.
+    /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`.
+    /// Its variance is |h|. If `h` is NaN, returns NaN or 0.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         self.0.increment(step, process, h)
@@ -69,12 +74,14 @@ impl ManyPaths for ThreePoint {
     }
 }
 
-/// Increments ±√(3h) with probability 1/6 each, otherwise 0: the first five moments are those of normal increments.
+/// Increments ±√(3h) with probability 1/6 each, otherwise 0: the first five moments equal the
+/// moments of normal increments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ThreePoints;
 
 impl ThreePoints {
-    /// Smallest positive signed word that gives an increment. These words and their mirror images are a third of all words, to 2⁻⁶⁴.
+    /// Smallest positive signed word that gives an increment. The words from it on and their mirror
+    /// images are a third of all words, to 2⁻⁶⁴.
     const BOUND: i64 = (2 * (1_u128 << 63) / 3) as i64 + 1;
 }
 
@@ -86,7 +93,8 @@ impl Distribution for ThreePoints {
         let step = (ROOT_3 * scale).to_bits();
         words.map(|word| {
             let signs = word.cast_signed() >> 63;
-            // The magnitude, less 1 for negative words: both signs have as many values. Old vectors have no fast comparisons, hence the bits.
+            // The magnitude, less 1 for negative words: both signs have as many values. Old vectors
+            // have no fast comparisons, hence the bits.
             let size = word.cast_signed() ^ signs;
             let small = (size - Self::BOUND) >> 63;
             f64::from_bits((step | (word & (1 << 63))) & !small.cast_unsigned())
@@ -107,7 +115,7 @@ impl PathDistribution for ThreePoints {
 mod tests {
     use super::{Distribution, ROOT_3, ThreePoints};
 
-    /// Checks that ⌊2⁶⁴/6⌋ words give each sign: those at the ends of the signed range.
+    /// Checks that ⌊2⁶⁴/6⌋ words give each sign: the words at the ends of the signed range.
     #[test]
     fn a_sixth_of_the_words_has_each_sign() {
         let sixth = ((1_u128 << 64) / 6) as u64;

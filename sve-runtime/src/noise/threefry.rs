@@ -1,13 +1,8 @@
-//! Threefry4x64 with 13 rounds: a keyed bijection of 256-bit counters, used as a random function.
-//!
-//! Input: a counter and a key of four words. Output: four words, each bit as good as random.
-//! Invariant: no state; equal input gives equal output on every machine, and for one key different counters give
-//! different outputs.
-//!
-//! Source: Salmon, Moraes, Dror, Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC '11 (2011). It is the cipher
-//! Threefish-256 (Ferguson et al., *The Skein hash function family*, version 1.3, 2010: rotations and parity constant)
-//! without tweak and with fewer rounds. The authors' default is 20 rounds; 13 is the fast variant among those for which
-//! they publish known answers.
+//! Source: Salmon, Moraes, Dror, Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC '11
+//! (2011). The function is the cipher Threefish-256 (Ferguson et al., *The Skein hash function
+//! family*, version 1.3, 2010: rotations and parity constant) without tweak and with fewer rounds.
+//! The authors' default is 20 rounds; 13 rounds are the fastest variant for which they publish
+//! known answers.
 
 /// Left rotations of four rounds, for the first and the second mixed pair; the two sets alternate.
 const ROTATIONS: [[[u32; 2]; 4]; 2] = [
@@ -15,7 +10,8 @@ const ROTATIONS: [[[u32; 2]; 4]; 2] = [
     [[25, 33], [46, 12], [58, 22], [32, 32]],
 ];
 
-/// The last word of the key schedule makes the exclusive or of all five words this constant.
+/// The last word of the key schedule is chosen such that the exclusive or of all five words is this
+/// constant.
 const PARITY: u64 = 0x1bd1_1bda_a9fc_1a22;
 
 /// Returns the random words of a counter under a key.
@@ -23,7 +19,8 @@ const PARITY: u64 = 0x1bd1_1bda_a9fc_1a22;
 pub(crate) fn block(counter: [u64; 4], key: [u64; 4]) -> [u64; 4] {
     let [k0, k1, k2, k3] = key;
     let schedule = [k0, k1, k2, k3, PARITY ^ k0 ^ k1 ^ k2 ^ k3];
-    // Written out: the compiler does not unroll a loop over rounds, which takes three times as long.
+    // Written out: the compiler does not unroll a loop over rounds, which takes three times as
+    // long.
     let mut x = counter;
     add_key(&mut x, &schedule, 0);
     four_rounds(&mut x, ROTATIONS[0]);
@@ -44,21 +41,21 @@ fn four_rounds(x: &mut [u64; 4], [r0, r1, r2, r3]: [[u32; 2]; 4]) {
     crossed(x, r3);
 }
 
-/// A round of even number.
+/// Makes a round of even number.
 #[inline(always)]
 fn neighbours(x: &mut [u64; 4], [first, second]: [u32; 2]) {
     mix(x, 0, 1, first);
     mix(x, 2, 3, second);
 }
 
-/// A round of odd number.
+/// Makes a round of odd number.
 #[inline(always)]
 fn crossed(x: &mut [u64; 4], [first, second]: [u32; 2]) {
     mix(x, 0, 3, first);
     mix(x, 2, 1, second);
 }
 
-/// Adds the `n`th round key: the schedule from word `n` on, and `n` itself to the last word.
+/// Adds round key number `n`: the schedule from word `n` on, and `n` itself to the last word.
 #[inline(always)]
 fn add_key(x: &mut [u64; 4], schedule: &[u64; 5], n: usize) {
     for i in 0..4 {
@@ -124,7 +121,8 @@ mod tests {
 
     #[test]
     fn every_input_bit_reaches_every_output_word() {
-        // 64 output bits differ by a fair coin each: 32 ± 4, so 5 standard deviations are 12 … 52
+        // 64 output bits differ by a fair coin each: 32 ± 4 bits, so 5 standard deviations are
+        // 12 … 52.
         let base = block([1, 2, 3, 4], [5, 6, 7, 8]);
         for bit in 0..512 {
             let mut input = [1, 2, 3, 4, 5, 6, 7, 8_u64];

@@ -1,9 +1,10 @@
 //! Increments with bounded size, for implicit steps.
 //!
-//! Input: the increments of another source. Output: these increments, clipped to ±A√h. Invariant: |ΔW| ≤ A√h, for every h.
+//! Input: the increments of another source. Output: these increments, clipped to ±A√h.
+//! Invariant: |ΔW| ≤ A√h, for every h.
 //!
-//! Source of the bound that grows like √|ln h|: Milstein, Repin, Tretyakov, *Numerical methods for stochastic systems preserving
-//! symplectic structure*, SIAM J. Numer. Anal. 40 (2002) 1583–1604.
+//! Source of the bound that grows like √|ln h|: Milstein, Repin, Tretyakov, *Numerical methods for
+//! stochastic systems preserving symplectic structure*, SIAM J. Numer. Anal. 40 (2002) 1583–1604.
 
 #[cfg(feature = "ensemble")]
 use super::many_paths::{ManyPaths, PathData};
@@ -16,24 +17,27 @@ use crate::gauss::stage_noise;
 /// Default bound, in standard deviations.
 const DEVIATIONS: f64 = 6.0;
 
-/// Another source with its increments clipped: ΔW = √h ξ with |ξ| ≤ A, a number of standard deviations.
+/// Another source with its increments clipped: ΔW = √h ξ with |ξ| ≤ A, a number of standard
+/// deviations.
 ///
-/// An implicit step with noise in the momentum may have no solution for a large ΔW. The clipped increment is at most `A√h`, so
-/// a small enough step always has a solution. How small depends on the system: clipping does not make every step solvable.
+/// An implicit step with noise in the momentum may have no solution for a large ΔW. The clipped
+/// increment is at most `A√h`, so a small enough step always has a solution. How small the step has
+/// to be depends on the system: clipping does not make every step solvable.
 ///
-/// A has no unit, so the clipped path is the same in any unit of time. The clipped parts of the increments have a mean square of c²h. Over a time t they
-/// change a path by about c√t times the strength of the noise:
+/// A has no unit, so the clipped path is the same in any unit of time. The clipped parts of the
+/// increments have a mean square of c²h. Over a time t they change a path by about c√t times the
+/// strength of the noise:
 ///
 /// | A | one ξ in … is clipped | c |
 /// | --- | --- | --- |
 /// | 3 | 370 | 2.0e-2 |
 /// | 4 | 15,800 | 2.5e-3 |
 /// | 5 | 1.7 million | 2.0e-4 |
-/// | 6, unless another one is given | 5.1e8 | 9.8e-6 |
+/// | 6, the default | 5.1e8 | 9.8e-6 |
 /// | 7 | 3.9e11 | 3.1e-7 |
 ///
-/// So a strong order is observed for errors above c√t. A bound that keeps an order for all h grows slowly as h decreases: see
-/// [`exponent`](Self::exponent).
+/// So a strong order is observed for errors above c√t. A bound that keeps an order for all h grows
+/// slowly as h decreases: see [`exponent`](Self::exponent).
 ///
 /// ```
 /// use sve_runtime::noise::{Noise, NoiseError, Truncated, Wiener};
@@ -56,7 +60,7 @@ pub struct Truncated<W> {
 enum Bound {
     /// A given number.
     Deviations(f64),
-    /// √(2k ln(τ/h)).
+    /// The number √(2k ln(τ/h)).
     Exponent { k: f64, tau: f64 },
 }
 
@@ -82,7 +86,7 @@ impl<W> Truncated<W> {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// [`NoiseError::TruncationDeviations`] unless it is positive and finite.
+    /// [`NoiseError::TruncationDeviations`] unless `deviations` is positive and finite.
     pub fn deviations(self, deviations: f64) -> Result<Self, NoiseError> {
         if deviations > 0.0 && deviations < f64::INFINITY {
             let bound = Bound::Deviations(deviations);
@@ -92,12 +96,13 @@ impl<W> Truncated<W> {
         }
     }
 
-    /// Clips as Milstein, Repin and Tretyakov propose: A = √(2k ln(τ/h)), with a time τ of the system, such as its shortest period,
-    /// and an exponent `k` of at least 1.
+    /// Clips as Milstein, Repin and Tretyakov propose: A = √(2k ln(τ/h)), with a time τ of the
+    /// system, such as its shortest period, and an exponent `k` of at least 1.
     ///
-    /// The mean square of the clipped part of ξ is at most `(h/τ)^k`, so `k = 2` keeps the strong order 1 of the rules for all `h`.
-    /// Their paper has τ = 1, which depends on the unit of time. The bound needs `h < τ` ([`NoiseError::TruncationStep`]), and it
-    /// decreases as `h` grows: it clips one ξ in 400 at `h = τ/10` (A = 3.03), and one in 10 at `h = τ/2` (A = 1.67).
+    /// The mean square of the clipped part of ξ is at most `(h/τ)^k`, so `k = 2` keeps the strong
+    /// order 1 of the rules for all `h`. Their paper has τ = 1, which depends on the unit of time.
+    /// The bound needs `h < τ` ([`NoiseError::TruncationStep`]), and it decreases as `h` grows: it
+    /// clips one ξ in 400 at `h = τ/10` (A = 3.03), and one in 10 at `h = τ/2` (A = 1.67).
     ///
     /// ```
     /// use sve_runtime::noise::{Noise, NoiseError, Truncated, Wiener};
@@ -111,7 +116,8 @@ impl<W> Truncated<W> {
     /// ```
     ///
     /// # Errors
-    /// [`NoiseError::TruncationExponent`] unless `k` is finite and at least 1, and τ is positive and finite.
+    /// [`NoiseError::TruncationExponent`] unless `k` is finite and at least 1, and τ is positive
+    /// and finite.
     pub fn exponent(self, k: f64, tau: f64) -> Result<Self, NoiseError> {
         if (1.0..f64::INFINITY).contains(&k) && tau > 0.0 && tau < f64::INFINITY {
             let bound = Bound::Exponent { k, tau };
@@ -124,8 +130,8 @@ impl<W> Truncated<W> {
     /// Returns the largest |ΔW| over a step of length `h`, A√h.
     ///
     /// # Errors
-    /// [`NoiseError::InvalidStep`] if `h` is zero or not finite; [`NoiseError::TruncationStep`] for an |h| that is not below the τ of
-    /// [`exponent`](Self::exponent).
+    /// [`NoiseError::InvalidStep`] if `h` is zero or not finite; [`NoiseError::TruncationStep`] for
+    /// an |h| that is not below the τ of [`exponent`](Self::exponent).
     #[inline]
     pub fn largest(&self, h: f64) -> Result<f64, NoiseError> {
         check_step(h)?;
@@ -149,7 +155,7 @@ impl<W: Noise> Noise for Truncated<W> {
         Ok(())
     }
 
-    /// Clips the increment at a stage to as many of its own standard deviations.
+    /// Clips the increment at a stage at the same multiple of its own standard deviation.
     fn stage_increments(
         &mut self,
         step: u64,

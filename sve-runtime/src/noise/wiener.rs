@@ -14,16 +14,19 @@ use super::{Noise, NoiseError, Replayable, WithinSteps, box_muller};
 
 /// Wiener paths from a seed: any step of any path, in any order, always the same.
 ///
-/// An increment is a pure function of the seed, the path, the step and the process: nothing is consumed. Seed and path are enough to
-/// replay a path, to enter it in the middle, and to share it between threads or machines. Two systems with equal `Wiener`s
-/// have the same noise. Increments of different seeds, paths, steps or processes are independent, also of neighbouring
-/// ones. The bits are the same on every platform: normals are computed by arithmetic with fused multiply-adds and square
-/// roots, without a library's `ln`, `sin` and `cos`. Machines that have no fused multiply-add compute it by a slow function of the library.
+/// An increment is a pure function of the seed, the path, the step and the process: nothing is
+/// consumed. Seed and path are enough to replay a path, to enter it in the middle, and to share it
+/// between threads or machines. Two systems with equal `Wiener`s have the same noise. Increments of
+/// different seeds, paths, steps or processes are independent, also of neighbouring ones. The bits
+/// are the same on every platform: normals are computed by arithmetic with fused multiply-adds and
+/// square roots, without a library's `ln`, `sin` and `cos`. Machines without a fused multiply-add
+/// compute it by a slow function of the library.
 ///
 /// An increment has variance `h` and never exceeds 9.4926 √h in size.
 ///
-/// A source is a value to copy. As a [`Noise`] it draws and keeps the increments of 32 steps for up to four processes, and of four steps for up to 16, so steps in sequence cost least; increments of
-/// further processes are drawn step by step. Its only error there is
+/// A source is a value to copy. As a [`Noise`] it draws and keeps the increments of 32 steps for up
+/// to four processes, and of four steps for up to 16, so steps in sequence cost least. Increments
+/// of further processes are drawn step by step. Its only error as a [`Noise`] is
 /// [`NoiseError::InvalidStep`], for an `h` that is zero or not finite.
 ///
 /// ```
@@ -40,28 +43,31 @@ use super::{Noise, NoiseError, Replayable, WithinSteps, box_muller};
 /// # Ok::<(), sve_runtime::noise::NoiseError>(())
 /// ```
 ///
-/// A trajectory begins at step 0 of its source. To continue from a state reached after `k` steps, give
-/// [`from_step(k)`](super::Replayable::from_step); otherwise the increments of these steps are repeated.
+/// A trajectory begins at step 0 of its source. To continue from a state reached after `k` steps,
+/// give [`from_step(k)`](super::Replayable::from_step); otherwise the increments of these steps are
+/// repeated.
 ///
 /// [`refine`](Self::refine) gives the same path in smaller steps.
 ///
-/// For rules with [stage noise](crate::StageNoise) it draws the same path in more detail: the increments at the stages add up to these.
+/// For rules with [stage noise](crate::StageNoise) it draws the same path in more detail: the
+/// increments at the stages add up to the increments of the steps.
 ///
-/// Generator: Threefry4x64-13 of Salmon, Moraes, Dror and Shaw (2011); normals by Box and Muller (1958).
+/// Generator: Threefry4x64-13 of Salmon, Moraes, Dror and Shaw (2011); normals by Box and Muller
+/// (1958).
 #[derive(Clone, Copy, Debug)]
 pub struct Wiener(
     pub(super) CounterPath<Normal>,
-    /// For the stages of Gauss rules.
+    /// The higher coefficients, for the stages of Gauss rules.
     StagePath,
 );
 
 impl Wiener {
-    /// Path 0 of a seed. All seeds are equally good.
+    /// Returns path 0 of a seed. All seeds are equally good.
     pub fn new(seed: u64) -> Self {
         Self(CounterPath::new(seed), StagePath::new(seed))
     }
 
-    /// Path number `path` of the same seed.
+    /// Returns path number `path` of the same seed.
     ///
     /// ```
     /// use sve_runtime::noise::Wiener;
@@ -77,8 +83,8 @@ impl Wiener {
 
     /// Returns the increment of a process (from 0) over step number `step` (from 0) of length `h`.
     ///
-    /// It equals the one from [`Noise::increments`], and costs several times as much in a sequence of steps.
-    /// Its variance is |h|. If `h` is NaN, returns NaN.
+    /// It equals the increment from [`Noise::increments`], and costs several times as much in a
+    /// sequence of steps. Its variance is |h|. If `h` is NaN, returns NaN.
     #[inline]
     pub fn increment(&self, step: u64, process: usize, h: f64) -> f64 {
         self.0.increment(step, process, h)

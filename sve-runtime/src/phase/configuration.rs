@@ -1,10 +1,12 @@
 //! Configurations: the types that the `q` of a state can have.
 //!
-//! Input: a point of a configuration space. Output: its number of degrees of freedom, the values by which it is stored, and the
-//! point to which an increment moves it. Invariant: `restore` after `store` gives the same bits.
+//! Input: a point of a configuration space. Output: its number of degrees of freedom, the values by
+//! which it is stored, and the point to which an increment moves it. Invariant: `restore` after
+//! `store` gives the same bits.
 //!
-//! The sizes in [`Configuration`] are methods of a value, so that a type may hold any number of coordinates. [`FixedSize`] is for types
-//! whose sizes are constants. [`Coordinates`] converts such a type to and from the array of coordinates that generated code computes with.
+//! The sizes in [`Configuration`] are methods of a value, so that a type may hold any number of
+//! coordinates. [`FixedSize`] is for types whose sizes are constants. [`Coordinates`] converts such
+//! a type to and from the array of coordinates that generated code computes with.
 
 use core::fmt::Debug;
 
@@ -24,10 +26,11 @@ mod rotations;
 
 /// A point of a configuration space, the `q` of a [`State`].
 ///
-/// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`, `SVector<f64, N>`), and for arrays of
-/// configurations, such as `[[f64; 3]; 4]` or `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
-/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are Cayley vectors in the body frame; `(Q, R)` is a
-/// configuration beside another one.
+/// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`,
+/// `SVector<f64, N>`), and for arrays of configurations, such as `[[f64; 3]; 4]` or
+/// `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
+/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are Cayley vectors
+/// in the body frame. A pair `(Q, R)` combines two configurations.
 ///
 /// ```
 /// use sve_runtime::Configuration;
@@ -49,11 +52,13 @@ mod rotations;
 pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// The type of momenta, and of velocities: elements of a vector space.
     type Momentum: Configuration<Momentum = Self::Momentum>;
-    /// Returns the number of independent directions in which the configuration can move: the length of an increment.
+    /// Returns the number of independent directions in which the configuration can move: the length
+    /// of an increment.
     fn degrees_of_freedom(&self) -> usize;
     /// Returns the number of values by which the configuration is stored.
     fn stored_values(&self) -> usize;
-    /// Writes the configuration to `values`, which has the length [`stored_values`](Self::stored_values).
+    /// Writes the configuration to `values`, which has the length
+    /// [`stored_values`](Self::stored_values).
     ///
     /// # Panics
     /// If `values` has another length.
@@ -63,7 +68,8 @@ pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// # Panics
     /// If `values` has another length than [`stored_values`](Self::stored_values).
     fn restore(&mut self, values: &[f64]);
-    /// Moves the configuration by a tangent increment of length [`degrees_of_freedom`](Self::degrees_of_freedom).
+    /// Moves the configuration by a tangent increment of length
+    /// [`degrees_of_freedom`](Self::degrees_of_freedom).
     ///
     /// # Panics
     /// If `increment` has another length.
@@ -72,7 +78,8 @@ pub trait Configuration: Clone + Debug + PartialEq + Send + Sync + 'static {
 
 /// A configuration whose size is a constant of its type.
 pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
-    /// Number of degrees of freedom of every value: the length of an increment, and the number of values of a momentum.
+    /// Number of degrees of freedom of every value: the length of an increment, and the number of
+    /// values of a momentum.
     const DEGREES_OF_FREEDOM: usize;
     /// Number of stored values of every value.
     const STORED_VALUES: usize;
@@ -80,22 +87,25 @@ pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
     fn origin() -> Self;
     /// Number of entries of every value, see [`entries`](Self::entries).
     const ENTRIES: usize = Self::STORED_VALUES;
-    /// Whether the configuration has rotations, so that an increment is not added to the stored values.
+    /// True if the configuration has rotations, so that an increment is not added to the stored
+    /// values.
     const HAS_ROTATIONS: bool = false;
-    /// The form in which a step computes with the configuration `Whole`, if all parts of it are of this type: a row of coordinates in a
-    /// vector space.
+    /// The form in which a step computes with the configuration `Whole`, if all its parts have this
+    /// type: a row of coordinates in a vector space.
     type FlatForm<Whole: FixedSize, const N: usize>: FlatConfiguration<N> + Flatten<Whole, N>;
-    /// The configuration in dual numbers, as it stands beside others.
+    /// The configuration in dual numbers, as a part of a larger configuration.
     type DualPart;
-    /// Returns the configuration in dual numbers that vary with an increment of length [`DEGREES_OF_FREEDOM`](Self::DEGREES_OF_FREEDOM).
+    /// Returns the configuration in dual numbers that vary with an increment of length
+    /// [`DEGREES_OF_FREEDOM`](Self::DEGREES_OF_FREEDOM).
     ///
     /// # Panics
     /// If `along` has another length.
     fn dual_part(&self, along: &[f64]) -> Self::DualPart;
     /// Returns the momentum zero.
     fn no_momentum() -> Self::Momentum;
-    /// Writes the entries that a Lagrangian reads to `values`, which has the length [`ENTRIES`](Self::ENTRIES): the coordinates in a vector space,
-    /// and the nine entries of the matrix of a rotation, by columns.
+    /// Writes the entries that a Lagrangian reads to `values`, which has the length
+    /// [`ENTRIES`](Self::ENTRIES): the coordinates in a vector space, and the nine entries of the
+    /// matrix of a rotation, by columns.
     ///
     /// # Panics
     /// If `values` has another length.
@@ -103,13 +113,14 @@ pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
     fn entries(&self, values: &mut [f64]) {
         self.store(values);
     }
-    /// Adds what the momentum gains by its transport with a velocity: nothing in a vector space, and `Π × ω` for the body momentum of a rotation.
+    /// Adds the change of the momentum by its transport with a velocity: nothing in a vector space,
+    /// and `Π × ω` for the body momentum of a rotation.
     #[inline(always)]
     fn add_transport(momentum: &[f64], velocity: &[f64], to: &mut [f64]) {
         let _ = (momentum, velocity, to);
     }
-    /// Returns the square of the longest Cayley vector in an increment; 0 in a vector space. A rotation by the angle θ has a Cayley vector of the
-    /// length 2 tan(θ/2).
+    /// Returns the square of the longest Cayley vector in an increment; 0 in a vector space. A
+    /// rotation by the angle θ has a Cayley vector of the length 2 tan(θ/2).
     #[inline(always)]
     fn cayley_square(increment: &[f64]) -> f64 {
         let _ = increment;
@@ -121,11 +132,14 @@ pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
     fn largest_stored_value(&self) -> f64;
 }
 
-/// A configuration with `N` degrees of freedom, in the form in which generated code computes with it.
+/// A configuration with `N` degrees of freedom, in the form in which generated code computes with
+/// it.
 pub trait Coordinates<const N: usize>: FixedSize {
-    /// The form in which generated code computes with the configuration: `[f64; N]` in a vector space.
+    /// The form in which generated code computes with the configuration: `[f64; N]` in a vector
+    /// space.
     type Flat: FlatConfiguration<N> + Flatten<Self, N>;
-    /// The configuration in dual numbers, as functions that are differentiated read it: a row in a vector space.
+    /// The configuration in dual numbers, as differentiated functions read it: a row in a vector
+    /// space.
     type Dual;
 
     /// Returns the configuration in dual numbers that vary with an increment.
@@ -171,7 +185,8 @@ pub trait Coordinates<const N: usize>: FixedSize {
         momentum
     }
 
-    /// Calls `change` with the state in coordinates and stores the changed state. If the configuration is `[f64; N]`, nothing is copied.
+    /// Calls `change` with the state in coordinates and stores the changed state. If the
+    /// configuration is `[f64; N]`, nothing is copied.
     #[doc(hidden)]
     #[inline(always)]
     fn in_coordinates<T>(
@@ -185,7 +200,8 @@ pub trait Coordinates<const N: usize>: FixedSize {
     }
 }
 
-/// A configuration in a vector space: an increment is added to its coordinates. Implemented for all configurations without rotations.
+/// A configuration in a vector space: an increment is added to its coordinates. Implemented for all
+/// configurations without rotations.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has rotations, and this is only for systems without them",
     note = "rotations are for `Integrator::new(system, Midpoint)` and its compositions"

@@ -1,5 +1,6 @@
-//! Dual numbers: a number with its derivative in one direction. Functions of a state that are written with them are differentiated exactly, and
-//! have no way to branch, so that they are smooth.
+//! Dual numbers: a number with its derivative in one direction. Functions of a state that are
+//! written with dual numbers are differentiated exactly. They cannot branch, so that they are
+//! smooth.
 
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -12,8 +13,10 @@ use crate::phase::state::State;
 
 /// A number with its derivative (a dual number), from which smooth functions of a state are formed.
 ///
-/// It has the operators and the smooth methods of `f64`, also with plain numbers on either side. There is no comparison, no `abs` and no way to read the number:
-/// the mean of a function with jumps has a derivative that the derivatives along the paths do not show, so such functions cannot be written.
+/// It has the operators and the smooth methods of `f64`, also with plain numbers on either side.
+/// There is no comparison, no `abs` and no access to the value: the derivative of the mean of a
+/// function with jumps differs from the mean of its derivatives along the paths, so such functions
+/// cannot be written.
 ///
 /// ```
 /// use sve_runtime::{Dual, DualState};
@@ -27,14 +30,16 @@ use crate::phase::state::State;
 pub struct Dual {
     value: f64,
     slope: f64,
-    /// A constant has the slope 0 also where a derivative is infinite: √σ at σ = 0.
+    /// True for a constant, which has the slope 0 also where a derivative is infinite: √σ at σ = 0.
     is_constant: bool,
 }
 
-/// A state whose coordinates vary in a direction: what smooth functions of a state are given.
+/// A state whose coordinates vary in a direction: the argument of smooth functions of a state.
 ///
-/// Coordinates and momenta stand in one row, also for `[[f64; 3]; B]` and vectors: those of body 1 in space begin at `q[3]`. In systems with rotations `q` has the parts of the
-/// state's `q`: a [`DualRotation`] for each rotation, a row for what stands beside it, `state.q.0` and `state.q.1`, and nothing for a reduced system. The momenta are one row there too.
+/// Coordinates and momenta stand in one row, also for `[[f64; 3]; B]` and vectors: the coordinates
+/// of body 1 in space begin at `q[3]`. In systems with rotations `q` has the parts of the state's
+/// `q`: a [`DualRotation`] for each rotation, a row for the other coordinates, `state.q.0` and
+/// `state.q.1`, and nothing for a reduced system. The momenta are one row in these systems too.
 #[allow(missing_debug_implementations)] // a view that lives as long as a call
 pub struct DualState<'a, const N: usize, Q = [Dual; N]> {
     /// Time.
@@ -47,13 +52,14 @@ pub struct DualState<'a, const N: usize, Q = [Dual; N]> {
 }
 
 impl<'a, const N: usize, Q> DualState<'a, N, Q> {
-    /// A state that varies along a direction of its canonical coordinates, with the function that has the parameters.
+    /// Returns a state that varies along a direction of its canonical coordinates; `parameter`
+    /// returns the parameters.
     pub(crate) fn along<C: Coordinates<N, Dual = Q>>(
         state: &State<C>,
         direction: &Field<[f64; N]>,
         parameter: &'a dyn Fn(&str) -> Dual,
     ) -> Self {
-        // of a rotation Π = y − ½ ε × Π to first order
+        // For a rotation, Π = y − ½ ε × Π to first order.
         let (p, mut dp) = (C::components(&state.p), direction.p);
         C::Flat::add_transport(&p.map(|p| 0.5 * p), &direction.q, &mut dp);
         Self {
@@ -64,12 +70,14 @@ impl<'a, const N: usize, Q> DualState<'a, N, Q> {
         }
     }
 
-    /// Returns a parameter of the system by its name in the source without `self`, as `k`, `l[0]`, `body.mass`.
+    /// Returns a parameter of the system by its name in the source without `self`, such as `k`,
+    /// `l[0]`, `body.mass`.
     ///
-    /// A function that depends on a parameter has to take it from here. A number from elsewhere counts as a constant.
+    /// A function that depends on a parameter has to read it with this method. A number from
+    /// elsewhere counts as a constant.
     ///
-    /// If L, the noises and the force have no such parameter, what differentiates the function returns an error that lists those that they have, whatever the function
-    /// makes of the number, which is NaN.
+    /// If L, the noises and the force have no such parameter, the number is NaN, and the call that
+    /// differentiates the function returns an error that lists the parameters.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Dual {
         (self.parameter)(name)
@@ -77,7 +85,7 @@ impl<'a, const N: usize, Q> DualState<'a, N, Q> {
 }
 
 impl Dual {
-    /// A number that varies with this slope.
+    /// Returns a number that varies with this slope.
     pub(crate) fn varying(value: f64, slope: f64) -> Self {
         Self {
             value,
@@ -86,7 +94,7 @@ impl Dual {
         }
     }
 
-    /// A parameter with the slope 1 if it varies, and a constant otherwise.
+    /// Returns a parameter, with the slope 1 if it varies and as a constant otherwise.
     pub(crate) fn parameter(value: f64, varies: bool) -> Self {
         Self {
             value,
@@ -95,17 +103,17 @@ impl Dual {
         }
     }
 
-    /// Numbers that vary with these slopes.
+    /// Returns numbers that vary with these slopes.
     pub(crate) fn row<const N: usize>(values: &[f64; N], slopes: &[f64; N]) -> [Self; N] {
         core::array::from_fn(|i| Self::varying(values[i], slopes[i]))
     }
 
-    /// The number itself.
+    /// Returns the number itself.
     pub(crate) fn value(self) -> f64 {
         self.value
     }
 
-    /// The derivative.
+    /// Returns the derivative.
     pub(crate) fn slope(self) -> f64 {
         self.slope
     }
@@ -139,7 +147,7 @@ impl Dual {
 }
 
 impl From<f64> for Dual {
-    /// A constant.
+    /// Returns a constant.
     #[inline(always)]
     fn from(value: f64) -> Self {
         Self {
@@ -152,7 +160,8 @@ impl From<f64> for Dual {
 
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident($x:ident) = $value:expr, $derivative:expr;)*) => {
-        /// Smooth functions of one number; outside of their domain they are NaN, as those of `f64` are.
+        /// Smooth functions of one number; outside of their domain they are NaN, as those of `f64`
+        /// are.
         impl Dual {$(
             $(#[$doc])*
             #[inline(always)]
@@ -213,7 +222,7 @@ functions! {
 }
 
 impl Dual {
-    /// The power with an integer exponent.
+    /// Returns the power with an integer exponent.
     #[inline(always)]
     #[must_use]
     pub fn powi(self, n: i32) -> Self {
@@ -225,7 +234,7 @@ impl Dual {
         self.map(self.value.powi(n), derivative)
     }
 
-    /// The power with a constant exponent.
+    /// Returns the power with a constant exponent.
     #[inline(always)]
     #[must_use]
     pub fn powf(self, n: f64) -> Self {
@@ -237,13 +246,13 @@ impl Dual {
         self.map(self.value.powf(n), derivative)
     }
 
-    /// Sine and cosine.
+    /// Returns sine and cosine.
     #[must_use]
     pub fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())
     }
 
-    /// √(x² + y²).
+    /// Returns √(x² + y²).
     #[must_use]
     pub fn hypot(self, other: impl Into<Self>) -> Self {
         let other = other.into();
@@ -252,7 +261,8 @@ impl Dual {
         self.with(other, value, slope)
     }
 
-    /// The angle of the point (x, y), where this number is y. An angle jumps by 2π: use its sine and cosine in means.
+    /// Returns the angle of the point (x, y), where this number is y. An angle jumps by 2π: use its
+    /// sine and cosine in means.
     #[must_use]
     pub fn atan2(self, x: impl Into<Self>) -> Self {
         let x = x.into();
@@ -261,7 +271,7 @@ impl Dual {
         y.with(x, y.value.atan2(x.value), slope)
     }
 
-    /// This number times `a` plus `b`.
+    /// Returns this number times `a` plus `b`.
     #[must_use]
     pub fn mul_add(self, a: impl Into<Self>, b: impl Into<Self>) -> Self {
         self * a.into() + b.into()

@@ -12,7 +12,7 @@ pub struct Field<V> {
 }
 
 impl<V: AsRef<[f64]> + AsMut<[f64]>> Field<V> {
-    /// The field of a configuration with these components.
+    /// Returns the field of a configuration with these components.
     #[inline(always)]
     pub(crate) fn of<Q: FixedSize>(self) -> Field<Q::Momentum> {
         let [mut q, mut p] = [Q::no_momentum(); 2];

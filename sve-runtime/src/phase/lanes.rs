@@ -4,28 +4,28 @@ use crate::lanes::{LANES, Lane, Mask, needs_scalar_step};
 use crate::phase::configuration::Configuration;
 use crate::phase::state::State;
 
-/// [`LANES`] states, each component an array over the lanes.
+/// [`LANES`] states. Each component is an array over the lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct StateLanes<const N: usize> {
     /// Times.
     pub t: Lane,
-    /// Configurations, one row a coordinate.
+    /// Configurations, one row for each coordinate.
     pub q: [Lane; N],
-    /// Momenta, one row a coordinate.
+    /// Momenta, one row for each coordinate.
     pub p: [Lane; N],
 }
 
 /// States of many lanes.
 #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub trait LaneStates<Q: Configuration>: Clone + Copy + core::fmt::Debug {
-    /// The same state in each lane.
+    /// Returns the same state in each lane.
     fn splat(state: &State<Q>) -> Self;
-    /// The state of a lane.
+    /// Returns the state of a lane.
     fn get(&self, lane: usize) -> State<Q>;
     /// Replaces the state of a lane.
     fn set(&mut self, lane: usize, state: &State<Q>);
-    /// The times of the lanes.
+    /// Returns the times of the lanes.
     fn times(&mut self) -> &mut Lane;
 }
 
@@ -50,7 +50,8 @@ impl<const N: usize> LaneStates<[f64; N]> for StateLanes<N> {
     }
 }
 
-/// States that are stepped one after the other, lane by lane: those of configurations that have no steps in lanes.
+/// States that are stepped one after the other, lane by lane, for configurations that have no steps
+/// in lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct ScalarLanes<Q: Configuration<Momentum: Copy> + Copy> {
     t: Lane,
@@ -86,7 +87,7 @@ impl<Q: Configuration<Momentum: Copy> + Copy> LaneStates<Q> for ScalarLanes<Q> {
 }
 
 impl<const N: usize> StateLanes<N> {
-    /// The same state in each lane.
+    /// Returns the same state in each lane.
     pub const fn splat(state: &State<[f64; N]>) -> Self {
         let mut lanes = Self {
             t: [state.t; LANES],
@@ -122,8 +123,9 @@ impl<const N: usize> StateLanes<N> {
         }
     }
 
-    /// Restores the states `before` a step in the lanes that need the scalar step ([`needs_scalar_step`]). Returns the mask of these lanes. `any` is
-    /// 0 if there are none, so that the lanes are seldom searched. Times do not change.
+    /// Restores the states `before` a step in the lanes that need the scalar step
+    /// ([`needs_scalar_step`]). Returns the mask of these lanes. `any` is 0 if there are no such
+    /// lanes, so that the lanes are seldom searched. Times do not change.
     #[inline(always)]
     pub fn restore_unsolved(
         &mut self,

@@ -1,4 +1,4 @@
-//! Points of phase space: states, the configurations that their `q` can be, states in lanes, tangent vectors.
+//! Points of phase space: states, the types of their `q`, states in lanes, tangent vectors.
 //!
 //! | file | part |
 //! | --- | --- |

@@ -1,8 +1,8 @@
 //! Configurations and momenta for serde.
 //!
-//! Input: a configuration or a momentum. Output: the row of the values by which it is stored.
+//! Input: a configuration or a momentum. Output: the row of its stored values.
 
-/// Configurations: their stored values, whose number the type knows and the stored form leaves out.
+/// Configurations as their stored values. The type knows their number, so it is not stored.
 pub(crate) mod configuration {
     use serde::{Deserializer, Serializer};
 
@@ -44,7 +44,7 @@ pub(crate) mod momentum {
     }
 }
 
-/// Values of a known number.
+/// Rows with a known number of values.
 mod row {
     use core::fmt;
 

@@ -1,13 +1,14 @@
 //! A point of phase space at a time.
 //!
-//! A state can have any numbers: every step checks that they are finite.
+//! A state can contain any numbers: every step checks that they are finite.
 
 use crate::phase::configuration::{Configuration, Coordinates, FixedSize, WithRotations};
 
 /// Time, configuration and momentum of a system.
 ///
-/// `Q` is the type of `q` in the user's Lagrangian: `[f64; 2]` for two coordinates, `[[f64; 3]; B]` for `B` bodies in space. A Lagrangian
-/// of a single number `q: f64` has the state `State<[f64; 1]>`. `P` follows from `Q`: in a vector space both are the same type. `q` and `p`
+/// `Q` is the type of `q` in the user's Lagrangian: `[f64; 2]` for two coordinates, `[[f64; 3]; B]`
+/// for `B` bodies in space. A Lagrangian of a single number `q: f64` has the state
+/// `State<[f64; 1]>`. `P` follows from `Q`: in a vector space both are the same type. `q` and `p`
 /// are in the units of the Lagrangian; `p = ∂L/∂v`.
 ///
 /// ```
@@ -16,7 +17,8 @@ use crate::phase::configuration::{Configuration, Coordinates, FixedSize, WithRot
 /// assert_eq!((state.t, state.q[0], state.p[0]), (0.0, 1.0, 0.0));
 /// ```
 ///
-/// The type in the signature is the type in the state, and what follows from the Lagrangian has it too:
+/// The type of `q` in the signature is the type in the state, and momenta, drifts and fields have
+/// the type that follows from it:
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -48,8 +50,10 @@ use crate::phase::configuration::{Configuration, Coordinates, FixedSize, WithRot
 /// # }
 /// ```
 ///
-/// For a rotation `r: Rotation3<f64>` of the Lagrangian `q` is a [`UnitQuaternion`](nalgebra::UnitQuaternion), and `p` the angular momentum in the body frame. A body
-/// that moves in space has a position beside its attitude, `State::new((q, r), (p, pi))`, with the parts `.q.0`, `.q.1`, `.p.0` and `.p.1`:
+/// For a rotation `r: Rotation3<f64>` of the Lagrangian, `q` is a
+/// [`UnitQuaternion`](nalgebra::UnitQuaternion), and `p` the angular momentum in the body frame. A
+/// body that moves in space has a position beside its attitude, `State::new((q, r), (p, pi))`, with
+/// the parts `.q.0`, `.q.1`, `.p.0` and `.p.1`:
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -59,8 +63,15 @@ use crate::phase::configuration::{Configuration, Coordinates, FixedSize, WithRot
 ///
 /// #[variational(midpoint)]
 /// impl Body {
-///     fn lagrangian(&self, q: Vector3<f64>, _r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> f64 {
-///         0.5 * self.m * v.norm_squared() + 0.5 * w.dot(&self.i.component_mul(&w)) - self.m * self.g * q.z
+///     fn lagrangian(
+///         &self,
+///         q: Vector3<f64>,
+///         _r: Rotation3<f64>,
+///         v: Vector3<f64>,
+///         w: Vector3<f64>,
+///     ) -> f64 {
+///         let rotation = 0.5 * w.dot(&self.i.component_mul(&w));
+///         0.5 * self.m * v.norm_squared() + rotation - self.m * self.g * q.z
 ///     }
 /// }
 ///
@@ -84,7 +95,8 @@ use crate::phase::configuration::{Configuration, Coordinates, FixedSize, WithRot
     derive(serde::Serialize, serde::Deserialize),
     serde(bound = "Q: crate::phase::configuration::FixedSize + Configuration<Momentum = P>")
 )]
-// The type of `p` is a parameter, since rustc 1.95 fails on `State { q, ..start }` in a closure where a field has an associated type.
+// The type of `p` is a parameter, since rustc 1.95 fails on `State { q, ..start }` in a closure
+// where a field has an associated type.
 pub struct State<Q: Configuration, P = <Q as Configuration>::Momentum> {
     /// Time.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
@@ -107,12 +119,12 @@ pub struct State<Q: Configuration, P = <Q as Configuration>::Momentum> {
 }
 
 impl<Q: Configuration> State<Q> {
-    /// The state `(q, p)` at `t = 0`.
+    /// Returns the state `(q, p)` at `t = 0`.
     pub const fn new(q: Q, p: Q::Momentum) -> Self {
         Self { t: 0.0, q, p }
     }
 
-    /// The state `(q, p)` at time `t`.
+    /// Returns the state `(q, p)` at time `t`.
     pub const fn at(t: f64, q: Q, p: Q::Momentum) -> Self {
         Self { t, q, p }
     }
@@ -128,7 +140,7 @@ impl<Q: Configuration> State<Q> {
         [q, p]
     }
 
-    /// The same state in coordinates.
+    /// Returns the same state in coordinates.
     #[allow(clippy::wrong_self_convention)] // a state can be large
     #[inline(always)]
     pub(crate) fn to_coordinates<const N: usize>(&self) -> State<Q::Flat>
@@ -142,7 +154,7 @@ impl<Q: Configuration> State<Q> {
         }
     }
 
-    /// The state with these coordinates.
+    /// Returns the state with these coordinates.
     #[inline(always)]
     pub(crate) fn from_coordinates<const N: usize>(flat: &State<Q::Flat>) -> Self
     where
@@ -156,13 +168,14 @@ impl<Q: Configuration> State<Q> {
     }
 }
 
-/// A state in coordinates, for generated functions.
+/// Returns a state in coordinates, for generated functions.
 #[inline(always)]
 pub fn in_coordinates<Q: Coordinates<N>, const N: usize>(state: &State<Q>) -> State<Q::Flat> {
     state.to_coordinates()
 }
 
-/// A state with the entries of its configuration in place of the configuration, for generated functions of systems with rotations.
+/// Returns a state with the entries of its configuration in place of the configuration, for
+/// generated functions of systems with rotations.
 #[inline(always)]
 pub fn with_entries<Q: FixedSize, const E: usize, const N: usize>(
     state: &State<WithRotations<Q, N>>,

@@ -1,13 +1,15 @@
-//! Tangent vectors of the states in the lanes, and what their step along the paths calls (`docs/mathematics.md`, section 8).
+//! Tangent vectors of the states in the lanes, and functions for their step along the paths
+//! (`docs/mathematics.md`, section 8).
 //!
-//! Input: the unknowns of a step that was solved in lanes, and tangent vectors before the step. Output: the vectors after it. Invariant: a vector depends on its lane
-//! only. A vector that is not finite is left to the step of a single state, which says why.
+//! Input: the unknowns of a step that was solved in lanes, and tangent vectors before the step.
+//! Output: the vectors after it. Invariant: a vector depends on its lane only. If a vector is not
+//! finite, the step of a single state computes it and returns the error.
 
 use crate::lanes::{Aligned, LANES, Lane, Mask, needs_scalar_step};
 use crate::phase::Field;
 use crate::solve::dense::SINGULAR;
 
-/// A tangent vector in each lane, each component an array over the lanes.
+/// A tangent vector in each lane. Each component is an array over the lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct TangentLanes<const N: usize> {
@@ -19,7 +21,7 @@ pub struct TangentLanes<const N: usize> {
 
 /// Tangent vectors in lanes, with components of type `V`.
 pub trait FieldLanes<V>: Copy + core::fmt::Debug {
-    /// The same vector in each lane.
+    /// Returns the same vector in each lane.
     fn splat(field: &Field<V>) -> Self;
     /// Returns the vector of a lane.
     fn get(&self, lane: usize) -> Field<V>;
@@ -59,11 +61,11 @@ pub struct LaneDirections<'a, L> {
     pub start: &'a [L],
     /// The vectors after the step.
     pub next: &'a mut [L],
-    /// For each vector the parameter that varies with it in this step, if one does.
+    /// The parameter that varies with each vector in this step; `None` if no parameter varies.
     pub parameters: &'a [Option<usize>],
 }
 
-/// Where a step in lanes stores its unknowns.
+/// The memory in which a step in lanes stores its unknowns.
 pub trait KeepUnknowns {
     /// Stores the unknowns of a block in a lane, from number `first` on.
     fn keep<const B: usize>(&mut self, lane: usize, first: usize, values: [f64; B]);
@@ -84,13 +86,15 @@ impl<const K: usize> KeepUnknowns for Aligned<[Lane; K]> {
     }
 }
 
-/// Returns the derivative of each of `P` parameters along a direction: 1 for the one that varies.
+/// Returns the derivative of each of `P` parameters along a direction: 1 for the parameter that
+/// varies, otherwise 0.
 #[inline(always)]
 pub fn seeds<const P: usize>(varied: Option<usize>) -> [f64; P] {
     core::array::from_fn(|parameter| f64::from(u8::from(varied == Some(parameter))))
 }
 
-/// Returns the inverse of `a`. One and two rows: not finite where the scalar solve finds the matrix singular.
+/// Returns the inverse of `a`. With two rows, the result is not finite where the scalar solve finds
+/// the matrix singular.
 #[inline(always)]
 pub fn regular_inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
     if K != 2 {
@@ -108,7 +112,8 @@ pub fn regular_inverse<const K: usize>(a: &[[f64; K]; K]) -> [[f64; K]; K] {
     inverse
 }
 
-/// Returns the mask of the lanes with a vector that is not finite. `any` is 0 if there are none, so that the lanes are seldom searched.
+/// Returns the mask of the lanes with a vector that is not finite. `any` is 0 if there are no such
+/// vectors, so that the lanes are seldom searched.
 #[inline(always)]
 pub fn unfinished<const N: usize>(any: u64, fields: &[TangentLanes<N>]) -> Mask {
     if any == 0 {

@@ -17,7 +17,8 @@
 //! Berman, Plemmons, *Nonnegative Matrices in the Mathematical Sciences* (1994), chapter 6, for
 //! M-matrices.
 
-#![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
+// Both sides are computed: a branch would prevent vector instructions.
+#![allow(clippy::needless_bitwise_bool)]
 
 use super::banded::Banded;
 use super::diagonal::Diagonal;

@@ -1,8 +1,9 @@
 //! Sine, cosine, tangent and angle addition.
 //!
-//! The argument is reduced by the nearest multiple of π/2 in three parts (W. Cody, W. Waite, Software Manual for the Elementary
-//! Functions, 1980), the first two of 36 bits, so that their products with a multiple below 2¹⁷ are exact. The remainder has a
-//! second, low part. The polynomials are those of [`angle_addition`](crate::angle_addition).
+//! The argument is reduced by the nearest multiple of π/2 in three parts (W. Cody, W. Waite,
+//! Software Manual for the Elementary Functions, 1980), the first two of 36 bits, so that their
+//! products with a multiple below 2¹⁷ are exact. The remainder has a second, low part. The
+//! polynomials are those of [`angle_addition`](crate::angle_addition).
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 
@@ -17,9 +18,11 @@ const C: f64 = 1.056_299_906_698_742_8e-23;
 /// Largest argument: its multiple of π/2 is below 2¹⁷.
 const LARGEST: f64 = 131_072.0;
 
-/// Returns sine and cosine, to 1.1 units in the last place, for `|x| ≤ 2¹⁷`; NaN for larger arguments.
+/// Returns sine and cosine, to 1.1 units in the last place, for `|x| ≤ 2¹⁷`; NaN for larger
+/// arguments.
 ///
-/// No number of the range is nearer to a multiple of π/2 than 2⁻⁶¹, so the error of the reduction, below 2⁻¹¹¹, is negligible.
+/// No number of the range is nearer to a multiple of π/2 than 2⁻⁶¹, so the error of the reduction,
+/// below 2⁻¹¹¹, is negligible.
 #[inline(always)]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     let (multiple, quadrant) = nearest(x * FRAC_2_PI);
@@ -65,7 +68,8 @@ pub fn tan(x: f64) -> f64 {
     s / c
 }
 
-/// Returns `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1, for `|by| ≤ π/4`; NaN for larger increments.
+/// Returns `(sin(a + by), cos(a + by))` from `sin a` and `cos a`, to two units of rounding of 1,
+/// for `|by| ≤ π/4`; NaN for larger increments.
 #[inline(always)]
 pub fn sin_cos_of_sum(sin: f64, cos: f64, by: f64) -> (f64, f64) {
     let by = select(by.abs() <= FRAC_PI_4, by, f64::NAN);

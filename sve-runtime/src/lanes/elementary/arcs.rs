@@ -1,7 +1,8 @@
 //! Inverses of the trigonometric functions.
 //!
-//! The argument of the arc tangent of a/b is reduced to a quotient below tan π/8, which is a/b, (a − b)/(a + b) or −b/a; then 0, π/4 or π/2 is
-//! added. Above ½ the arc sine is `π/2 − 2 asin √((1 − x)/2)`. On the reduced range both are `x + x³` times a polynomial in x².
+//! The argument of the arc tangent of a/b is reduced to a quotient below tan π/8, which is a/b,
+//! (a − b)/(a + b) or −b/a; then 0, π/4 or π/2 is added. Above ½ the arc sine is
+//! `π/2 − 2 asin √((1 − x)/2)`. On the reduced range both are `x + x³` times a polynomial in x².
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -10,7 +11,7 @@ use super::{four, select};
 /// π/2 minus `FRAC_PI_2`.
 const HALF_PI_REST: f64 = 6.123_233_995_736_766e-17;
 
-/// `(atan x − x)/x³` in x², up to x² = tan² π/8.
+/// Coefficients of `(atan x − x)/x³` in x², up to x² = tan² π/8.
 const T: [f64; 11] = [
     -0.333_333_333_333_333_3,
     0.199_999_999_999_954_8,
@@ -25,7 +26,7 @@ const T: [f64; 11] = [
     -0.019_162_068_915_902_573,
 ];
 
-/// `(asin x − x)/x³` in x², up to x² = ¼.
+/// Coefficients of `(asin x − x)/x³` in x², up to x² = ¼.
 const S: [f64; 13] = [
     0.166_666_666_666_666_69,
     0.074_999_999_999_984_33,
@@ -42,7 +43,8 @@ const S: [f64; 13] = [
     0.028_757_851_367_421_566,
 ];
 
-/// Returns the angle of the point (±b, a) for a, b ≥ 0, with −b for a point to the left, and the reduced quotient.
+/// Returns the angle of the point (±b, a) for a, b ≥ 0, with −b for a point to the left, and the
+/// reduced quotient.
 #[inline(always)]
 fn angle(a: f64, b: f64, left: bool) -> (f64, f64) {
     const SMALL: f64 = 0.414_213_562_373_095;
@@ -71,8 +73,8 @@ pub fn atan(x: f64) -> f64 {
     angle(x.abs(), 1.0, false).0.copysign(x)
 }
 
-/// Returns the angle of the point (x, y), to two units in the last place; NaN for the origin, for coordinates above 10³⁰⁰, and if the
-/// quotient y/x or x/y underflows.
+/// Returns the angle of the point (x, y), to two units in the last place; NaN for the origin, for
+/// coordinates above 10³⁰⁰, and if the quotient y/x or x/y underflows.
 #[inline(always)]
 pub fn atan2(y: f64, x: f64) -> f64 {
     const LARGEST: f64 = 1e300;
@@ -84,7 +86,8 @@ pub fn atan2(y: f64, x: f64) -> f64 {
     select(lost, f64::NAN, angle).copysign(y)
 }
 
-/// Returns whether `|x| > ½`, the reduced argument's arc sine in two parts: `asin s − s`, and s.
+/// Returns whether `|x| > ½`, and the arc sine of the reduced argument s in two parts:
+/// `asin s − s`, and s.
 #[inline(always)]
 fn sine_of(size: f64) -> (bool, f64, f64) {
     let large = size > 0.5;

@@ -1,7 +1,8 @@
 //! `eˣ`, `2ˣ` and `eˣ − 1`.
 //!
-//! `x = k ln 2 + r` with an integer k and `|r| ≤ ln 2/2`; then `eˣ = 2ᵏ (1 + (eʳ − 1))`, and `eʳ − 1 = r + r² Q(r)`. The
-//! first part of ln 2 has 32 bits, so that its products with k are exact.
+//! `x = k ln 2 + r` with an integer k and `|r| ≤ ln 2/2`; then `eˣ = 2ᵏ (1 + (eʳ − 1))`, and
+//! `eʳ − 1 = r + r² Q(r)`. The first part of ln 2 has 32 bits, so that its products with k are
+//! exact.
 
 use core::f64::consts::LOG2_E;
 
@@ -13,7 +14,7 @@ const LN_2_REST: f64 = 1.908_214_929_270_587_7e-10;
 /// Largest magnitude of x for which `eˣ` is neither infinite nor subnormal.
 pub(super) const LARGEST: f64 = 708.0;
 
-/// `eʳ − 1 = r + r² Q(r)`.
+/// Coefficients of Q in `eʳ − 1 = r + r² Q(r)`.
 const Q: [f64; 11] = [
     0.5,
     0.166_666_666_666_666_7,
@@ -28,7 +29,7 @@ const Q: [f64; 11] = [
     2.091_468_696_808_687_6e-9,
 ];
 
-/// `2ʳ − 1 = r ln 2 + r² P(r)`.
+/// Coefficients of P in `2ʳ − 1 = r ln 2 + r² P(r)`.
 const P: [f64; 11] = [
     0.240_226_506_959_100_72,
     0.055_504_108_664_821_6,

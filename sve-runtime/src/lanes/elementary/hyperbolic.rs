@@ -1,4 +1,5 @@
-//! Hyperbolic functions and their inverses, from `eˣ`, `eˣ − 1` and `ln(1 + x)` in forms that do not cancel.
+//! Hyperbolic functions and their inverses, from `eˣ`, `eˣ − 1` and `ln(1 + x)` in forms that do
+//! not cancel.
 
 use super::{exp, exp_m1, ln_1p, select};
 
@@ -23,13 +24,14 @@ pub fn cosh(x: f64) -> f64 {
 #[inline(always)]
 pub fn tanh(x: f64) -> f64 {
     let size = x.abs();
-    // the tangent of larger arguments is 1
+    // The hyperbolic tangent of larger arguments is 1.
     let size = select(size > 25.0, 25.0, size);
     let e = exp_m1(2.0 * size);
     (e / (e + 2.0)).copysign(x)
 }
 
-/// Returns the inverse of the hyperbolic sine, to two units in the last place, for `|x| ≤ 10¹⁵⁰`; NaN otherwise.
+/// Returns the inverse of the hyperbolic sine, to two units in the last place, for `|x| ≤ 10¹⁵⁰`;
+/// NaN otherwise.
 #[inline(always)]
 pub fn asinh(x: f64) -> f64 {
     let size = select(x.abs() <= SQUARE, x.abs(), f64::NAN);
@@ -37,14 +39,16 @@ pub fn asinh(x: f64) -> f64 {
     ln_1p(size + square / (1.0 + (1.0 + square).sqrt())).copysign(x)
 }
 
-/// Returns the inverse of the hyperbolic cosine, to two units in the last place, for `1 ≤ x ≤ 10¹⁵⁰`; NaN otherwise.
+/// Returns the inverse of the hyperbolic cosine, to two units in the last place, for
+/// `1 ≤ x ≤ 10¹⁵⁰`; NaN otherwise.
 #[inline(always)]
 pub fn acosh(x: f64) -> f64 {
     let more = select((1.0..=SQUARE).contains(&x), x - 1.0, f64::NAN);
     ln_1p(more + (2.0 * more + more * more).sqrt())
 }
 
-/// Returns the inverse of the hyperbolic tangent, to two units in the last place, for `|x| < 1`; NaN otherwise.
+/// Returns the inverse of the hyperbolic tangent, to two units in the last place, for `|x| < 1`;
+/// NaN otherwise.
 #[inline(always)]
 pub fn atanh(x: f64) -> f64 {
     let size = select(x.abs() < 1.0, x.abs(), f64::NAN);

@@ -1,7 +1,7 @@
 //! Logarithms.
 //!
-//! `x = 2ᵏ (1 + f)` with `√½ ≤ 1 + f < √2`; with `s = f/(2 + f)`, `ln(1 + f) = 2 atanh s = f − f²/2 + s (f²/2 + s² R(s²))`
-//! (fdlibm, `e_log.c`).
+//! `x = 2ᵏ (1 + f)` with `√½ ≤ 1 + f < √2`; with `s = f/(2 + f)`, `ln(1 + f) = 2 atanh s = f −
+//! f²/2 + s (f²/2 + s² R(s²))` (fdlibm, `e_log.c`).
 
 use super::{four, select};
 
@@ -26,7 +26,7 @@ const LOG10_E_REST: f64 = 1.969_927_233_546_362_7e-8;
 const LOG10_2_FIRST: f64 = 0.301_029_995_549_470_2;
 const LOG10_2_REST: f64 = 1.145_110_089_802_183_8e-10;
 
-/// `2 atanh s = 2s + s³ R(s²)`.
+/// Coefficients of R in `2 atanh s = 2s + s³ R(s²)`.
 const R: [f64; 7] = [
     0.666_666_666_666_667,
     0.399_999_999_998_994_44,
@@ -37,7 +37,8 @@ const R: [f64; 7] = [
     0.146_165_854_248_886_23,
 ];
 
-/// Returns the exponent k of a number and `f` with `x = 2ᵏ (1 + f)`, `√½ ≤ 1 + f < √2`; f is NaN unless x is positive, normal and finite.
+/// Returns the exponent k of a number and `f` with `x = 2ᵏ (1 + f)`, `√½ ≤ 1 + f < √2`; f is NaN
+/// unless x is positive, normal and finite.
 #[inline(always)]
 pub(super) fn split(x: f64) -> (f64, f64) {
     let shifted = x.to_bits().wrapping_add(ONE - ROOT_HALF);
@@ -60,7 +61,8 @@ fn tail(f: f64) -> (f64, f64) {
     (half, s * (half + r))
 }
 
-/// Returns the natural logarithm, to 0.9 units in the last place; NaN unless `x` is positive, normal and finite.
+/// Returns the natural logarithm, to 0.9 units in the last place; NaN unless `x` is positive,
+/// normal and finite.
 #[inline(always)]
 pub fn ln(x: f64) -> f64 {
     let (k, f) = split(x);
@@ -95,7 +97,8 @@ fn two_parts(f: f64) -> (f64, f64) {
     (first, ((f - first) - half) + rest)
 }
 
-/// Returns the logarithm to base 2, to one unit in the last place; NaN unless `x` is positive, normal and finite.
+/// Returns the logarithm to base 2, to one unit in the last place; NaN unless `x` is positive,
+/// normal and finite.
 #[inline(always)]
 pub fn log2(x: f64) -> f64 {
     let (k, f) = split(x);
@@ -106,7 +109,8 @@ pub fn log2(x: f64) -> f64 {
     sum + (((k - sum) + large) + small)
 }
 
-/// Returns the logarithm to base 10, to one unit in the last place; NaN unless `x` is positive, normal and finite.
+/// Returns the logarithm to base 10, to one unit in the last place; NaN unless `x` is positive,
+/// normal and finite.
 #[inline(always)]
 pub fn log10(x: f64) -> f64 {
     let (k, f) = split(x);

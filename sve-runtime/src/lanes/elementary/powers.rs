@@ -1,13 +1,13 @@
 //! Powers, cube roots, and the hypotenuse.
 //!
-//! `xʸ = 2^(y log₂ x)` with the logarithm in two parts, to a relative error of 2⁻⁶⁵, as in fdlibm's `e_pow.c`: factors are truncated
-//! to 26 bits, so that their products are exact.
+//! `xʸ = 2^(y log₂ x)` with the logarithm in two parts, to a relative error of 2⁻⁶⁵, as in fdlibm's
+//! `e_pow.c`: factors are truncated to 26 bits, so that their products are exact.
 
 use super::exponentials::exp2_of_sum;
 use super::logarithms::split;
 use super::{SIGN, four, ln, select};
 
-/// `3 atanh s/s = 3 + s² + s⁴ L(s²)`.
+/// Coefficients of L in `3 atanh s/s = 3 + s² + s⁴ L(s²)`.
 const L: [f64; 8] = [
     0.6,
     0.428_571_428_571_440_5,
@@ -62,7 +62,8 @@ fn log2_in_parts(x: f64) -> (f64, f64) {
     (result, small - ((result - k) - large))
 }
 
-/// Returns `xʸ`, to 1.3 units in the last place, for x positive, normal and finite, and `|y log₂ x| ≤ 1021`; NaN otherwise.
+/// Returns `xʸ`, to 1.3 units in the last place, for x positive, normal and finite, and
+/// `|y log₂ x| ≤ 1021`; NaN otherwise.
 #[inline(always)]
 pub fn powf(x: f64, y: f64) -> f64 {
     let (log, log_rest) = log2_in_parts(x);
@@ -81,12 +82,14 @@ pub fn power_log(x: f64, y: f64, n: i32) -> f64 {
     result
 }
 
-/// Returns the cube root, to 0.7 units in the last place, of a normal and finite number; NaN otherwise.
+/// Returns the cube root, to 0.7 units in the last place, of a normal and finite number; NaN
+/// otherwise.
 ///
-/// The exponent gives a guess to 5 bits, a polynomial improves it to 23 bits, and one step of Newton's method to rounding (FreeBSD, `s_cbrt.c`).
+/// The exponent gives a guess to 5 bits, a polynomial improves it to 23 bits, and one step of
+/// Newton's method to rounding (FreeBSD, `s_cbrt.c`).
 #[inline(always)]
 pub fn cbrt(x: f64) -> f64 {
-    /// `(1 + u)^(−1/3)` for `|u| ≤ 0.12`.
+    /// Coefficients of `(1 + u)^(−1/3)` for `|u| ≤ 0.12`.
     const C: [f64; 6] = [
         1.000_000_010_541_889_4,
         -0.333_333_342_875_250_07,
@@ -100,7 +103,8 @@ pub fn cbrt(x: f64) -> f64 {
     let size = x.abs();
     let valid = (f64::MIN_POSITIVE..=f64::MAX).contains(&size);
     let size = select(valid, size, f64::NAN);
-    // a third of the upper half of the bits, by floating-point numbers: vectors do not divide integers
+    // A third of the upper half of the bits, computed with floating-point numbers: vectors do not
+    // divide integers.
     let upper = f64::from_bits(size.to_bits() >> 32 | FROM_INTEGER) - 4_503_599_627_370_496.0;
     let third = upper * (1.0 / 3.0) + 715_094_163.0;
     let guess = f64::from_bits((third + 4_503_599_627_370_496.0).to_bits() << 32);
@@ -114,7 +118,8 @@ pub fn cbrt(x: f64) -> f64 {
     f64::from_bits(root.to_bits() | x.to_bits() & SIGN)
 }
 
-/// Returns `√(x² + y²)`, to 1.3 units in the last place; NaN where the sum of squares is not between 2⁻⁹⁰⁰ and the largest number.
+/// Returns `√(x² + y²)`, to 1.3 units in the last place; NaN where the sum of squares is not
+/// between 2⁻⁹⁰⁰ and the largest number.
 #[inline(always)]
 pub fn hypot(x: f64, y: f64) -> f64 {
     const SMALLEST: f64 = 1e-270;

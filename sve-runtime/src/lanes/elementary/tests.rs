@@ -1,17 +1,18 @@
-//! The functions against values of many digits (`tests/data/elementary`), their symmetries, ranges, exact values and bits.
+//! The functions against values of many digits (`tests/data/elementary`), their symmetries, ranges,
+//! exact values and bits.
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::*;
 
-/// Arguments, value, and what is missing to it in units of the last place.
+/// Arguments, value, and the error of this value in units of the last place.
 struct Record {
     arguments: [f64; 2],
     value: f64,
     rest: f64,
 }
 
-/// The values of a function of one or two arguments, as `values.py` writes them.
+/// Reads the values of a function of one or two arguments, as `values.py` writes them.
 fn records(name: &str, arguments: usize) -> Vec<Record> {
     let path = format!(
         "{}/tests/data/elementary/{name}.bin",
@@ -31,13 +32,14 @@ fn records(name: &str, arguments: usize) -> Vec<Record> {
     bytes.chunks_exact(size).map(read).collect()
 }
 
-/// One unit in the last place of a normal number.
+/// Returns one unit in the last place of a normal number.
 fn unit(x: f64) -> f64 {
     let size = x.abs();
     f64::from_bits(size.to_bits() + 1) - size
 }
 
-/// The largest error over the table of a function, in units of the last place, and where.
+/// Returns the largest error over the table of a function, in units of the last place, and its
+/// arguments.
 fn worst(name: &str, arguments: usize, f: impl Fn([f64; 2]) -> f64) -> (f64, [f64; 2]) {
     let mut worst = (0.0, [f64::NAN; 2]);
     let table = records(name, arguments);
@@ -130,7 +132,7 @@ const ALL: [(&str, Real, i8); 20] = [
     ("cbrt", cbrt, -1),
 ];
 
-/// Numbers of every size and both signs, the ends of the ranges, zeros, infinities, NaN.
+/// Returns numbers of every size and both signs, the ends of the ranges, zeros, infinities, NaN.
 fn numbers() -> Vec<f64> {
     let mut list = vec![
         0.0,
@@ -150,7 +152,7 @@ fn numbers() -> Vec<f64> {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
-        // any bits at all, and of moderate size
+        // Numbers with any bits, and numbers of moderate size.
         let any = f64::from_bits(state ^ state >> 29);
         let fraction = (state >> 11) as f64 * 0.5f64.powi(53);
         list.extend([any, fraction, 4.0 * fraction, 1000.0 * fraction]);
@@ -169,7 +171,7 @@ fn odd_and_even_functions_are_so_to_the_bit() {
     }
 }
 
-/// The library's function of a name.
+/// Calls the function of the library with this name.
 fn library(name: &str, x: f64) -> f64 {
     match name {
         "sin" => x.sin(),
@@ -206,7 +208,8 @@ fn a_result_is_right_or_not_a_number() {
                 continue;
             }
             known += 1;
-            // the library's inverse hyperbolic functions lose digits; the tables above are the test of the last ones
+            // The library's inverse hyperbolic functions lose digits; the tables above test the
+            // last digits.
             let near = (got - expected).abs() <= 1e-7 * expected.abs() || got == expected;
             assert!(near, "{name} {x:e}: {got:e}, {expected:e}");
         }
@@ -214,7 +217,7 @@ fn a_result_is_right_or_not_a_number() {
     }
 }
 
-/// Where a function ends: the last argument with a value and the first without.
+/// Checks the last argument with a value and the first argument without one.
 #[test]
 fn ranges_end_where_they_are_said_to() {
     let up = f64::next_up;
@@ -354,7 +357,7 @@ fn angles_are_added() {
         }
         assert_eq!(sin_cos_of_sum(sin, cos, 0.0), (sin, cos));
     }
-    // three roundings of numbers up to 1, and two of the comparison
+    // The bound has three roundings of numbers up to 1, and two of the comparison.
     assert!(worst <= 3.0 * f64::EPSILON, "{worst:e}");
     for by in [
         FRAC_PI_4.next_up(),

@@ -1,7 +1,8 @@
-//! Which roots an iteration in lanes accepts.
+//! The roots that an iteration in lanes accepts.
 //!
-//! Input: the evaluations of an iteration, either with the Jacobian or with the system that it belongs to solved. Output: whether a lane goes on. The two kinds are those of the scalar method, see the header of
-//! `solve/newton/mod.rs`.
+//! Input: the evaluations of an iteration, with the Jacobian or with the solution of its linear
+//! system. Output: true if a lane may continue. The two kinds of acceptance are those of the scalar
+//! method, see the header of `solve/newton/mod.rs`.
 
 use super::Update;
 use crate::lanes::solve::{Solved, solve};
@@ -10,17 +11,18 @@ use crate::solve::newton::convergence::{
     ERROR_OF_UPDATE, Evaluation, ROOT_OF_ROUNDING, STRONG_CONTRACTION,
 };
 
-/// Which roots are accepted.
+/// The criterion by which roots are accepted.
 pub trait Acceptance<const K: usize> {
-    /// What stands for the Jacobian in an evaluation.
+    /// The Jacobian in an evaluation, or the solution of its linear system.
     type Jacobian;
-    /// Nothing known of any lane.
+    /// Returns a state without information about any lane.
     fn new() -> Self;
     /// Returns the slope of a single unknown.
     fn slope(jacobian: &Self::Jacobian) -> f64;
     /// Solves for the update of several unknowns.
     fn solve(jacobian: &Self::Jacobian, residual: &[f64; K]) -> Solved<K>;
-    /// Returns whether a lane may make an update from an evaluation; `previous` is the relative residual of the evaluation before.
+    /// Returns whether a lane may make an update from an evaluation; `previous` is the relative
+    /// residual of the evaluation before.
     fn passes(
         &self,
         lane: usize,
@@ -86,8 +88,8 @@ impl<const K: usize> Acceptance<K> for ByBounds<K> {
     fn note(&mut self, _: usize, _: &Evaluation<K>, _: f64) {}
 }
 
-/// The root of a contracting iteration: every residual decreases by the contraction factor, and the determinant of every Jacobian has the sign that it has
-/// in the limit of no noise and h → 0.
+/// The root of a contracting iteration: every residual decreases by the contraction factor, and the
+/// determinant of every Jacobian has the same sign as in the limit of no noise and h → 0.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub struct ByContraction<const K: usize> {
@@ -135,7 +137,8 @@ impl<const K: usize> Acceptance<K> for ByContraction<K> {
     ) -> bool {
         let mut is_within = true;
         for i in 0..K {
-            // terms that were all small at the point before give a bound below the rounding errors here
+            // If all terms were small at the previous point, the bound can be below the rounding
+            // errors at this point.
             let rounding = ERROR_OF_UPDATE * at.magnitude[i];
             let (size, largest) = (at.residual[i].abs(), self.largest[i][lane]);
             is_within &= (size <= largest) | (size <= rounding);

@@ -1,13 +1,18 @@
 //! Newton's method in lanes: the fast path of [`Newton`], without branches.
 //!
-//! Input and output are those of the scalar method, for each lane. A lane that has converged no longer changes, whatever its neighbours do. A
-//! lane fails, and the scalar step treats it, if a residual does not halve, a Jacobian is singular, a number is NaN, or the root is
-//! not accepted. As in the scalar method a root is accepted either by bounds of the Jacobian ([`ByBounds`]) or by the path of the iteration
-//! ([`ByContraction`]).
-//! A residual passes the same tests in a lane and in the scalar method ([`judge`]). The last digit of a root may differ: quotients share a division, and
-//! a converged residual leads to the last update without a test of the Jacobian. A single unknown with bounds has an iteration of its own, [`SingleLanes`].
+//! Input and output are the same as for the scalar method, for each lane. A lane that has converged
+//! no longer changes, even if its neighbours iterate. A lane fails, and the scalar step treats it,
+//! if a residual does not halve, a Jacobian is singular, a number is NaN, or the root is not
+//! accepted. As in the scalar method a root is accepted either by bounds of the Jacobian
+//! ([`ByBounds`]) or by the path of the iteration ([`ByContraction`]).
+//!
+//! A residual passes the same tests in a lane and in the scalar method ([`judge`]). The last digit
+//! of a root may differ: quotients share a division, and a converged residual leads to the last
+//! update without a test of the Jacobian. A single unknown with bounds has an iteration of its own,
+//! [`SingleLanes`].
 
-#![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
+// Both sides are computed: a branch would prevent vector instructions.
+#![allow(clippy::needless_bitwise_bool)]
 
 mod acceptance;
 mod single;
@@ -24,12 +29,13 @@ pub use single::SingleLanes;
 /// Iterations after which a lane fails: slow lanes must not delay the others.
 const MAX_ITERATIONS: u32 = 12;
 
-/// State of a lane, as a number of the width of the others so that a comparison gives a mask of the same width.
+/// State of a lane. The numbers have the width of the other numbers, so that a comparison gives a
+/// mask of the same width.
 const ITERATING: u64 = 0;
 const CONVERGED: u64 = 1;
 const FAILED: u64 = 2;
 
-/// Iterations in `K` unknowns, one for each lane. `A` says which roots are accepted.
+/// Iterations in `K` unknowns, one for each lane. `A` is the criterion by which roots are accepted.
 #[repr(C, align(64))]
 pub struct NewtonLanes<const K: usize, A = ByBounds<K>> {
     /// The points to evaluate, or the roots.
@@ -71,7 +77,8 @@ impl<const K: usize> NewtonLanes<K> {
 }
 
 impl<const K: usize> ContractingLanes<K> {
-    /// Sets the guess of a lane, and the sign that the determinant of each Jacobian must have; NaN if the sign is unknown. A guess that is NaN fails the lane.
+    /// Sets the guess of a lane, and the sign that the determinant of each Jacobian must have; NaN
+    /// if the sign is unknown. A guess that is NaN fails the lane.
     #[inline(always)]
     pub fn start(&mut self, lane: usize, guess: [f64; K], sign: f64) {
         self.set_guess(lane, guess);
@@ -80,7 +87,7 @@ impl<const K: usize> ContractingLanes<K> {
 }
 
 impl<const K: usize, A: Acceptance<K>> NewtonLanes<K, A> {
-    /// Iterations without guesses.
+    /// Returns iterations without guesses.
     #[inline(always)]
     pub fn new(newton: &Newton) -> Self {
         Self {
@@ -113,7 +120,8 @@ impl<const K: usize, A: Acceptance<K>> NewtonLanes<K, A> {
         self.state[lane] == CONVERGED
     }
 
-    /// Counts an iteration, and returns whether it has to be made: a lane iterates, and the limit is not reached.
+    /// Counts an iteration. Returns whether it has to be made: a lane iterates, and the limit is
+    /// not reached.
     #[inline(always)]
     pub fn next_iteration(&mut self) -> bool {
         let mut all_ended = 1;

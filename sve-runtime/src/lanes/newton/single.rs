@@ -1,14 +1,20 @@
 //! Newton's method in lanes for a single unknown whose root is accepted by bounds.
 //!
-//! Input: guesses, and the evaluations at the points of the iteration. Output: the roots, to rounding. The evaluation at the guess belongs to the start, and no test follows it:
-//! sizes of updates are compared from the second evaluation on. Thus a step of two evaluations has one loop over the lanes for each.
+//! Input: guesses, and the evaluations at the points of the iteration. Output: the roots, to
+//! rounding. The evaluation at the guess belongs to the start, and no test follows it: sizes of
+//! updates are compared from the second evaluation on. Thus a step of two evaluations has one loop
+//! over the lanes for each evaluation.
 //!
-//! An update of third order by u₁ after one by u₀ leaves an error of C u₁³, and C is measured as u₁/u₀³. A third evaluation is omitted if the residual of
-//! this error is negligible, by the bound that [`predicts_negligible`](crate::solve::newton::convergence::predicts_negligible) has for relative residuals. Updates
-//! have the unit of the unknown, so this prediction needs no relative residual of the guess, which is large where all terms vanish but one. All other tests compare
-//! a residual with the magnitudes of its terms, as the scalar method does.
+//! If an update of third order by u₁ follows an update by u₀, it leaves an error of C u₁³, and C is
+//! measured as u₁/u₀³. A third evaluation is omitted if the residual of this error is negligible,
+//! by the bound that
+//! [`predicts_negligible`](crate::solve::newton::convergence::predicts_negligible) has for relative
+//! residuals. Updates have the unit of the unknown, so this prediction does not need the relative
+//! residual at the guess, which is large where all terms but one vanish. All other tests compare a
+//! residual with the magnitudes of its terms, as the scalar method does.
 
-#![allow(clippy::needless_bitwise_bool)] // both sides are computed: a branch would prevent vector instructions
+// Both sides are computed: a branch would prevent vector instructions.
+#![allow(clippy::needless_bitwise_bool)]
 
 use super::{CONVERGED, FAILED, ITERATING, LANES, Lane, MAX_ITERATIONS};
 use crate::solve::newton::Newton;
@@ -30,7 +36,7 @@ pub struct SingleLanes {
 }
 
 impl SingleLanes {
-    /// Iterations without guesses.
+    /// Returns iterations without guesses.
     #[inline(always)]
     pub fn new(newton: &Newton) -> Self {
         Self {
@@ -43,7 +49,8 @@ impl SingleLanes {
         }
     }
 
-    /// Makes the first update of a lane, by the evaluation at its guess, and records its solution in the limit of no noise and h → 0.
+    /// Makes the first update of a lane, by the evaluation at its guess, and records its solution
+    /// in the limit of no noise and h → 0.
     #[inline(always)]
     pub fn start(&mut self, lane: usize, guess: [f64; 1], limit: [f64; 1], at: &Evaluation<1>) {
         let update = Update::of(at);
@@ -80,7 +87,8 @@ impl SingleLanes {
         };
     }
 
-    /// Counts an evaluation, and returns whether it has to be made: a lane iterates, and the limit is not reached.
+    /// Counts an evaluation. Returns whether it has to be made: a lane iterates, and the limit is
+    /// not reached.
     #[inline(always)]
     pub fn next_iteration(&mut self) -> bool {
         let mut all_ended = 1;
@@ -91,7 +99,7 @@ impl SingleLanes {
         all_ended == 0 && self.evaluations_left > 0
     }
 
-    /// Updates a lane by the evaluation at its point, which is not its guess.
+    /// Updates a lane by the evaluation at its point, which is not the guess.
     #[inline(always)]
     pub fn update(&mut self, lane: usize, at: &Evaluation<1>) {
         let update = Update::of(at);
@@ -109,7 +117,7 @@ impl SingleLanes {
         let largest = (NEGLIGIBLE * negligible) * (previous * previous * previous);
         let is_last = (predicted < largest) & update.is_third_order;
         let has_converged = is_finite & (is_below_tolerance | (has_halved & is_last));
-        // A residual that does not even halve there is its own rounding error.
+        // A residual that does not halve at this size is its own rounding error.
         let is_stalled = !has_halved & is_finite & (residual < ROOT_OF_ROUNDING * magnitude);
         let iterates = self.state[lane] == ITERATING;
         let factor = if is_below_tolerance {
@@ -130,11 +138,12 @@ impl SingleLanes {
     }
 }
 
-/// An update of one unknown, see [`Evaluation::update`](crate::solve::newton::convergence::Evaluation) of the scalar method.
+/// An update of one unknown, see
+/// [`Evaluation::update`](crate::solve::newton::convergence::Evaluation) of the scalar method.
 struct Update {
     /// Newton's update.
     newton: f64,
-    /// Chebyshev's update where its correction is small, otherwise Newton's.
+    /// Chebyshev's update if its correction is small, otherwise Newton's update.
     by: f64,
     is_third_order: bool,
 }

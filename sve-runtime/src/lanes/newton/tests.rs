@@ -3,7 +3,7 @@
 use super::{ContractingLanes, Evaluation, LANES, Lane, Newton, NewtonLanes, SingleLanes};
 use crate::lanes::solve::{Solved, solved};
 
-/// `x³ + x = a` from `x = a` with Chebyshev's update, all lanes.
+/// Solves `x³ + x = a` from `x = a` with Chebyshev's update in all lanes.
 fn cubic(a: &Lane, newton: &Newton) -> NewtonLanes<1> {
     let mut iterations = NewtonLanes::<1>::new(newton);
     for lane in 0..LANES {
@@ -149,7 +149,8 @@ fn several_unknowns_converge() {
     }
 }
 
-/// The circle of radius √2 and the diagonal, from points at several distances of the intersection, with a sign of the determinant.
+/// Intersects the circle of radius √2 with the diagonal, from points at several distances of the
+/// intersection, with a sign of the determinant.
 fn intersection(sign: f64) -> ContractingLanes<2> {
     let mut iterations = ContractingLanes::<2>::new(&Newton::default());
     for lane in 0..LANES {
@@ -180,7 +181,7 @@ fn the_root_of_a_contracting_iteration_is_accepted() {
     let iterations = intersection(-1.0);
     assert!((0..5).all(|lane| iterations.has_converged(lane)));
     assert!((0..5).all(|lane| (iterations.point(lane)[0] - 1.0).abs() < 1e-15));
-    // from afar the first update leaves more than 1/64 of the first residual
+    // From afar the first update leaves more than 1/64 of the first residual.
     assert!((20..LANES).all(|lane| !iterations.has_converged(lane)));
     let unknown = intersection(f64::NAN);
     assert!((0..5).all(|lane| unknown.has_converged(lane)));
@@ -192,7 +193,8 @@ fn a_determinant_of_the_other_sign_fails_a_lane() {
     assert!((0..LANES).all(|lane| !iterations.has_converged(lane)));
 }
 
-/// `x² = 4` from points of which some are out of reach by Kantorovich's condition, |f f″| ≤ ½ f′², or leave more than 1/64 of the residual.
+/// Solves `x² = 4` from several points. Some are out of reach by Kantorovich's condition, |f f″| ≤
+/// ½ f′², or leave more than 1/64 of the residual.
 #[test]
 fn a_single_unknown_contracts_by_its_second_derivative() {
     let mut iterations = ContractingLanes::<1>::new(&Newton::default());
@@ -229,7 +231,8 @@ fn a_single_unknown_contracts_by_its_second_derivative() {
     }
 }
 
-/// `x³ + x = a` from `x = a`, all lanes, with a number of evaluations.
+/// Solves `x³ + x = a` from `x = a` in all lanes. Returns the iterations and the number of
+/// evaluations.
 fn single_cubic(a: &Lane, newton: &Newton) -> (SingleLanes, u32) {
     let at = |x: f64, a: f64| Evaluation {
         residual: [x * x * x + x - a],
@@ -280,7 +283,7 @@ fn single_roots_are_those_of_the_scalar_method_in_any_units() {
 
 #[test]
 fn a_third_evaluation_is_omitted_only_if_it_would_change_nothing() {
-    // the residual after the last update, in twice the precision: (x³ + x − a) at x + e
+    // The residual after the last update, in twice the precision: (x³ + x − a) at x + e.
     let (a, newton) = (values().map(|a| 0.3 * a), Newton::default());
     let loose = Newton {
         tolerance: 0.0,

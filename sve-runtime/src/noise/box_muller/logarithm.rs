@@ -1,27 +1,29 @@
 //! The logarithm of a uniform number, by a table of 16 entries.
 //!
-//! Input: a number u in (0, 1], as an integer below 2⁶⁴. Output: −2 ln u. Invariant: the result is not negative, and its relative error is below
-//! 10⁻¹⁵, also next to u = 1.
+//! Input: a number u in (0, 1], as an integer below 2⁶⁴. Output: −2 ln u. Invariant: the result is
+//! not negative, and its relative error is below 10⁻¹⁵, also next to u = 1.
 //!
-//! u = 2ᵉ m with ¾ < m ≤ 1.5. Four bits of m choose a number c near 1/m, so that −2 ln u = −2 ln(1 + r) + 2 ln c − 2e ln 2 with r = cm − 1 and
-//! −1/32 ≤ r ≤ 1/33. In the interval below 1, c = 1, so that r is exact and small u − 1 keep their digits. A division would take as long as ten
+//! u = 2ᵉ m with ¾ < m ≤ 1.5. Four bits of m choose a number c near 1/m, so that −2 ln u = −2
+//! ln(1 + r) + 2 ln c − 2e ln 2 with r = cm − 1 and −1/32 ≤ r ≤ 1/33. In the interval below 1, c =
+//! 1, so that r is exact and small u − 1 keep their digits. A division would take as long as ten
 //! multiplications; two registers of AVX-512 hold the table.
 
 use core::f64::consts::LN_2;
 
-/// 2⁶⁴.
+/// The value 2⁶⁴ of u = 1.
 const ONE: f64 = 2.0 * super::HALF;
 
-/// Sign and exponent of a number.
+/// Mask of the sign and exponent of a number.
 const EXPONENT: u64 = 0xfff0_0000_0000_0000;
 const EXPONENT_UNIT: f64 = (1_u64 << 52) as f64;
 
-/// The bits of the smallest mantissa, the number after ¾.
+/// The bits of the smallest mantissa, which is the next number above ¾.
 const SMALLEST: u64 = (0.75 * ONE).to_bits() + 1;
 
 const ENTRIES: usize = 16;
 
-/// c: one over the centre of each interval, and 1 for the interval below 1. Those of m in units of 2⁻⁶⁴.
+/// The numbers c in units of 2⁻⁶⁴: one over the centre of each interval, and 1 for the interval
+/// below 1.
 const RECIPROCALS: [f64; ENTRIES] = {
     let mut c = [0.0; ENTRIES];
     let mut k = 0;
@@ -34,7 +36,7 @@ const RECIPROCALS: [f64; ENTRIES] = {
     c
 };
 
-/// 2 ln c.
+/// The numbers 2 ln c.
 const LOGARITHMS: [f64; ENTRIES] = [
     0.534_125_570_498_090_3,
     0.454_114_901_270_692_15,
@@ -54,7 +56,7 @@ const LOGARITHMS: [f64; ENTRIES] = [
     -0.768_823_397_820_664_1,
 ];
 
-/// −2 ln(1 + r)/r, to 8.2·10⁻¹⁶ of itself.
+/// Coefficients of −2 ln(1 + r)/r, to a relative error of 8.2·10⁻¹⁶.
 const POLYNOMIAL: [f64; 8] = [
     -2.0,
     0.999_999_999_999_959_6,
@@ -69,21 +71,22 @@ const POLYNOMIAL: [f64; 8] = [
 /// A uniform number.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Uniform {
-    /// 2⁶⁴ u.
+    /// The number 2⁶⁴ u.
     u: f64,
 }
 
 impl Uniform {
-    /// u = 1.
+    /// The number u = 1.
     pub(super) const ONE: Self = Self { u: ONE };
 
-    /// Returns u = (w + ½)/2⁶⁴ of a rounded word, rounded.
+    /// Returns u = (w + ½)/2⁶⁴, rounded, for a rounded word w.
     #[inline(always)]
     pub(super) fn new(word: f64) -> Self {
         Self { u: word + 0.5 }
     }
 
-    /// Returns the bits above the smallest mantissa: the exponent e, below it the number of the entry.
+    /// Returns the bits relative to the smallest mantissa: the exponent e, and below it the number
+    /// of the entry.
     #[inline(always)]
     fn offset(self) -> u64 {
         self.u.to_bits().wrapping_sub(SMALLEST)
@@ -101,7 +104,8 @@ impl Uniform {
         constants(self.entry())
     }
 
-    /// Returns −2 ln u. `DIRECT` says how words become numbers, see [`signed`](super::signed).
+    /// Returns −2 ln u. `DIRECT` selects the conversion of words to numbers, see
+    /// [`signed`](super::signed).
     #[inline(always)]
     pub(super) fn minus_two_ln<const DIRECT: bool>(self, [c, two_ln_c]: [f64; 2]) -> f64 {
         let exponent = self.offset() & EXPONENT;
@@ -130,7 +134,7 @@ pub(super) fn look_up<const L: usize, const AVX512: bool>(
 ) {
     #[cfg(target_arch = "x86_64")]
     if AVX512 {
-        // Safety: the machine has AVX-512, as the caller says.
+        // Safety: the caller passes `AVX512` only if the machine has AVX-512.
         #[allow(unsafe_code)]
         unsafe {
             permute(entries, rows);
@@ -142,7 +146,8 @@ pub(super) fn look_up<const L: usize, const AVX512: bool>(
     }
 }
 
-/// Reads the table by permutations of registers, which the compiler does not find: it would read memory, one number at a time.
+/// Reads the table by permutations of registers. The compiler does not find these instructions: it
+/// would read memory, one number at a time.
 #[cfg(target_arch = "x86_64")]
 #[inline]
 #[target_feature(enable = "avx512f")]

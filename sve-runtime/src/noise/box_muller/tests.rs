@@ -1,4 +1,5 @@
-//! Normals against exact values: the formulas of the module's documentation in 106 bits, and at 50 digits.
+//! Normals against exact values: the formulas of the module's documentation in 106 bits, and at 50
+//! digits.
 
 mod exact;
 
@@ -6,11 +7,11 @@ use super::logarithm::{self, Uniform};
 use super::{SIGN, four, pair, point, signed, unsigned};
 use crate::noise::threefry;
 
-/// The bound of the absolute error in the documentation, and the one for radii above 8.5.
+/// The bound of the absolute error in the documentation, and the bound for radii above 8.5.
 const PROMISED: f64 = 4e-15;
 const PROMISED_FAR: f64 = 5e-15;
 
-/// The words below give radii above 8.5: exp(−8.5²/2) = 2.05·10⁻¹⁶.
+/// Words below this one give radii above 8.5: exp(−8.5²/2) = 2.05·10⁻¹⁶.
 const FAR: u64 = 3781;
 
 /// Words, and their exact transforms at 50 digits.
@@ -127,7 +128,7 @@ fn both_conversions_give_the_same_bits() {
     }
 }
 
-/// Checks both ways to read the table, also for numbers with bits above those of an entry.
+/// Checks both ways to read the table, also for numbers with bits above the bits of an entry.
 #[test]
 fn the_table_is_read_alike_in_lanes() {
     let entries: [u64; 64] =
@@ -151,14 +152,15 @@ fn the_ends_are_finite() {
             }
         }
     }
-    // the number below 1, and 1 itself
+    // The number below 1, and 1 itself.
     let smallest = 0.5_f64.powi(26);
     let z = pair(u64::MAX - 2048, 0, 1.0)[0];
     assert!((z - smallest).abs() <= 2.0 * f64::EPSILON * smallest, "{z}");
     assert_eq!(pair(u64::MAX, 5, 1.0), [0.0; 2]);
 }
 
-/// Checks every number next to the border of two intervals, where m or the entry could be that of the other interval.
+/// Checks every number next to the border of two intervals, where m or the entry could belong to
+/// the other interval.
 #[test]
 fn the_logarithm_is_continuous() {
     for interval in 24..=48_u64 {

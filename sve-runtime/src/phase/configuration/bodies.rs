@@ -2,7 +2,8 @@
 
 use super::{Configuration, Coordinates, FixedSize, FlatConfiguration, largest};
 
-/// Several bodies. Their stored values and their increments follow one another in the order of the bodies.
+/// Several bodies. Their stored values and their increments follow one another in the order of the
+/// bodies.
 impl<Q: Configuration, const B: usize> Configuration for [Q; B] {
     type Momentum = [Q::Momentum; B];
 

@@ -1,29 +1,33 @@
 //! The form in which steps compute with a configuration.
 //!
-//! Input: a configuration and increments of its `N` degrees of freedom. Output: the configuration after the increments. A row `[f64; N]`
-//! is the form of vector spaces; [`WithRotations`](super::WithRotations) is that of configurations with rotations.
+//! Input: a configuration and increments of its `N` degrees of freedom. Output: the configuration
+//! after the increments. The form of vector spaces is a row `[f64; N]`, the form of configurations
+//! with rotations is [`WithRotations`](super::WithRotations).
 
 use super::{Configuration, FixedSize, largest};
 use crate::phase::dual::Dual;
 use crate::phase::lanes::{LaneStates, StateLanes};
 use crate::phase::state::State;
 
-/// The form in which steps compute with a configuration of `N` degrees of freedom. Its momenta are rows of `N` numbers.
+/// The form in which steps compute with a configuration of `N` degrees of freedom. Its momenta are
+/// rows of `N` numbers.
 pub trait FlatConfiguration<const N: usize>: Configuration<Momentum = [f64; N]> + Copy {
     /// A state in each lane.
     type Lanes: LaneStates<Self>;
     /// The configuration in dual numbers: a row in a vector space.
     type Dual;
-    /// Whether rounding errors of the configuration can be carried from step to step.
+    /// True if rounding errors of the configuration can be carried from step to step.
     const HAS_LOW_PARTS: bool;
     /// Returns the configuration in dual numbers that vary with an increment.
     fn dual(&self, along: &[f64; N]) -> Self::Dual;
-    /// Returns the configuration that a row of coordinates describes: the increment from the origin.
+    /// Returns the configuration that a row of coordinates describes: the increment from the
+    /// origin.
     fn of_row(coordinates: &[f64; N]) -> Self;
     /// Returns configuration and momenta after an increment.
     fn moved(state: &State<Self>, dq: &[f64; N], dp: &[f64; N]) -> (Self, [f64; N]);
-    /// Returns configuration and momenta after an increment to which the low parts of the state are added, and writes the rounding errors
-    /// to `low`. A configuration without low parts is moved without compensation.
+    /// Returns configuration and momenta after an increment to which the low parts of the state are
+    /// added, and writes the rounding errors to `low`. A configuration without low parts is moved
+    /// without compensation.
     fn moved_with_low_parts(
         state: &State<Self>,
         low: &mut State<Self>,
@@ -40,9 +44,11 @@ pub trait FlatConfiguration<const N: usize>: Configuration<Momentum = [f64; N]> 
         self.store(&mut values);
         values
     }
-    /// Returns the square of the longest Cayley vector in an increment, see [`FixedSize::cayley_square`].
+    /// Returns the square of the longest Cayley vector in an increment, see
+    /// [`FixedSize::cayley_square`].
     fn cayley_square(increment: &[f64; N]) -> f64;
-    /// Adds what the momentum gains by its transport with a velocity, see [`FixedSize::add_transport`].
+    /// Adds the change of the momentum by its transport with a velocity, see
+    /// [`FixedSize::add_transport`].
     fn add_transport(momentum: &[f64; N], velocity: &[f64; N], to: &mut [f64; N]);
 }
 
@@ -134,7 +140,7 @@ impl<Whole: FixedSize, const N: usize> Flatten<Whole, N> for [f64; N] {
     }
 }
 
-/// The sum of two numbers and its rounding error, exactly (Knuth's two-sum).
+/// Returns the sum of two numbers and its rounding error, exactly (Knuth's two-sum).
 #[inline(always)]
 pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;

@@ -1,7 +1,10 @@
-//! Bodies without their attitude: the configuration of a reduced system, whose state is the body momentum alone.
+//! Bodies without their attitude: the configuration of a reduced system, whose state is the body
+//! momentum alone.
 //!
-//! Steps are those of the rotation, started from any attitude: a Lagrangian that does not depend on the attitude has steps that do not. The
-//! attitude along a path is that of [`Integrator::step_with_attitude`](crate::Integrator::step_with_attitude).
+//! A reduced system makes the steps of the rotation, started from any attitude: if a Lagrangian
+//! does not depend on the attitude, neither do the steps.
+//! [`Integrator::step_with_attitude`](crate::Integrator::step_with_attitude) computes the attitude
+//! along a path.
 
 use core::marker::PhantomData;
 
@@ -10,7 +13,8 @@ use nalgebra::UnitQuaternion;
 use super::{Configuration, Coordinates, FixedSize, Flatten, WithRotations};
 use crate::phase::state::State;
 
-/// The place of an attitude of the type `Q` that a reduced system, `#[variational(midpoint, reduced)]`, does not have in its state.
+/// Marks the place of an attitude of type `Q`, which the state of a reduced system,
+/// `#[variational(midpoint, reduced)]`, does not contain.
 ///
 /// ```
 /// use sve_runtime::Reduced;
@@ -160,7 +164,7 @@ impl<Q: FixedSize, const N: usize> Flatten<Reduced<Q>, N> for WithRotations<Q, N
 }
 
 impl<Q: FixedSize> State<Reduced<Q>> {
-    /// The state of a reduced system with a body momentum, at `t = 0`.
+    /// Returns the state of a reduced system with a body momentum, at `t = 0`.
     pub const fn from_momentum(p: Q::Momentum) -> Self {
         Self::new(Reduced::PLACE, p)
     }

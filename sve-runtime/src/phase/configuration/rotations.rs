@@ -1,9 +1,11 @@
 //! Rotations as configurations, alone, in arrays, and beside vectors.
 //!
-//! Input: a unit quaternion and the Cayley vector x of an increment. Output: the quaternion of R cay(x), with
-//! `q ∘ (1, x/2) / √(1 + |x|²/4)`. Invariant: the quaternion is normalised to rounding after each increment, and continuous along a path.
+//! Input: a unit quaternion and the Cayley vector x of an increment. Output: the quaternion of R
+//! cay(x), with `q ∘ (1, x/2) / √(1 + |x|²/4)`. Invariant: the quaternion is normalised to rounding
+//! after each increment, and continuous along a path.
 //!
-//! Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section IV.8.3 (Cayley transform on SO(3)), VII.5.3 (quaternions).
+//! Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section IV.8.3 (Cayley
+//! transform on SO(3)), VII.5.3 (quaternions).
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -13,7 +15,8 @@ use crate::phase::dual::DualRotation;
 use crate::phase::lanes::ScalarLanes;
 use crate::phase::state::State;
 
-/// A rotation with three degrees of freedom, stored as the quaternion `[w, x, y, z]`. Its momentum is that of the body frame.
+/// A rotation with three degrees of freedom, stored as the quaternion `[w, x, y, z]`. Its momentum
+/// is the body momentum.
 ///
 /// ```
 /// use sve_runtime::Configuration;
@@ -62,7 +65,7 @@ impl Configuration for UnitQuaternion<f64> {
             a[1] + (w * half[1] + (a[2] * half[0] - a[0] * half[2])),
             a[2] + (w * half[2] + (a[0] * half[1] - a[1] * half[0])),
         ];
-        // the length √(1 + |x|²/4) times the rounding error of the quaternion before
+        // The length is √(1 + |x|²/4), and includes the rounding error of the quaternion before.
         let square = turned[0] * turned[0]
             + turned[1] * turned[1]
             + turned[2] * turned[2]
@@ -150,8 +153,8 @@ impl Coordinates<3> for UnitQuaternion<f64> {
     }
 }
 
-/// Two configurations beside each other, such as the position and the attitude of a body. Their stored values and their increments follow one
-/// another.
+/// Two configurations beside each other, such as the position and the attitude of a body. Their
+/// stored values and their increments follow one another.
 impl<Q: Configuration, R: Configuration> Configuration for (Q, R) {
     type Momentum = (Q::Momentum, R::Momentum);
 
@@ -249,12 +252,13 @@ impl<Q: FixedSize, R: FixedSize, const N: usize> Coordinates<N> for (Q, R) {
     }
 }
 
-/// A configuration with rotations, as steps compute with it: an increment moves it by [`retract`](Configuration::retract).
+/// A configuration with rotations, as steps compute with it: an increment moves it by
+/// [`retract`](Configuration::retract).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WithRotations<Q, const N: usize>(Q);
 
 impl<Q: FixedSize, const N: usize> WithRotations<Q, N> {
-    /// The form of a configuration.
+    /// Returns the form of a configuration.
     #[inline(always)]
     pub(super) const fn at(configuration: Q) -> Self {
         Self(configuration)

@@ -7,9 +7,11 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::Dual;
 use crate::phase::configuration::FixedSize;
 
-/// The matrix of a rotation whose entries vary in a direction: the attitude in a [`DualState`](crate::DualState).
+/// The matrix of a rotation whose entries vary in a direction: the attitude in a
+/// [`DualState`](crate::DualState).
 ///
-/// It turns vectors of the body into space, `r * Vector3::x()` and `r * [a, b, c]`, has entries, `r[(row, column)]`, and an [`inverse`](Self::inverse).
+/// It turns vectors of the body into space, `r * Vector3::x()` and `r * [a, b, c]`, has entries,
+/// `r[(row, column)]`, and an [`inverse`](Self::inverse).
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -27,7 +29,8 @@ use crate::phase::configuration::FixedSize;
 ///
 /// # fn main() -> Result<(), StepError> {
 /// let top = Integrator::new(Top { i: Vector3::new(1.0, 1.0, 0.5), weight: 2.0 }, Midpoint);
-/// let start = State::new(UnitQuaternion::from_euler_angles(0.4, 0.0, 0.0), Vector3::new(0.0, 0.0, 3.0));
+/// let attitude = UnitQuaternion::from_euler_angles(0.4, 0.0, 0.0);
+/// let start = State::new(attitude, Vector3::new(0.0, 0.0, 3.0));
 /// // the height of the axis after a second
 /// let height = top.trajectory(start, 0.01, NoNoise).gradient(100, |k, state| {
 ///     let [_, _, z]: [Dual; 3] = state.q * Vector3::z();
@@ -43,12 +46,13 @@ use crate::phase::configuration::FixedSize;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct DualRotation {
-    /// By columns.
+    /// The columns of the matrix.
     columns: [[Dual; 3]; 3],
 }
 
 impl DualRotation {
-    /// Returns the rotation R, which moves by R ê along the direction e: column `j` by `R (e × e_j)`.
+    /// Returns the rotation R, which moves by R ê along the direction e: column `j` by
+    /// `R (e × e_j)`.
     pub(crate) fn new(rotation: &UnitQuaternion<f64>, along: [f64; 3]) -> Self {
         let mut entries = [0.0; 9];
         rotation.entries(&mut entries);
@@ -66,7 +70,7 @@ impl DualRotation {
         Self { columns }
     }
 
-    /// The inverse rotation, which turns vectors of space into the frame of the body.
+    /// Returns the inverse rotation, which turns vectors of space into the frame of the body.
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self {

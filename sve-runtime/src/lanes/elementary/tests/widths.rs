@@ -18,7 +18,7 @@ impl<F: Fn(f64, f64) -> f64> Kernel for Each<'_, F> {
                 out[lane] = self.1(x[lane], x[(lane + 1) % LANES]);
             }
         }
-        // the bits of a NaN mean nothing
+        // The bits of a NaN have no meaning.
         out.iter()
             .map(|x| if x.is_nan() { u64::MAX } else { x.to_bits() })
             .collect()

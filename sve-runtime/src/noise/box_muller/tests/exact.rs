@@ -1,6 +1,7 @@
 //! The transform in sums of two numbers, which have 106 bits.
 //!
-//! Source: Dekker, *A floating-point technique for extending the available precision*, Numer. Math. 18 (1971).
+//! Source: Dekker, *A floating-point technique for extending the available precision*, Numer. Math.
+//! 18 (1971).
 
 use core::f64::consts::{FRAC_PI_2, LN_2};
 
@@ -51,7 +52,7 @@ impl Sum {
         Self::of(high, rest / (2.0 * high))
     }
 
-    /// Returns the distance of a number.
+    /// Returns the distance from a number.
     pub(super) fn distance(self, x: f64) -> f64 {
         ((x - self.0) - self.1).abs()
     }
