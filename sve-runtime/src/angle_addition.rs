@@ -1,18 +1,20 @@
 //! Angle addition: sine and cosine of a sum of two angles, the second of which is small.
 //!
-//! Input: sine and cosine of an angle, and an increment of the angle. Output: sine and cosine of the sum, by the addition theorems.
-//! The truncation error of the polynomials is below 10⁻²⁰, far below rounding error. It has the same sign in every step, so a larger one
-//! would make the energy of a long run drift. [`sine`] and [`cosine`] are the polynomials of fdlibm on [−π/4, π/4] (`k_sin.c` and
-//! `k_cos.c`).
+//! Input: sine and cosine of an angle, and an increment of the angle. Output: sine and cosine of
+//! the sum, by the addition theorems. The truncation error of the polynomials is below 10⁻²⁰, far
+//! below rounding error. It has the same sign in every step, so a larger error would make the
+//! energy of a long run drift. [`sine`] and [`cosine`] are the polynomials of fdlibm on [−π/4, π/4]
+//! (`k_sin.c` and `k_cos.c`).
 
 use core::f64::consts::FRAC_PI_4;
 
-/// Largest increment that needs only the first terms of the series. Iterations of small steps have such increments. The error is
-/// below 3·10⁻²¹.
+/// Largest increment that needs only the first terms of the series. Iterations of small steps have
+/// such increments. The error is below 3·10⁻²¹.
 const SMALL: f64 = 1.0 / 32.0;
 
-/// The first coefficients of [`SINE`] for small increments. The fourth term is replaced by its best approximation of degree two, from the
-/// Chebyshev polynomial T₃ on [0, `SMALL`²], whose error is 32 times smaller than the term.
+/// The first coefficients of [`SINE`] for small increments. The fourth term is replaced by its best
+/// approximation of degree two, from the Chebyshev polynomial T₃ on [0, `SMALL`²], whose error is
+/// 32 times smaller than the term.
 const SMALL_SINE: [f64; 3] = {
     let t = SMALL * SMALL;
     [
@@ -22,7 +24,8 @@ const SMALL_SINE: [f64; 3] = {
     ]
 };
 
-/// Taylor's coefficients of `(sin x − x)/x³` in x². The truncation error is below 10⁻¹⁹ at π/4, and below 10⁻²³ at ½.
+/// Taylor's coefficients of `(sin x − x)/x³` in x². The truncation error is below 10⁻¹⁹ at π/4, and
+/// below 10⁻²³ at ½.
 const SINE: [f64; 8] = [
     -1.0 / 6.0,
     1.0 / 120.0,
@@ -133,7 +136,8 @@ mod tests {
                 worst = worst.max((s * s + c * c - 1.0).abs());
             }
         }
-        // three roundings of numbers up to 1, and those of sin a and cos a, twice in the square
+        // The bound has three roundings of numbers up to 1, and the roundings of sin a and cos a,
+        // twice in the square.
         assert!(worst <= 4.0 * f64::EPSILON, "{worst:e}");
     }
 

@@ -1,19 +1,25 @@
 //! Averages over one long path, with their statistical error.
 //!
-//! Input: values in the order of time, which may depend on one another. Output: their mean, its standard error, and the number of values that count as one
-//! independent value. Invariant: the memory grows with the logarithm of the number of values only; every value is used once.
+//! Input: values in the order of time, which may depend on one another. Output: their mean, its
+//! standard error, and the number of values that count as one independent value. Invariant: the
+//! memory grows with the logarithm of the number of values only; every value is used once.
 //!
-//! Values are averaged in pairs, pairs of pairs, and so on. The standard error that the averages of a level would give, if they were independent, grows from
-//! level to level until the blocks are longer than the memory of the path, and then stays.
+//! Values are averaged in pairs, pairs of pairs, and so on. Each level gives the standard error
+//! that would hold if its averages were independent. This standard error grows from level to level
+//! until the blocks are longer than the memory of the path, and then stays constant.
 //!
-//! Source: H. Flyvbjerg, H. G. Petersen, *Error estimates on averages of correlated data*, J. Chem. Phys. 91 (1989) 461–466. The level: R. M. Lee, G. J. Conduit, N. Nemec, P. López
-//! Ríos, N. D. Drummond, *Strategies for improving the efficiency of quantum Monte Carlo calculations*, Phys. Rev. E 83, 066706 (2011), section IV, after U. Wolff, Comput. Phys.
-//! Commun. 156 (2004) 143–153.
+//! Source: H. Flyvbjerg, H. G. Petersen, *Error estimates on averages of correlated data*, J. Chem.
+//! Phys. 91 (1989) 461–466. The choice of the level: R. M. Lee, G. J. Conduit, N. Nemec, P. López
+//! Ríos, N. D. Drummond, *Strategies for improving the efficiency of quantum Monte Carlo
+//! calculations*, Phys. Rev. E 83, 066706 (2011), section IV, after U. Wolff, Comput. Phys. Commun.
+//! 156 (2004) 143–153.
 
-/// The mean of the values along one long path, and its standard error from blocks of growing length (Flyvbjerg and Petersen).
+/// The mean of the values along one long path, and its standard error from blocks of growing length
+/// (Flyvbjerg and Petersen).
 ///
-/// Values along a path are no independent ones: the standard error that their variance suggests is too small. Blocks that are longer than the memory of the path are nearly
-/// independent, and give the right error.
+/// Values along a path are not independent: the standard error computed from their variance is too
+/// small. Blocks that are longer than the memory of the path are nearly independent, and give the
+/// right error.
 ///
 /// ```
 /// use sve_runtime::Blocking;
@@ -47,10 +53,11 @@
 /// # }
 /// ```
 ///
-/// For many paths see `Ensemble::average`, with the feature `ensemble`: the averages of different paths are independent.
+/// For many paths see `Ensemble::average`, with the feature `ensemble`: the averages of different
+/// paths are independent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Blocking {
-    /// Moments of the averages over 2ᵏ values.
+    /// Moments of the averages over 2ᵏ values, for each level k.
     levels: Vec<Level>,
 }
 
@@ -101,12 +108,13 @@ impl Level {
 }
 
 impl Blocking {
-    /// No values.
+    /// Returns an average without values.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds the next value along the path. After a value that is not finite, mean and errors are not finite.
+    /// Adds the next value along the path. After a value that is not finite, mean and errors are
+    /// not finite.
     pub fn push(&mut self, value: f64) {
         let mut carried = Some(value);
         let mut levels = self.levels.iter_mut();
@@ -123,17 +131,18 @@ impl Blocking {
         }
     }
 
-    /// Number of values.
+    /// Returns the number of values.
     pub fn count(&self) -> u64 {
         self.levels.first().map_or(0, |level| level.count)
     }
 
-    /// Mean of all values; NaN without values.
+    /// Returns the mean of all values; NaN without values.
     pub fn mean(&self) -> f64 {
         self.levels.first().map_or(f64::NAN, |level| level.mean)
     }
 
-    /// Variance of the values: the sum of squared deviations over the number of values less one; NaN for fewer than two.
+    /// Returns the variance of the values: the sum of squared deviations over the number of values
+    /// less one; NaN for fewer than two.
     pub fn variance(&self) -> f64 {
         match self.levels.first() {
             Some(level) if level.count > 1 => level.squares / (level.count - 1) as f64,
@@ -141,15 +150,20 @@ impl Blocking {
         }
     }
 
-    /// Standard error of the mean; `None` if there are too few values to tell, compared with the memory of the path.
+    /// Returns the standard error of the mean; `None` if there are too few values, compared with
+    /// the memory of the path.
     ///
-    /// It is that of the shortest blocks, of length B, with B³ > 2n g², where n is the number of values and g the [`inefficiency`](Self::inefficiency) that these blocks show. There the
-    /// systematic error, of blocks that are too short, and the statistical one, of too few blocks, are about equal.
+    /// It is the standard error from the shortest blocks, of length B, with B³ > 2n g², where n is
+    /// the number of values and g the [`inefficiency`](Self::inefficiency) of these blocks. At this
+    /// length the systematic error, of blocks that are too short, and the statistical error, of too
+    /// few blocks, are about equal.
     pub fn standard_error(&self) -> Option<f64> {
         self.plateau().map(|level| level.variance_of_mean().sqrt())
     }
 
-    /// Number of values that count as one independent value: the squared ratio of the standard error to that of independent values. `None` as for the [`standard_error`](Self::standard_error).
+    /// Returns the number of values that count as one independent value: the squared ratio of the
+    /// standard error to the standard error of independent values. `None` as for the
+    /// [`standard_error`](Self::standard_error).
     pub fn inefficiency(&self) -> Option<f64> {
         let first = self.levels.first()?.variance_of_mean();
         let level = self.plateau()?;
@@ -160,12 +174,14 @@ impl Blocking {
         })
     }
 
-    /// The integrated correlation time ½ + Σ ρ(k), in values, where ρ is the autocorrelation: half of the [`inefficiency`](Self::inefficiency). Times the time between two values it is a time.
+    /// Returns the integrated correlation time ½ + Σ ρ(k), where ρ is the autocorrelation: half of
+    /// the [`inefficiency`](Self::inefficiency). Its unit is the time between two values.
     pub fn correlation_time(&self) -> Option<f64> {
         self.inefficiency().map(|g| 0.5 * g)
     }
 
-    /// Returns the standard errors that blocks of 1, 2, 4, … values give, as long as there are two blocks: for a plot in which the plateau is seen.
+    /// Returns the standard errors from blocks of 1, 2, 4, … values, as long as there are two
+    /// blocks. A plot of them shows the plateau.
     pub fn estimates(&self) -> impl Iterator<Item = BlockEstimate> + '_ {
         let levels = self.levels.iter().enumerate();
         levels
@@ -211,7 +227,7 @@ mod tests {
     use super::Blocking;
     use crate::noise::Wiener;
 
-    /// x ← ρx + √(1 − ρ²) ξ, of variance 1.
+    /// Returns the values x ← ρx + √(1 − ρ²) ξ, with variance 1.
     fn autoregressive(rho: f64, seed: u64, count: u64) -> Blocking {
         let noise = Wiener::new(seed);
         let mut blocking = Blocking::new();
@@ -238,7 +254,8 @@ mod tests {
             let found = errors / paths as f64 * values as f64;
             // blocks of a finite length have a systematic error of the size of values^(−1/3)
             assert!((found / exact - 1.0).abs() < 0.12, "{rho}: {found} {exact}");
-            // squares of the mean in standard errors: 1, with a standard deviation of √(2/300)
+            // The squares of the mean in standard errors have the mean 1, with a standard deviation
+            // of √(2/300).
             let spread = squares / paths as f64;
             assert!((spread - 1.0).abs() < 0.35, "{rho}: {spread}");
         }
@@ -248,7 +265,8 @@ mod tests {
     fn a_path_that_is_too_short_has_no_error() {
         assert_eq!(Blocking::new().standard_error(), None);
         assert!(Blocking::new().mean().is_nan());
-        // every block of a ramp differs from the next by as much as its length, so that no plateau exists
+        // every block of a ramp differs from the next by as much as its length, so that no plateau
+        // exists
         let mut ramp = Blocking::new();
         ramp.extend((0..256).map(f64::from));
         assert_eq!(ramp.standard_error(), None);

@@ -1,6 +1,8 @@
-//! What was run, in the words and numbers that a page shows: the system with its parameters, the method, steps, paths and seeds.
+//! The description of a run for pages: the system with its parameters, the method, steps, paths and
+//! seeds.
 //!
-//! Input: a method. Output: names and values. Invariant: descriptions decide nothing; runs are recognised by their fingerprints.
+//! Input: a method. Output: names and values. Invariant: descriptions decide nothing; fingerprints
+//! identify runs.
 
 use core::any::type_name;
 
@@ -14,9 +16,9 @@ const MOST_PARAMETERS: usize = 60;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct SystemDescription {
     pub(crate) name: String,
-    /// The names of the first parameters, as the source has them.
+    /// The names of the first parameters, as in the source.
     pub(crate) parameters: Vec<String>,
-    /// Their values.
+    /// The values of these parameters.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(crate) values: Vec<f64>,
     /// Number of further parameters.
@@ -39,7 +41,7 @@ impl SystemDescription {
     }
 }
 
-/// What the paths of an ensemble are.
+/// The system, the method and the increments of the paths of an ensemble.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct RunDescription {
@@ -56,10 +58,10 @@ pub(crate) struct RunDescription {
     pub(crate) start_seed: u64,
 }
 
-/// The name of a type without the paths of its parts: `Chain<3>` of `&models::Chain<3>`.
+/// Returns the name of a type without the paths of its parts: `Chain<3>` for `&models::Chain<3>`.
 fn short_name<T: ?Sized>() -> String {
     let mut short = String::new();
-    // where the last path begins
+    // The place where the last path begins.
     let mut start = 0;
     for character in type_name::<T>().trim_start_matches('&').chars() {
         match character {

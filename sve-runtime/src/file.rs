@@ -1,14 +1,16 @@
 //! Atomic writing of files.
 //!
-//! Input: a path, and what writes the content. Output: the file, or an error with the path. Invariant: at any time the path leads to
-//! the old file or to the complete new one; after an error nothing of the new file remains.
+//! Input: a path, and a function that writes the content. Output: the file, or an error with the
+//! path. Invariant: at any time the path leads to the old file or to the complete new one; after an
+//! error nothing of the new file remains.
 //!
-//! The content goes into a temporary file of the same folder, which is flushed, synchronised with the disk and renamed. A path that is
-//! not a regular file, such as a device or a pipe, is written directly: it has no content to replace.
+//! The content goes into a temporary file of the same folder, which is flushed, synchronised with
+//! the disk and renamed. A path that is not a regular file, such as a device or a pipe, is written
+//! directly: it has no content to replace.
 //!
-//! A killed process leaves its temporary file. A writer holds a lock on its temporary file until the file is renamed, and the system releases
-//! the locks of a process that ends. So a temporary file that can be locked has no writer, on whichever machine, and is removed by
-//! [`remove_leftovers`].
+//! A killed process leaves its temporary file. A writer holds a lock on its temporary file until
+//! the file is renamed, and the system releases the locks of a process that ends. So a temporary
+//! file that can be locked has no writer, on any machine, and [`remove_leftovers`] removes it.
 
 use core::fmt;
 use std::ffi::{OsStr, OsString};
@@ -46,17 +48,19 @@ pub(crate) fn replace(
         Target::Regular { path, permissions } => {
             let (new, file) = NewFile::with_content(&path, permissions, write)?;
             let renamed = new.rename(&path);
-            // no other process takes the file for a leftover before it has its name
+            // The lock is held until the file has its name, so that no other process takes the file
+            // for a leftover.
             drop(file);
             renamed
         }
     }
 }
 
-/// Checks that a file can be written: does all that [`replace`] does, except that an old file stays as it is.
+/// Checks that a file can be written: does the same as [`replace`], but leaves an old file
+/// unchanged.
 ///
 /// # Errors
-/// Those of [`replace`].
+/// As [`replace`].
 #[cfg(feature = "checkpoint")]
 pub(crate) fn try_replace(
     path: &Path,
@@ -70,7 +74,8 @@ pub(crate) fn try_replace(
     }
 }
 
-/// Removes the temporary files that killed writers of a file have left. Files that cannot be removed, and those of a file system without locks, stay.
+/// Removes the temporary files that killed writers of a file have left. Files that cannot be
+/// removed stay, and so do files on a file system without locks.
 #[cfg(feature = "checkpoint")]
 pub(crate) fn remove_leftovers(path: &Path) {
     let Ok(Target::Regular { path, .. }) = Target::of(path) else {
@@ -94,14 +99,15 @@ pub(crate) fn remove_leftovers(path: &Path) {
     }
 }
 
-/// What a path leads to.
+/// The kind of file that a path leads to.
 enum Target {
     /// A device, a pipe or a folder.
     Special,
-    /// A regular file, or none yet. Links are followed: the file that a link leads to is replaced, and the link stays.
+    /// A regular file, or a file that does not exist yet. Links are followed: the file that a link
+    /// leads to is replaced, and the link stays.
     Regular {
         path: PathBuf,
-        /// Those of the old file, if there is one.
+        /// The permissions of the old file, if there is one.
         permissions: Option<Permissions>,
     },
 }
@@ -120,7 +126,7 @@ impl Target {
             Ok(_) => Ok(Self::Special),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let mut path = path.to_owned();
-                // a chain of links without an end is another error than a missing file
+                // An endless chain of links is another error than a missing file.
                 while let Ok(next) = fs::read_link(&path) {
                     path = folder_of(&path).join(next);
                 }
@@ -147,7 +153,8 @@ fn folder_of(path: &Path) -> &Path {
     folder.unwrap_or(Path::new("."))
 }
 
-/// Returns the name of a temporary file: that of the target between dots, the number of the process, and a number of its own.
+/// Returns the name of a temporary file: the name of the target between dots, the number of the
+/// process, and `number`.
 fn temporary_name(target: &OsStr, number: u64) -> OsString {
     let mut name = OsString::from(".");
     name.push(target);
@@ -214,7 +221,8 @@ impl NewFile {
             };
             let is_renamed = false;
             let new = Self { path, is_renamed };
-            // Before the lock, another process can have taken the file for a leftover. A file system without locks gives another error.
+            // Before the lock, another process can have taken the file for a leftover. A file
+            // system without locks returns another error.
             let is_taken = matches!(file.try_lock(), Err(TryLockError::WouldBlock))
                 || matches!(new.path.try_exists(), Ok(false));
             if !is_taken {
@@ -226,7 +234,8 @@ impl NewFile {
     fn rename(mut self, target: &Path) -> io::Result<()> {
         fs::rename(&self.path, target)?;
         self.is_renamed = true;
-        // Synchronising the folder writes the new name. Some file systems do not support this, and write the name later.
+        // Synchronising the folder writes the new name. Some file systems do not support this, and
+        // write the name later.
         #[cfg(unix)]
         if let Ok(folder) = File::open(folder_of(target)) {
             let _ = folder.sync_all();
@@ -238,7 +247,7 @@ impl NewFile {
 impl Drop for NewFile {
     fn drop(&mut self) {
         if !self.is_renamed {
-            // the earlier error is reported
+            // The earlier error is reported.
             let _ = fs::remove_file(&self.path);
         }
     }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::write;
 
-/// An empty folder of its own.
+/// Creates an empty folder for one test.
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("sve-{}-{name}", std::process::id()));
     let _ = fs::remove_dir_all(&folder);
@@ -88,14 +88,14 @@ fn folders_that_are_none_are_errors() {
 #[test]
 fn full_devices_are_errors() {
     let path = std::path::Path::new("/dev/full");
-    // few bytes, which only the flush writes
+    // The content has few bytes, so that only the flush writes them.
     let error = write(path, |to| to.write_all(b"x")).unwrap_err();
     assert_eq!(error.kind(), io::ErrorKind::StorageFull);
     assert!(error.to_string().contains("/dev/full"), "{error}");
     assert!(!path.metadata().unwrap().is_file());
 }
 
-/// A link to a file that does not exist yet is followed, too.
+/// Checks that a link to a file that does not exist yet is followed, too.
 #[cfg(unix)]
 #[test]
 fn a_link_without_a_file_stays() {
@@ -169,7 +169,7 @@ mod leftovers {
         }
     }
 
-    /// Waits until another process has done something.
+    /// Waits until another process has reached a state.
     fn wait(until: impl Fn() -> bool) {
         let start = Instant::now();
         while !until() {
@@ -209,7 +209,7 @@ mod leftovers {
         });
         remove_leftovers(&path);
         assert_eq!(files(&folder), 1 + others.len());
-        // another run may write the same file beside the living one
+        // Another run may write the same file beside the temporary file of the living writer.
         write(&path, |to| to.write_all(b"whole")).unwrap();
         assert_eq!(files(&folder), 2 + others.len());
         writer.kill().unwrap();

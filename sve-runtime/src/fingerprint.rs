@@ -1,8 +1,9 @@
 //! Fingerprints: hashes by which runs, studies and snapshots know that their steps are the same.
 //!
-//! Input: a method with its system. Output: a 64-bit hash of the formulas, of the values of the parameters, and of the method with its options, so that a
-//! message can say which one differs. Invariant: equal steps have equal numbers; every value enters with all its bits. Every field that the block of a system
-//! reads is a parameter.
+//! Input: a method with its system. Output: a 64-bit hash each of the formulas, of the values of
+//! the parameters, and of the method with its options, so that a message can name the one that
+//! differs. Invariant: equal steps have equal hashes; every value enters with all its bits. Every
+//! field that the block of a system reads is a parameter.
 //!
 //! Source of the hash: XXH64 (Y. Collet, `https://xxhash.com`), by the crate `twox-hash`.
 
@@ -22,7 +23,7 @@ impl Hash {
         self.0.write(&word.to_le_bytes());
     }
 
-    /// Adds all bits of a number; any NaN is the same.
+    /// Adds all bits of a number; all NaNs count as the same.
     pub(crate) fn add_number(&mut self, x: f64) {
         self.add(if x.is_nan() { f64::NAN } else { x }.to_bits());
     }
@@ -39,7 +40,8 @@ pub(crate) fn hash(of: impl FnOnce(&mut Hash)) -> u64 {
     hash.finish()
 }
 
-/// The fingerprint of the steps of a method: everything that determines them besides state, step size and increments.
+/// The fingerprint of the steps of a method: everything that determines them besides state, step
+/// size and increments.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct StepsFingerprint {
@@ -48,7 +50,7 @@ pub(crate) struct StepsFingerprint {
     method: u64,
 }
 
-/// What of two methods differs.
+/// The first part in which two methods differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StepsDifference {
     Formulas,

@@ -1,14 +1,15 @@
 //! Floating-point numbers for serde.
 //!
-//! Input: numbers, lists and arrays of them. Output: themselves; in human-readable formats, such as JSON, a number that is not finite becomes the
-//! string `NaN`, `inf` or `-inf`, since JSON has no such numbers. Invariant: binary formats keep every bit.
+//! Input: numbers, lists and arrays of numbers. Output: the same numbers. In human-readable
+//! formats, such as JSON, a number that is not finite becomes the string `NaN`, `inf` or `-inf`,
+//! since JSON has no such numbers. Invariant: binary formats keep every bit.
 
 use core::fmt;
 
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-#[allow(clippy::trivially_copy_pass_by_ref)] // as serde calls it
+#[allow(clippy::trivially_copy_pass_by_ref)] // the signature that serde calls
 pub(crate) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if serializer.is_human_readable() && !x.is_finite() {
         serializer.collect_str(x)
@@ -56,7 +57,7 @@ impl Visitor<'_> for NumberOrName {
     }
 }
 
-/// One of a list.
+/// A number of a list.
 #[derive(Serialize, Deserialize)]
 #[serde(transparent)]
 pub(crate) struct Float(#[serde(with = "self")] pub(crate) f64);

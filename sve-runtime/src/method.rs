@@ -14,16 +14,19 @@ use crate::system::{
 /// The sizes and types of the system of a method.
 pub(crate) type DimsOf<I> = <<I as OneStepMethod>::System as System>::Dims;
 
-/// A one-step method for a system, with increments of any kind: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
+/// A one-step method for a system, with increments of any kind: an
+/// [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
 pub trait OneStepMethod {
-    /// The system it integrates.
+    /// The system that the method integrates.
     type System: System;
-    /// The increments of a step: [`IncrementsOf`](crate::IncrementsOf) the system for methods that take one for each Wiener process.
+    /// The increments of a step: [`IncrementsOf`](crate::IncrementsOf) the system for methods that
+    /// take one for each Wiener process.
     type Increments: Increments;
-    /// Values that depend on parameters and step size only, and what a trajectory carries from step to step.
+    /// Values that depend on parameters and step size only, and the numbers that a trajectory
+    /// carries from step to step.
     type Prepared: Clone;
 
-    /// The system it integrates.
+    /// Returns the system that the method integrates.
     fn system(&self) -> &Self::System;
 
     /// Checks the step size and computes the values that depend on it only.
@@ -32,10 +35,11 @@ pub trait OneStepMethod {
     /// [`StepError::StepSize`] if `h` is zero or not finite.
     fn prepare(&self, h: f64) -> Result<Self::Prepared, StepError>;
 
-    /// Makes one step, with the values that [`prepare`](Self::prepare) returned for the same `h` and the same parameters.
+    /// Makes one step, with the values that [`prepare`](Self::prepare) returned for the same `h`
+    /// and the same parameters.
     ///
     /// # Errors
-    /// A [`StepError`] when the step fails; `state` is then unchanged.
+    /// A [`StepError`] if the step fails; `state` is then unchanged.
     fn step_prepared(
         &self,
         prepared: &Self::Prepared,
@@ -44,15 +48,17 @@ pub trait OneStepMethod {
         dw: &Self::Increments,
     ) -> Result<(), StepError>;
 
-    /// Returns the number of increments of a process in a step: 1, or the stages of a rule with stage noise.
+    /// Returns the number of increments of a process in a step: 1, or the number of stages of a
+    /// rule with stage noise.
     #[doc(hidden)]
     #[inline]
     fn stages(&self) -> usize {
         1
     }
 
-    /// Makes the next step of a trajectory, which keeps in `prepared` what the step after it can use. The same as
-    /// [`step_prepared`](Self::step_prepared) for a method that carries nothing.
+    /// Makes the next step of a trajectory. Keeps in `prepared` the numbers that the following step
+    /// can use. For a method that carries nothing it is the same as
+    /// [`step_prepared`](Self::step_prepared).
     ///
     /// # Errors
     /// As [`step_prepared`](Self::step_prepared).
@@ -75,15 +81,18 @@ pub trait OneStepMethod {
         Vec::new()
     }
 
-    /// Replaces the numbers that the method carries from step to step. Returns whether they are so many.
+    /// Replaces the numbers that the method carries from step to step. Returns whether their count
+    /// is right.
     #[doc(hidden)]
     fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {
         let _ = prepared;
         numbers.is_empty()
     }
 
-    /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of lanes that the fast path could not solve; their
-    /// states are copied unchanged, and the caller steps them with [`step_prepared`](Self::step_prepared). The default solves no lane.
+    /// Advances every lane on the fast path and writes the result to `next`. Returns the mask of
+    /// lanes that the fast path could not solve; their states are copied unchanged, and the caller
+    /// steps them with [`step_prepared`](Self::step_prepared). The default implementation solves no
+    /// lane.
     ///
     /// Times in `next` are not written: the caller sets them.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
@@ -101,25 +110,29 @@ pub trait OneStepMethod {
         ALL
     }
 
-    /// Writes the method's name and options to a hasher: everything that determines the steps besides system, step size and increments. Shards and
-    /// checkpoints of ensembles are recognised by it.
+    /// Writes the method's name and options to a hasher: everything that determines the steps
+    /// besides system, step size and increments. The hash identifies the method of shards and
+    /// checkpoints of ensembles.
     ///
-    /// The default writes the name of the type. A method with options has to add them.
+    /// The default implementation writes the name of the type. A method with options has to add
+    /// them.
     fn identify(&self, to: &mut dyn Hasher) {
-        // The arguments of the type are the system, which has its own hash.
+        // The arguments of the type are dropped: the system has its own hash.
         let name = type_name::<Self>();
         to.write(name.split('<').next().unwrap_or(name).as_bytes());
     }
 
-    /// Returns the name of the method with its options, as pages of ensembles and studies show it. The default is the name of the type.
+    /// Returns the name of the method with its options, as pages of ensembles and studies show it.
+    /// The default implementation returns the name of the type.
     fn describe(&self) -> String {
         let name = type_name::<Self>();
         let name = name.split('<').next().unwrap_or(name);
         name.rsplit("::").next().unwrap_or(name).to_owned()
     }
 
-    /// Returns the largest number of Newton iterations of a block in a step from `state`; 0 if the equations are explicit or linear.
-    /// `None` if the method does not count iterations, or the step fails.
+    /// Returns the largest number of Newton iterations of a block in a step from `state`; 0 if the
+    /// equations are explicit or linear. `None` if the method does not count iterations, or the
+    /// step fails.
     ///
     /// For measurements only: it costs several steps, since a step does not count its iterations.
     fn newton_iterations(
@@ -133,7 +146,8 @@ pub trait OneStepMethod {
         None
     }
 
-    /// Returns the order of convergence at a fixed time, if it is known: the strong order with noise, otherwise the deterministic order.
+    /// Returns the order of convergence at a fixed time, if it is known: the strong order with
+    /// noise, otherwise the deterministic order.
     fn order(&self) -> Option<f64> {
         None
     }
@@ -144,10 +158,12 @@ pub trait OneStepMethod {
         false
     }
 
-    /// One step that adds the low parts `low` of the state, and writes its rounding errors to `low`.
+    /// Makes one step that adds the low parts `low` of the state, and writes its rounding errors to
+    /// `low`.
     ///
     /// # Errors
-    /// As [`step_prepared`](Self::step_prepared); [`StepError::Uncompensated`] if the method makes no such steps.
+    /// As [`step_prepared`](Self::step_prepared); [`StepError::Uncompensated`] if the method makes
+    /// no such steps.
     #[doc(hidden)]
     fn compensated_step(
         &self,
@@ -162,20 +178,20 @@ pub trait OneStepMethod {
     }
 }
 
-/// A method whose steps can be differentiated by their start and the parameters: every [`Integrator`](crate::Integrator).
-///
-/// Gradients along paths ask for it: [`Ensemble::gradient`](crate::ensemble::Ensemble::gradient), [`Trajectory::gradient`](crate::Trajectory::gradient).
+/// Gradients along paths require it: [`Ensemble::gradient`](crate::ensemble::Ensemble::gradient),
+/// [`Trajectory::gradient`](crate::Trajectory::gradient).
 #[diagnostic::on_unimplemented(
     message = "the steps of `{Self}` have no derivatives",
     label = "gradients need the derivatives of each step",
     note = "the steps of an `Integrator` have them, with any rule and composition; those of a baseline have not"
 )]
 pub trait Differentiable: OneStepMethod {
-    /// Makes one step and carries tangent vectors along it. `prepared` is that of `h`.
+    /// Makes one step and carries tangent vectors along it. `prepared` has the values of
+    /// [`prepare`](OneStepMethod::prepare) for this `h`.
     ///
     /// # Errors
-    /// As [`step_prepared`](OneStepMethod::step_prepared), and [`StepError::Singular`] if the Jacobian of the equations is singular at their solution. The
-    /// vectors have no meaning then.
+    /// As [`step_prepared`](OneStepMethod::step_prepared), and [`StepError::Singular`] if the
+    /// Jacobian of the equations is singular at their solution. The vectors are then invalid.
     #[doc(hidden)]
     fn push_forward(
         &self,
@@ -186,8 +202,9 @@ pub trait Differentiable: OneStepMethod {
         directions: Directions<'_, VectorOf<Self::System>>,
     ) -> Result<(), StepError>;
 
-    /// Makes one step in every lane as [`step_lanes`](OneStepMethod::step_lanes) does, bit for bit, and carries tangent vectors along it. Returns the mask of lanes that
-    /// were not solved, and the mask of lanes whose vectors have no meaning.
+    /// Makes one step in every lane as [`step_lanes`](OneStepMethod::step_lanes) does, bit for bit,
+    /// and carries tangent vectors along it. Returns the mask of lanes that were not solved, and
+    /// the mask of lanes whose vectors are invalid.
     #[doc(hidden)]
     fn push_forward_lanes(
         &self,
@@ -199,7 +216,8 @@ pub trait Differentiable: OneStepMethod {
         tangents: LaneDirections<'_, TangentLanesOf<Self::System>>,
     ) -> [Mask; 2];
 
-    /// Carries the derivatives of a function by the result of a step back to `state`, the start of the step.
+    /// Carries the derivatives of a function by the result of a step back to `state`, the start of
+    /// the step.
     ///
     /// # Errors
     /// As [`push_forward`](Self::push_forward).

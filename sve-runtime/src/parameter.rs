@@ -21,13 +21,14 @@ impl Number for f64 {
     }
 }
 
-/// Returns the value of a parameter. If the parameter is not an `f64`, the compile error of `Number` says how to name its type.
+/// Returns the value of a parameter. If the parameter is not an `f64`, the compile error of
+/// `Number` explains how to name its type.
 #[inline(always)]
 pub fn number<T: Number>(parameter: T) -> f64 {
     parameter.value()
 }
 
-/// What `into` makes a matrix of: an array of columns, a matrix, or a rotation.
+/// A type that `into` converts to a matrix: an array of columns, a matrix, or a rotation.
 pub trait Columns {
     /// Returns the entry of a row and a column.
     fn entry(&self, row: usize, column: usize) -> f64;
@@ -54,7 +55,7 @@ impl<const D: usize> Columns for Rotation<f64, D> {
     }
 }
 
-/// Returns an entry of a parameter that `into` makes a matrix of.
+/// Returns an entry of a parameter that `into` converts to a matrix.
 #[inline(always)]
 pub fn entry(parameter: &impl Columns, row: usize, column: usize) -> f64 {
     parameter.entry(row, column)

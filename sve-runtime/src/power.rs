@@ -1,6 +1,7 @@
 //! Derivatives of a power with respect to its exponent.
 //!
-//! Input: base `x`, exponent `y`, order of the derivative `n`. Output: `x^y lnⁿ x`, extended continuously to x = 0.
+//! Input: base `x`, exponent `y`, order of the derivative `n`. Output: `x^y lnⁿ x`, extended
+//! continuously to x = 0.
 
 /// Returns `x^y lnⁿ x`. For y > 0 the value at x = 0 is the limit, zero.
 #[inline]
@@ -19,7 +20,7 @@ mod tests {
     fn is_the_derivative_in_the_exponent() {
         for (x, y) in [(0.3f64, 1.7f64), (2.5, -0.4), (4.0, 0.0)] {
             let slope = (x.powf(y + 1e-5) - x.powf(y - 1e-5)) / 2e-5;
-            // errors of the difference: truncation 1e-10 f‴/6, rounding 1e-16/1e-5
+            // Errors of the difference: truncation 1e-10 f‴/6, rounding 1e-16/1e-5.
             assert!((power_log(x, y, 1) - slope).abs() < 1e-9);
             let again = (power_log(x, y + 1e-5, 1) - power_log(x, y - 1e-5, 1)) / 2e-5;
             assert!((power_log(x, y, 2) - again).abs() < 1e-9);

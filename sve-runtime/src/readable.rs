@@ -1,6 +1,7 @@
 //! Errors whose `Debug` is their message.
 //!
-//! A `main` that returns an error prints it with `Debug`, and so do `unwrap` and `expect`. Input: types with `Display`. Output: their `Debug`, the same text.
+//! A `main` that returns an error prints it with `Debug`, and so do `unwrap` and `expect`. Input:
+//! types with `Display`. Output: their `Debug`, with the same text.
 
 /// Prints errors with `Debug` as with `Display`.
 macro_rules! debug_is_display {

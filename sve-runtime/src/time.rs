@@ -1,11 +1,13 @@
 //! Times of steps.
 
-/// Returns the time `start + steps h`, rounded once by a fused operation, which has the same bits on every machine.
+/// Returns the time `start + steps h`, rounded once by a fused operation, which has the same bits
+/// on every machine.
 #[inline]
 pub(crate) fn time_after(start: f64, steps: u64, h: f64) -> f64 {
     let steps = steps as f64;
     if start == 0.0 {
-        // The product alone is rounded once too, and is faster on machines without a fused operation.
+        // The product alone is rounded once too, and is faster on machines without a fused
+        // operation.
         steps * h
     } else {
         steps.mul_add(h, start)
@@ -18,16 +20,19 @@ pub(crate) fn is_next_time(t: f64, end: f64) -> bool {
     end.is_finite() && end != t
 }
 
-/// Decimal digits with which every number is printed as one writes it: 15 digits survive the way to `f64` and back.
+/// Decimal digits with which a number prints as it was written: a decimal number of 15 digits
+/// survives the conversion to `f64` and back.
 const DIGITS: u64 = 1_000_000_000_000_000;
 
-/// Largest power of ten that `f64` has exactly.
+/// Largest power of ten that is exact in `f64`.
 const LARGEST_EXPONENT: i32 = 22;
 
-/// The times t₀ + k h as one writes them: 0.1 · 3 is 0.3.
+/// The times t₀ + k h as decimal numbers: 0.1 · 3 is 0.3.
 ///
-/// The start and the step size are taken as the decimal numbers that print them, 1.5 and 0.1, as long as the sum has at most 15 digits. The time is then the `f64` that prints as the sum.
-/// Where it has more, as for h = 1/3, it is t₀ + k h of the numbers themselves, rounded once.
+/// The start and the step size are taken as the decimal numbers that they print as, such as 1.5 and
+/// 0.1, as long as the sum has at most 15 digits. The time is then the `f64` that prints as the
+/// sum. If the sum has more digits, as for h = 1/3, the time is t₀ + k h with start and step size
+/// in binary, rounded once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WrittenTimes {
     start: f64,
@@ -66,12 +71,12 @@ impl WrittenTimes {
         })
     }
 
-    /// Returns whether start and step size are numbers from which steps lead on.
+    /// Returns whether start and step size are finite and the step size is not zero.
     pub(crate) fn are_known(&self) -> bool {
         self.start.is_finite() && self.h.is_finite() && self.h != 0.0
     }
 
-    /// The step size.
+    /// Returns the step size.
     pub(crate) fn h(&self) -> f64 {
         self.h
     }
@@ -81,7 +86,8 @@ impl WrittenTimes {
         (t - other) * self.h.signum() < 0.0
     }
 
-    /// Returns the number of whole steps before a time, and whether the time is that after these steps up to rounding. `None` if the time is before the start, or not finite.
+    /// Returns the number of whole steps before a time, and whether the time after these steps
+    /// equals this time up to rounding. `None` if the time is before the start, or not finite.
     pub(crate) fn position(&self, t: f64) -> Option<(u64, bool)> {
         let steps = (t - self.start) / self.h;
         let tolerance =
@@ -99,7 +105,8 @@ impl WrittenTimes {
     }
 }
 
-/// Returns two numbers in units of a common power of ten, and its exponent. `None` if one has more than 15 digits in this unit.
+/// Returns two numbers in units of a common power of ten, and its exponent. `None` if one of them
+/// has more than 15 digits in this unit.
 fn common_decimals(start: f64, h: f64) -> Option<([i64; 2], i32)> {
     let ([start, h], [of_start, of_h]) = {
         let ((a, of_a), (b, of_b)) = (decimals(start)?, decimals(h)?);
@@ -118,7 +125,8 @@ fn common_decimals(start: f64, h: f64) -> Option<([i64; 2], i32)> {
     (exponent.abs() <= LARGEST_EXPONENT).then_some((both, exponent))
 }
 
-/// Returns the digits of a number as an integer, and the exponent of its last digit. `None` if there are more than 15.
+/// Returns the digits of a number as an integer, and the exponent of its last digit. `None` if the
+/// number has more than 15 digits.
 fn decimals(x: f64) -> Option<(i64, i32)> {
     if x == 0.0 {
         return Some((0, 0));
@@ -158,7 +166,8 @@ mod tests {
         }
     }
 
-    /// Checks that a time is the number nearest to the decimal sum wherever that has at most 15 digits.
+    /// Checks that a time is the nearest number to the decimal sum if the sum has at most 15
+    /// digits.
     #[test]
     fn times_are_the_nearest_numbers_to_decimal_sums() {
         for h in [7, 13, 1001, 99_999] {
@@ -182,7 +191,8 @@ mod tests {
         assert_eq!(WrittenTimes::new(0.0, 1.0 / 3.0).after(3), 1.0);
     }
 
-    /// A decimal sum becomes too long at some step; times increase there too, and everywhere are within two units of rounding.
+    /// A decimal sum becomes too long at some step. Times increase at this step too, and everywhere
+    /// are within two units of rounding.
     #[test]
     fn times_increase_where_decimals_end() {
         let times = WrittenTimes::new(0.0, 0.123_456_789_01);

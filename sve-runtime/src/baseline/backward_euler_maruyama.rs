@@ -1,12 +1,13 @@
 //! Backward (drift-implicit) Euler–Maruyama: `z₁ = z₀ + h f(z₁) + h c(z₀) + Σ g_a(z₀) ΔW_a`.
 //!
-//! Here `z = (q, p)`, f is the drift, `g_a` the noise fields and `c = ½ Σ (Dg_a) g_a` the Itô correction. Only the drift is
-//! implicit. The noise and its Itô correction are evaluated at the start of the step, so that no unbounded ΔW enters the implicit
-//! equation. With `n = h c(z₀) + Σ g_a(z₀) ΔW_a` and `q₁ = q₀ + n_q + h v₁` the unknown is `v₁` alone:
-//! `L_v(t₁, q₁, v₁) − p₀ − h (L_q + F)(t₁, q₁, v₁) − n_p = 0`, by Newton's method from `v₀`.
-//! Kloeden and Platen, Numerical Solution of Stochastic Differential Equations, section 12.2.
-//! Strong order ½ (1 where the noise is additive), deterministic order 1.
-//! This scheme is stable and damps oscillations: its energy settles where the exact energy grows.
+//! Here `z = (q, p)`, f is the drift, `g_a` the noise fields and `c = ½ Σ (Dg_a) g_a` the Itô
+//! correction. Only the drift is implicit. The noise and its Itô correction are evaluated at the
+//! start of the step, so that no unbounded ΔW enters the implicit equation. With
+//! `n = h c(z₀) + Σ g_a(z₀) ΔW_a` and `q₁ = q₀ + n_q + h v₁` the unknown is `v₁` alone: `L_v(t₁,
+//! q₁, v₁) − p₀ − h (L_q + F)(t₁, q₁, v₁) − n_p = 0`, by Newton's method from `v₀`. Kloeden and
+//! Platen, Numerical Solution of Stochastic Differential Equations, section 12.2. Strong order ½ (1
+//! with additive noise), deterministic order 1. The scheme is stable and damps oscillations: its
+//! energy settles where the exact energy grows.
 
 use crate::mechanics::legendre;
 use crate::mechanics::{correction_of, noise_of};
@@ -76,7 +77,8 @@ impl<S: System> BackwardEulerMaruyama<S> {
     /// Replaces the options of the Newton iteration.
     ///
     #[doc = include_str!("../example.md")]
-    /// let method = BackwardEulerMaruyama::new(&system).with_newton(Newton { max_iterations: 20, ..Newton::default() });
+    /// let newton = Newton { max_iterations: 20, ..Newton::default() };
+    /// let method = BackwardEulerMaruyama::new(&system).with_newton(newton);
     /// let mut state = start;
     /// method.step(&mut state, 0.01, &[0.02])?;
     #[doc = include_str!("../example_end.md")]
@@ -112,7 +114,8 @@ impl<S> BackwardEulerMaruyama<S> {
 
 method_by_increment!(BackwardEulerMaruyama, M, [is_corrected, newton]);
 
-/// Solves the implicit equation and returns the increment `(q₁ − q₀, p₁ − p₀)`; `n` is the contribution of the noise.
+/// Solves the implicit equation and returns the increment `(q₁ − q₀, p₁ − p₀)`; `n` is the
+/// contribution of the noise.
 #[inline]
 fn drift_implicit<S, Q, const N: usize, const M: usize>(
     system: &S,

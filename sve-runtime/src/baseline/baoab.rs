@@ -1,13 +1,19 @@
 //! BAOAB: kick, drift, exact friction and noise, drift, kick, for Langevin systems.
 //!
 //! ```text
-//! B  p += ½h (−∂V/∂q + F(q, 0))      A  q += ½h M⁻¹p      O  dp = −Γ p dt + Σ dW over h, exactly      A      B
+//! B  p += ½h (−∂V/∂q + F(q, 0))
+//! A  q += ½h M⁻¹p
+//! O  dp = −Γ p dt + Σ dW over h, exactly
+//! A, B again
 //! ```
 //!
-//! Input: L = ½ vᵀMv − V without terms linear in v, a force F(q, v) = F(q, 0) − C v and noises γ of the configuration. The friction Γ = C M⁻¹ and the noise Σ = ∂γ/∂q follow from their derivatives, so the temperature is
-//! that of the system's own friction and noise. Invariant: with a harmonic V, the distribution of q in equilibrium is exact for every stable h.
+//! Input: L = ½ vᵀMv − V without terms linear in v, a force F(q, v) = F(q, 0) − C v and noises γ of
+//! the configuration. The friction Γ = C M⁻¹ and the noise Σ = ∂γ/∂q follow from the derivatives of
+//! F and γ, so the temperature is determined by the system's own friction and noise. Invariant:
+//! with a harmonic V, the distribution of q in equilibrium is exact for every stable h.
 //!
-//! Source: Leimkuhler, Matthews, *Rational construction of stochastic numerical methods for molecular sampling*, Appl. Math. Res. Express (2013) 34–56.
+//! Source: Leimkuhler, Matthews, *Rational construction of stochastic numerical methods for
+//! molecular sampling*, Appl. Math. Res. Express (2013) 34–56.
 
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
@@ -23,14 +29,17 @@ use crate::solve::dense;
 use crate::system::jets::LagrangianJet;
 use crate::system::{Dims, System};
 
-/// Difference of two terms, relative to their size, up to which they are equal: rounding errors of derivatives and of the inverse mass matrix.
+/// Largest difference of two terms, relative to their size, that counts as zero: rounding errors of
+/// derivatives and of the inverse mass matrix.
 const ROUNDING: f64 = 1e-10;
 
 /// The splitting BAOAB of Leimkuhler and Matthews, for systems with friction and a bath.
 ///
-/// It takes the friction from the force, F(q, v) = F(q, 0) − C v, and the noise from `#[gamma]`: nothing is given twice. The rates of friction, C M⁻¹, have to be a diagonal matrix, and noises must not couple coordinates
-/// of different rates; then friction and noise together are solved exactly in distribution. In time it is of weak order 2, and of strong order 1. With a harmonic potential
-/// its positions have the exact distribution at any stable h:
+/// It takes the friction from the force, F(q, v) = F(q, 0) − C v, and the noise from `#[gamma]`:
+/// nothing is given twice. The rates of friction, C M⁻¹, have to be a diagonal matrix, and noises
+/// must not couple coordinates of different rates. Under these conditions friction and noise
+/// together are solved exactly in distribution. In time it is of weak order 2, and of strong
+/// order 1. With a harmonic potential its positions have the exact distribution at any stable h:
 ///
 /// ```
 /// use sve_runtime::baseline::Baoab;
@@ -51,7 +60,8 @@ const ROUNDING: f64 = 1e-10;
 /// # fn main() -> Result<(), StepError> {
 /// let method = Baoab::new(Langevin { nu: 1.0, kt: 0.5 });
 /// let mut square = Blocking::new();
-/// for state in method.trajectory(State::new([0.0], [0.0]), 1.0, Wiener::new(1)).skip(100).take(100_000) {
+/// let path = method.trajectory(State::new([0.0], [0.0]), 1.0, Wiener::new(1));
+/// for state in path.skip(100).take(100_000) {
 ///     square.push(state?.q[0].powi(2));
 /// }
 /// // kT, with a step of a sixth of a period
@@ -89,7 +99,8 @@ where
     }
 
     /// # Errors
-    /// Beside those of every step, [`StepError::NotLangevin`] where friction and noise cannot be solved exactly.
+    /// The errors of every step, and [`StepError::NotLangevin`] if friction and noise cannot be
+    /// solved exactly.
     fn step_prepared(
         &self,
         (): &(),
@@ -166,7 +177,8 @@ impl<S> Baoab<S> {
         (force, jet)
     }
 
-    /// Returns the change of the momentum by friction and noise over a step, solved exactly in distribution.
+    /// Returns the change of the momentum by friction and noise over a step, solved exactly in
+    /// distribution.
     fn relaxation<Q, const N: usize, const M: usize>(
         &self,
         at: &State<[f64; N]>,
@@ -207,7 +219,7 @@ impl<S> Baoab<S> {
         }))
     }
 
-    /// Returns the rate of friction of each momentum, or why there is none.
+    /// Returns the rate of friction of each momentum, or the reason why it has none.
     fn rates<Q, const N: usize, const M: usize>(
         &self,
         at: &State<[f64; N]>,
@@ -232,7 +244,7 @@ impl<S> Baoab<S> {
             if (moving[i] - affine).abs() > ROUNDING * (scale + moving[i].abs()) {
                 return Err("the force is not affine in the velocity");
             }
-            // a row of C M⁻¹; M is symmetric
+            // The row is a row of C M⁻¹, since M is symmetric.
             rows[i] = mass.solve(&rest.dv[i].map(|x| -x));
             rates[i] = rows[i][i];
         }
@@ -247,7 +259,8 @@ impl<S> Baoab<S> {
     }
 }
 
-/// Returns √((1 − e^(−2x))/(2x)): the deviation of ∫ e^(−x(1 − s)) dW over a unit of time, relative to that of W.
+/// Returns √((1 − e^(−2x))/(2x)): the standard deviation of ∫ e^(−x(1 − s)) dW over a unit of time,
+/// relative to the standard deviation of W.
 fn shrinkage(x: f64) -> f64 {
     if x == 0.0 {
         return 1.0;

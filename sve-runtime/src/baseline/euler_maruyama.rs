@@ -1,11 +1,12 @@
 //! Forward Euler–Maruyama: `z₁ = z₀ + h f̂(z₀) + Σ g_a(z₀) ΔW_a`.
 //!
-//! Here `z = (q, p)`, f is the drift and `g_a` the noise fields of the first-order form. The scheme solves the Itô equation, so the
-//! drift of the Stratonovich equation gets the Itô correction: `f̂ = f + ½ Σ (Dg_a) g_a`.
-//! G. Maruyama, Continuous Markov processes and stochastic equations, Rend. Circ. Mat. Palermo 4 (1955);
-//! Kloeden and Platen, Numerical Solution of Stochastic Differential Equations, section 10.2.
-//! Strong order ½ (1 where the noise is additive), deterministic order 1.
-//! This is the best known scheme. Its energy grows exponentially where the exact energy grows linearly.
+//! Here `z = (q, p)`, f is the drift and `g_a` the noise fields of the first-order form. The scheme
+//! solves the Itô equation, so the drift of the Stratonovich equation gets the Itô correction:
+//! `f̂ = f + ½ Σ (Dg_a) g_a`. G. Maruyama, Continuous Markov processes and stochastic equations,
+//! Rend. Circ. Mat. Palermo 4 (1955); Kloeden and Platen, Numerical Solution of Stochastic
+//! Differential Equations, section 10.2. Strong order ½ (1 with additive noise), deterministic
+//! order 1. This is the best known scheme. Its energy grows exponentially where the exact energy
+//! grows linearly.
 
 use crate::phase::Field;
 use crate::phase::configuration::VectorCoordinates;
@@ -56,8 +57,9 @@ impl<S: System> EulerMaruyama<S> {
 
     /// Leaves the Itô correction out of the drift.
     ///
-    /// If the noise depends on the momentum, the uncorrected method converges to the solution of *another* equation than the
-    /// Stratonovich equation of the system. Publications that apply Euler–Maruyama to a Stratonovich equation as it stands plot this solution.
+    /// If the noise depends on the momentum, the uncorrected method converges to the solution of
+    /// *another* equation than the Stratonovich equation of the system. Publications that apply
+    /// Euler–Maruyama directly to a Stratonovich equation plot this solution.
     ///
     #[doc = include_str!("../example.md")]
     /// let method = EulerMaruyama::new(&system).uncorrected();

@@ -1,10 +1,11 @@
 //! Explicit methods, whose steps consist of increments of Euler's method.
 //!
-//! Input: the formula of a method and the increments of a system. Output: steps of single states and of lanes. The fast path evaluates the straight-line code that
-//! the macro wrote, and checks a step once, at its end. Where this check fails, the step is made again from the derivatives of L, which finds the error. Systems
-//! without such code take the second path always.
+//! Input: the formula of a method and the increments of a system. Output: steps of single states
+//! and of lanes. The fast path evaluates the straight-line code that the macro wrote, and checks a
+//! step once, at its end. If this check fails, the step is repeated from the derivatives of L,
+//! which finds the error. Systems without such code always take the second path.
 //!
-//! Invariant: a stage that is not finite is an error, also where the result is finite.
+//! Invariant: a stage that is not finite is an error, even if the result is finite.
 
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
@@ -22,7 +23,8 @@ use crate::system::{Dims, System};
 pub(super) trait ExplicitFormula {
     /// Number of increments of Euler's method in a step.
     const STAGES: usize;
-    /// Returns the increment of a step. `euler` returns the increment of Euler's method at a stage, of the length of the whole step; its first call is for the start.
+    /// Returns the increment of a step. `euler` returns the increment of Euler's method at a stage,
+    /// over the length of the whole step; its first call is for the start.
     fn formula<const N: usize, E>(
         &self,
         start: &State<[f64; N]>,
@@ -56,7 +58,8 @@ pub(super) struct Explicit<'a, S, F> {
     pub(super) formula: &'a F,
 }
 
-/// A sum that is zero if coordinates are finite, otherwise NaN. Unlike the sum of the coordinates it does not overflow by itself.
+/// A sum that is zero if all coordinates are finite, otherwise NaN. Unlike the sum of the
+/// coordinates it cannot overflow.
 #[derive(Clone, Copy)]
 struct Finiteness(f64);
 
@@ -84,7 +87,8 @@ where
     /// Makes one step.
     ///
     /// # Errors
-    /// A [`StepError`] if a stage or the result is not finite, or a velocity has no value; the state is then unchanged.
+    /// A [`StepError`] if a stage or the result is not finite, or a velocity has no value; the
+    /// state is then unchanged.
     #[inline(always)]
     pub(super) fn step(
         &self,
@@ -101,8 +105,10 @@ where
         };
         match explained(self.system, self.formula, error, (*state, h, *dw)) {
             Err(error) => Err(error),
-            // No input comes here: `explained` ends with an error. Written as `Err(explained(…))`, the compiler would not see that a loop of steps ends here, since the
-            // value of an error has room for `Ok`, and a loop that may go on after a call cannot keep the state in registers.
+            // This arm is never reached: `explained` ends with an error. With `Err(explained(…))`
+            // in its place the compiler would not see that a loop of steps ends here, since the
+            // value of an error has room for `Ok`, and a loop that may continue after a call cannot
+            // keep the state in registers.
             Ok(()) => unreachable!("`explained` ends with an error"),
         }
     }
@@ -200,7 +206,8 @@ where
     }
 }
 
-/// Returns the error of a step on which the fast path failed: what the derivatives of L say, otherwise the error of the fast path.
+/// Returns the error of a step on which the fast path failed: the error that the derivatives of L
+/// show, otherwise the error of the fast path.
 #[cold]
 #[inline(never)]
 fn explained<S, F, Q, const N: usize, const M: usize>(
@@ -222,7 +229,8 @@ where
 /// Returns the increment of Euler's method from the derivatives of L.
 ///
 /// # Errors
-/// [`SolveError::NonFinite`] if the stage overflowed, which a force that is bounded at infinity would hide; errors of the Legendre transform.
+/// [`SolveError::NonFinite`] if the stage overflowed, which a force that is bounded at infinity
+/// would hide; the errors of the Legendre transform.
 #[inline]
 fn careful_increment<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -256,10 +264,11 @@ where
     })
 }
 
-/// Implements `OneStepMethod` for an explicit method that has a field `system` and an [`ExplicitFormula`].
+/// Implements `OneStepMethod` for an explicit method that has a field `system` and an
+/// [`ExplicitFormula`].
 ///
-/// The second argument names the number of Wiener processes; without it, the method is for systems without noise. The brackets
-/// list the fields that are options of the method.
+/// The second argument names the number of Wiener processes; without it, the method is for systems
+/// without noise. The brackets list the fields that are options of the method.
 macro_rules! explicit_method {
     ($name:ident) => {
         explicit_method!(@ $name, [], 0,);

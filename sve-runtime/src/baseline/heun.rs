@@ -1,10 +1,12 @@
-//! Stochastic Heun: `z₁ = z₀ + ½ (k₀ + k₁)`, `k₀ = h f(z₀) + Σ g_a(z₀) ΔW_a`, `k₁` the same at `z₀ + k₀` and `t₀ + h`.
+//! Stochastic Heun: `z₁ = z₀ + ½ (k₀ + k₁)`, `k₀ = h f(z₀) + Σ g_a(z₀) ΔW_a`, `k₁` the same at
+//! `z₀ + k₀` and `t₀ + h`.
 //!
-//! Here `z = (q, p)`, f is the drift and `g_a` the noise fields of the first-order form. The trapezoidal corrector on the noise
-//! makes the scheme consistent with the Stratonovich integral, so no Itô correction appears.
-//! W. Rümelin, Numerical treatment of stochastic differential equations, SIAM J. Numer. Anal. 19 (1982).
-//! Strong order 1 where the noises commute, else ½; deterministic order 2.
-//! This is the explicit Stratonovich scheme whose cost is closest to a variational step.
+//! Here `z = (q, p)`, f is the drift and `g_a` the noise fields of the first-order form. The
+//! trapezoidal corrector on the noise makes the scheme consistent with the Stratonovich integral,
+//! so no Itô correction appears. W. Rümelin, Numerical treatment of stochastic differential
+//! equations, SIAM J. Numer. Anal. 19 (1982). Strong order 1 if the noises commute, otherwise ½;
+//! deterministic order 2. This is the explicit Stratonovich scheme whose cost is closest to a
+//! variational step.
 
 use crate::phase::Field;
 use crate::phase::configuration::VectorCoordinates;
@@ -24,7 +26,9 @@ use super::explicit::{ExplicitFormula, explicit_method, stage};
 ///
 /// #[variational(midpoint)]
 /// impl Kubo {
-///     fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v / (2.0 * self.a) - self.a / 2.0 * q * q }
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+///         v * v / (2.0 * self.a) - self.a / 2.0 * q * q
+///     }
 ///     #[h1]
 ///     fn jitter(&self, q: f64, p: f64) -> f64 { self.sigma / 2.0 * (q * q + p * p) }
 /// }

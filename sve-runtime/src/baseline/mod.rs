@@ -1,7 +1,9 @@
-//! Baselines: methods for comparison, one in each file, on the first-order form (`docs/mathematics.md`, sections 1 and 4).
+//! Baselines: methods for comparison, one in each file, on the first-order form
+//! (`docs/mathematics.md`, sections 1 and 4).
 //!
-//! Input: the derivatives that the macro generated for the same Lagrangian and noises. Output: a [`OneStepMethod`](crate::OneStepMethod);
-//! trajectories, ensembles and studies take a baseline wherever they take an [`Integrator`](crate::Integrator).
+//! Input: the derivatives that the macro generated for the same Lagrangian and noises. Output: a
+//! [`OneStepMethod`](crate::OneStepMethod); trajectories, ensembles and studies take a baseline
+//! wherever they take an [`Integrator`](crate::Integrator).
 //!
 //! | method | stochastic | deterministic order | strong order |
 //! | --- | --- | --- | --- |
@@ -12,12 +14,12 @@
 //! | [`RungeKutta4`] | no | 4 | |
 //! | [`TaylorSeries2`] | no | 2 | |
 //!
-//! None of them is symplectic.
+//! None of these methods is symplectic.
 
 /// Implements `OneStepMethod` for a baseline that has a field `system` and a function `increment`.
 ///
-/// The second argument names the number of Wiener processes; without it, the baseline is for systems without noise. The brackets
-/// list the fields that are options of the method.
+/// The second argument names the number of Wiener processes; without it, the baseline is for
+/// systems without noise. The brackets list the fields that are options of the method.
 macro_rules! method_by_increment {
     ($name:ident) => {
         method_by_increment!(@ $name, [], 0,);
@@ -90,7 +92,8 @@ pub use taylor_series2::TaylorSeries2;
 
 use crate::system::Dims;
 
-/// The [`System::Dims`](crate::System::Dims) of a system without noise, which deterministic methods require.
+/// The [`System::Dims`](crate::System::Dims) of a system without noise, which deterministic methods
+/// require.
 #[diagnostic::on_unimplemented(
     message = "this method is for systems without noise",
     label = "the system has a `#[gamma]` or an `#[h1]`",

@@ -1,9 +1,9 @@
 //! Classical Runge–Kutta: `z₁ = z₀ + h/6 (k₁ + 2k₂ + 2k₃ + k₄)`.
 //!
-//! `k₁ = f(t₀, z₀)`, `k₂ = f(t₀ + h/2, z₀ + h/2 k₁)`, `k₃ = f(t₀ + h/2, z₀ + h/2 k₂)`, `k₄ = f(t₀ + h, z₀ + h k₃)`, where
-//! `z = (q, p)` and f is the drift of the first-order form.
-//! W. Kutta, Z. Math. Phys. 46 (1901). Order 4. The types admit only systems without noise.
-//! This is the accurate scheme of everyday use, and gives references over short times. Its energy drifts.
+//! `k₁ = f(t₀, z₀)`, `k₂ = f(t₀ + h/2, z₀ + h/2 k₁)`, `k₃ = f(t₀ + h/2, z₀ + h/2 k₂)`,
+//! `k₄ = f(t₀ + h, z₀ + h k₃)`, where `z = (q, p)` and f is the drift of the first-order form. W.
+//! Kutta, Z. Math. Phys. 46 (1901). Order 4. The types admit only systems without noise. This is
+//! the usual accurate scheme, and gives references over short times. Its energy drifts.
 
 use crate::phase::Field;
 use crate::phase::configuration::VectorCoordinates;
@@ -40,7 +40,7 @@ const SIXTH: f64 = 1.0 / 6.0;
 /// # }
 /// ```
 ///
-/// A system with noise is refused where the method is made:
+/// The constructor refuses a system with noise:
 ///
 /// ```compile_fail
 /// use sve_runtime::baseline::RungeKutta4;

@@ -1,10 +1,10 @@
 //! Second-order Taylor method: `z₁ = z₀ + h ż₀ + ½ h² z̈₀` for `z = (q, p)`.
 //!
-//! `q̇ = v`, `ṗ = L_q`, `q̈ = a` from `L_vv a = L_q − L_vq v − L_vt`, and `p̈ = L_qq v + L_qv a + L_qt`.
-//! Hairer, Nørsett and Wanner, Solving Ordinary Differential Equations I, section I.8.
-//! Order 2. The types admit only systems without noise.
-//! The second-order Taylor variational integrator uses the same derivatives in the action. The energy of the method here grows
-//! without bound.
+//! `q̇ = v`, `ṗ = L_q`, `q̈ = a` from `L_vv a = L_q − L_vq v − L_vt`, and
+//! `p̈ = L_qq v + L_qv a + L_qt`. Hairer, Nørsett and Wanner, Solving Ordinary Differential
+//! Equations I, section I.8. Order 2. The types admit only systems without noise. The second-order
+//! Taylor variational integrator uses the same derivatives in the action. The energy of the method
+//! here grows without bound.
 
 use crate::mechanics::legendre;
 use crate::mechanics::{Motion, solve_motion};

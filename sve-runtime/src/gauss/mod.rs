@@ -6,7 +6,8 @@
 //! | `nodes.rs`, `double_double.rs`, `tableau.rs` | the coefficients, computed by the compiler |
 //! | `step.rs` | a step: its equations, and the forces at a stage |
 //! | `newton.rs` | Newton's method for the equations of all stages |
-//! | `fixed_point.rs`, `scaled.rs`, `stages.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
+//! | `fixed_point.rs`, `convergence.rs` | fixed-point iteration with the stages in lanes |
+//! | `scaled.rs`, `stages.rs` | its coefficients times the step size, and sums over stages |
 //! | `bounds.rs`, `connected.rs`, `room.rs` | the proof that a solution is the connected one |
 //! | `stage_noise.rs` | increments at the stages |
 //! | `memory.rs` | the numbers that a trajectory carries from step to step |

@@ -3,9 +3,9 @@
 //! With velocities `V_i`, positions `Q_i` and momenta `P_i = L_v(Q_i, V_i)` of the stages,
 //!
 //! ```text
-//! Y_i = h b_i V_i + Σ_a ∂G_a/∂p ω_ai          F_i = h b_i (L_q + F) − Σ_a ∂G_a/∂q ω_ai          (at stage i)
-//! Q_i = q₀ + Σ_j μ_ij Y_j                     P_i = p₀ + Σ_j μ_ij F_j
-//! q₁ = q₀ + Σ Y_j                             p₁ = p₀ + Σ F_j
+//! Y_i = h b_i V_i + Σ_a ∂G_a/∂p ω_ai      F_i = h b_i (L_q + F) − Σ_a ∂G_a/∂q ω_ai  (at stage i)
+//! Q_i = q₀ + Σ_j μ_ij Y_j                 P_i = p₀ + Σ_j μ_ij F_j
+//! q₁ = q₀ + Σ Y_j                         p₁ = p₀ + Σ F_j
 //! ```
 //!
 //! where `μ_ij = a_ij / b_j`, and `ω_ai` is the increment of process a at stage i: `b_i ΔW_a`, or

@@ -1,13 +1,15 @@
 //! Systems whose Lagrangian does not determine every velocity.
 //!
-//! Input: the derivatives that the macro generated, and the role of each coordinate. Output: velocities, states and errors of such systems.
+//! Input: the derivatives that the macro generated, and the role of each coordinate. Output:
+//! velocities, states and errors of such systems.
 //!
 //! ```text
 //! L = L₀(t, q, v_massive) + ⟨α(q), v_massless⟩        p = α(q)        ω v = ∇H,  ω = Dαᵀ − Dα
 //! ```
 //!
-//! The equation for the velocities of massless coordinates is their Euler–Lagrange equation; an algebraic coordinate follows from `0 = ∂L/∂q`, its velocity
-//! from the derivative of this equation along the motion (`docs/mathematics.md`, section 1).
+//! The Euler–Lagrange equation of a massless coordinate is an equation for the velocities of
+//! massless coordinates. An algebraic coordinate follows from `0 = ∂L/∂q`, and its velocity from
+//! the derivative of this equation along the motion (`docs/mathematics.md`, section 1).
 
 use nalgebra::DMatrix;
 
@@ -22,13 +24,15 @@ use crate::system::{Dims, System};
 
 use CoordinateRole::{Algebraic, Massive, Massless};
 
-/// Largest difference of a momentum from α(q), relative to the terms of both; steps test the same.
+/// Largest difference of a momentum from α(q), relative to the terms of both. Steps use the same
+/// bound.
 const CONSISTENT: f64 = 1e-8;
 
-/// The message where a function of regular systems is used with a degenerate one.
+/// The message for a function of regular systems that is used with a degenerate system.
 pub(crate) const NEEDS_REGULAR: &str = "this Lagrangian is degenerate, p = α(q): momenta are no free variables, so there is no first-order form in (q, p) for baselines, noise fields and Itô corrections; use a derived rule";
 
-/// Returns whether the Lagrangian of a system does not determine every velocity. A constant, so that regular systems have no code for it.
+/// Returns whether the Lagrangian of a system does not determine every velocity. The function is
+/// constant, so that regular systems have no code for the other case.
 pub(crate) const fn is_degenerate<S: System + ?Sized>() -> bool {
     !S::ROLES.is_empty()
 }
@@ -38,8 +42,9 @@ fn is<S: System + ?Sized>(i: usize, role: CoordinateRole) -> bool {
     S::ROLES.get(i) == Some(&role)
 }
 
-/// Replaces the momenta of coordinates without mass by their velocities, so that the Legendre transform is regular. With zero in the place of their momenta
-/// its inverse gives the velocities of the massive coordinates and zero for the others.
+/// Replaces the momenta of coordinates without mass by their velocities, so that the Legendre
+/// transform is regular. If these momenta are zero, the inverse transform gives the velocities of
+/// the massive coordinates and zero for the others.
 pub(crate) fn with_unit_masses<S: System + ?Sized, const N: usize>(
     mut jet: LagrangianJet<N>,
     v: &[f64; N],
@@ -57,12 +62,13 @@ pub(crate) fn with_unit_masses<S: System + ?Sized, const N: usize>(
     jet
 }
 
-/// Returns the momenta with zero in the place of those of coordinates without mass.
+/// Returns the momenta with zero for the coordinates without mass.
 pub(crate) fn massive_momenta<S: System + ?Sized, const N: usize>(p: &[f64; N]) -> [f64; N] {
     core::array::from_fn(|i| if is::<S>(i, Massive) { p[i] } else { 0.0 })
 }
 
-/// Returns the velocities of all coordinates, from those of the massive ones and zero for the others.
+/// Returns the velocities of all coordinates. `v` has the velocities of the massive coordinates,
+/// and zero for the others.
 ///
 /// # Errors
 /// [`SolveError::Singular`] if ω or ∂²L/∂q² of the algebraic coordinates has no inverse.
@@ -89,7 +95,7 @@ where
     for i in (0..N).filter(|&i| is::<S>(i, Massless)) {
         v[i] = massless[i];
     }
-    // d/dt ∂L/∂y = 0
+    // The equation d/dt ∂L/∂y = 0 of an algebraic coordinate y.
     let mut hessian = [[0.0; N]; N];
     let mut rhs = [0.0; N];
     for i in 0..N {
@@ -126,10 +132,11 @@ fn form_matrix<S: System + ?Sized, const N: usize>(jet: &LagrangianJet<N>) -> [[
     })
 }
 
-/// Checks that the momenta of massless coordinates are α(q), and that algebraic coordinates solve their equation.
+/// Checks that the momenta of massless coordinates are α(q), and that algebraic coordinates solve
+/// their equation.
 ///
 /// # Errors
-/// [`StepError::Inconsistent`] with the two values of the first one that does not.
+/// [`StepError::Inconsistent`] with the two values of the first coordinate that fails the check.
 pub(crate) fn check_consistent<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,
@@ -171,7 +178,8 @@ where
     Ok(())
 }
 
-/// Returns the error of a step, or of a function of a state, in the words of degenerate systems: the start is inconsistent, or ω is singular there.
+/// Returns the error of a step, or of a function of a state, in terms of degenerate systems: the
+/// start is inconsistent, or ω is singular there.
 #[cold]
 pub(crate) fn explained<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -209,7 +217,7 @@ where
     error
 }
 
-/// Returns the state of a configuration at rest, with algebraic coordinates solved for.
+/// Returns the state of a configuration at rest. Algebraic coordinates are solved for.
 ///
 /// # Errors
 /// A [`StepError`] if the result is not finite, or an algebraic coordinate is not found.
@@ -229,7 +237,7 @@ where
     }
     let jet = system.lagrangian_jet(0.0, &state.q, &[0.0; N]);
     state.p = jet.dv;
-    // outside of its domain L is NaN, while its derivatives may be finite
+    // Outside of its domain L is NaN, while its derivatives may be finite.
     let numbers = state.q.iter().chain(&state.p).chain([&jet.value]);
     if numbers.into_iter().all(|x| x.is_finite()) {
         Ok(state)
@@ -239,7 +247,8 @@ where
     }
 }
 
-/// The equations of algebraic coordinates at rest; the others keep their values.
+/// Evaluates the equations of algebraic coordinates at rest; the other coordinates keep their
+/// values.
 fn algebraic_equations<S, Q, const N: usize, const M: usize>(
     system: &S,
     q: &[f64; N],

@@ -1,4 +1,4 @@
-//! States that vary in a direction, for smooth functions of users.
+//! States that vary in a direction, for smooth functions that users define.
 
 use core::cell::OnceCell;
 
@@ -7,11 +7,13 @@ use crate::phase::Field;
 use crate::phase::dual::Dual;
 use crate::system::{Dimensions, DualStateOf, StateOf, System, VectorOf};
 
-/// Calls a function with a state that varies in a direction of its canonical coordinates, as does the parameter number `varied`. Calls `read` with the number of each
-/// parameter that the function asks for.
+/// Calls a function with a state that varies in a direction of its canonical coordinates, as does
+/// the parameter number `varied`. Calls `read` with the number of each parameter that the function
+/// asks for.
 ///
 /// # Errors
-/// [`StepError::UnknownParameter`].
+/// [`StepError::UnknownParameter`] if the function asks for a parameter that the system does not
+/// have.
 pub(crate) fn with_dual_state<S: System, T>(
     system: &S,
     state: &StateOf<S>,

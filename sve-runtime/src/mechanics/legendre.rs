@@ -1,11 +1,13 @@
 //! The inverse Legendre transform: the velocity of a momentum.
 //!
-//! Input: time, configuration, momentum. Output: v with ∂L/∂v(q, v) = p. Invariant: L is defined at every point that is accepted.
+//! Input: time, configuration, momentum. Output: v with ∂L/∂v(q, v) = p. Invariant: L is defined at
+//! every point that is accepted.
 //!
-//! If ∂L/∂v is affine in v, this is a linear system. Otherwise the solution is the one connected with a
-//! reference velocity, which is rest if L is defined there. Continuation follows it along `p(s) = (1 − s) ∂L/∂v(q, v_ref) + s p`
-//! from s = 0, where it is known, to s = 1. Each point is reached from the one before by Newton's method with
-//! contracting updates within the domain of L. If such updates do not exist, the stride is halved.
+//! If ∂L/∂v is affine in v, this is a linear system. Otherwise the solution is the velocity
+//! connected with a reference velocity, which is rest if L is defined there. Continuation follows
+//! it along `p(s) = (1 − s) ∂L/∂v(q, v_ref) + s p` from s = 0, where it is known, to s = 1. Each
+//! point is reached from the point before by Newton's method with contracting updates within the
+//! domain of L. If such updates do not exist, the stride is halved.
 //!
 //! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2.
 
@@ -26,10 +28,12 @@ const MAX_STRIDES: u32 = 2000;
 /// Smallest stride, relative to the length of the path before it.
 const SMALLEST: f64 = 1e-10;
 
-/// Smallest first stride. If L grows exponentially with v, a momentum can be e³⁰⁰ times the momentum of the reference velocity.
+/// Smallest first stride. If L grows exponentially with v, a momentum can be e³⁰⁰ times the
+/// momentum of the reference velocity.
 const SMALLEST_FIRST: f64 = 1e-200;
 
-/// Largest number of updates within a stride: a contracting iteration needs fewer to reach rounding.
+/// Largest number of updates within a stride: a contracting iteration needs fewer to reach
+/// rounding.
 const MAX_UPDATES: u32 = 12;
 
 /// Largest ratio of successive residuals of a contracting iteration (Kantorovich).
@@ -38,20 +42,23 @@ const CONTRACTION: f64 = 0.25;
 /// Relative residual at which a point of the path before its end is accepted.
 const INTERMEDIATE_TOLERANCE: f64 = 1e-9;
 
-/// Relative residual at which a velocity is taken for one that has the momentum: some thousand units of rounding, which functions of L may lose.
+/// Relative residual at which a velocity counts as having the momentum: some thousand units of
+/// rounding, which functions of L may lose.
 const EXISTENCE_TOLERANCE: f64 = 1e-12;
 
 /// Relative change of a velocity that is only rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Powers of two that are tried, up and down, for a reference velocity if L is not defined at rest.
+/// Number of powers of two, up and down, that are tried for a reference velocity if L is not
+/// defined at rest.
 const SCALES: i32 = 40;
 
 /// Returns the velocity with the momentum of `state`.
 ///
 /// # Errors
-/// [`SolveError::SingularMass`] if the mass matrix has no inverse; [`SolveError::NonFinite`] if L is not defined;
-/// [`SolveError::NoVelocity`] if no velocity with this momentum is connected with the reference.
+/// [`SolveError::SingularMass`] if the mass matrix has no inverse; [`SolveError::NonFinite`] if L
+/// is not defined; [`SolveError::NoVelocity`] if no velocity with this momentum is connected with
+/// the reference.
 #[inline]
 pub(crate) fn velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -67,7 +74,8 @@ where
     solve(system, state)
 }
 
-/// Returns the velocity of a system whose momenta do not determine it: first the velocities of the massive coordinates, then the others.
+/// Returns the velocity of a system whose momenta do not determine it: first the velocities of the
+/// massive coordinates, then the others.
 #[cold]
 fn velocity_of_degenerate<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -85,7 +93,8 @@ where
 /// Returns the state with a velocity, p = ∂L/∂v.
 ///
 /// # Errors
-/// A [`StepError`] if a number is not finite, L is not defined, or an algebraic coordinate does not solve its equation.
+/// A [`StepError`] if a number is not finite, L is not defined, or an algebraic coordinate does not
+/// solve its equation.
 pub(crate) fn state_with_velocity<S, Q, const N: usize, const M: usize>(
     system: &S,
     t: f64,
@@ -102,10 +111,10 @@ where
     }
     let jet = system.lagrangian_jet(t, &q, &v);
     let mut state = State::at(t, q, jet.dv);
-    // outside of its domain L is NaN, while its derivatives may be finite
+    // Outside of its domain L is NaN, while its derivatives may be finite.
     let is_defined = jet.value.is_finite() && state.p.iter().all(|p| p.is_finite());
     if !is_defined || !t.is_finite() || !state.q.values().iter().all(|q| q.is_finite()) {
-        // the message is about the start, whose momentum is not known
+        // The message describes the start, whose momentum is not known.
         state.p = [0.0; N];
         return Err(step_error(SolveError::NonFinite, &state, 0.0, &[]));
     }
@@ -115,7 +124,7 @@ where
     Ok(state)
 }
 
-/// Returns the jet of L at a velocity, with unit masses for coordinates that have none.
+/// Returns the jet of L at a velocity, with unit masses for coordinates without mass.
 #[inline(always)]
 fn jet<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -163,7 +172,8 @@ where
     finite(v)
 }
 
-/// Returns the error at a singular mass matrix, where the velocities of the momentum follow from what the elimination leaves of the right-hand side.
+/// Returns the error at a singular mass matrix. The velocities that have the momentum follow from
+/// the right-hand side after elimination.
 #[cold]
 fn singular_mass<const N: usize>(
     mass: &[[f64; N]; N],
@@ -187,8 +197,10 @@ fn singular_mass<const N: usize>(
     }
 }
 
-/// Returns whether an isolated velocity has the momentum of `state`: one that Newton's method reaches from `guess` by contracting updates, or one that is connected with the
-/// reference. A residual is compared with the momentum and its `change` in a step, since the momentum itself may vanish.
+/// Returns whether an isolated velocity has the momentum of `state`. Newton's method reaches this
+/// velocity from `guess` by contracting updates, or continuation connects it with the reference
+/// velocity. A residual is compared with the momentum and its `change` in a step, since the
+/// momentum itself may vanish.
 #[inline]
 pub(crate) fn has_velocity_near<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -236,7 +248,8 @@ where
     at
 }
 
-/// Returns the velocity if the momentum is not affine in it, by continuation from the reference velocity.
+/// Returns the velocity by continuation from the reference velocity, for a momentum that is not
+/// affine in it.
 fn velocity_by_continuation<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,
@@ -298,8 +311,8 @@ struct Reference<const N: usize> {
     sign: DeterminantSign,
 }
 
-/// Finds a velocity at which L is defined and its mass matrix is regular: rest, otherwise the momentum or a diagonal direction
-/// times a power of two.
+/// Finds a velocity at which L is defined and its mass matrix is regular: rest, otherwise the
+/// momentum or a diagonal direction times a power of two.
 fn reference<const N: usize>(
     p: &[f64; N],
     at: &impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
@@ -337,8 +350,9 @@ fn reference<const N: usize>(
     Err(undefined)
 }
 
-/// Iterates by Newton's method. Every update has to decrease the residual by the contraction factor and to keep the sign of the
-/// Jacobian's determinant. Returns the root and the sign, or `None` if an update fails one of these conditions.
+/// Iterates by Newton's method. Every update has to decrease the residual by the contraction factor
+/// and to keep the sign of the Jacobian's determinant. Returns the root and the sign, or `None` if
+/// an update fails one of these conditions.
 fn contract<const N: usize>(
     mut v: [f64; N],
     expected: DeterminantSign,
@@ -353,7 +367,8 @@ fn contract<const N: usize>(
         if sign.is_opposite_to(expected) || relative.is_nan() {
             return None;
         }
-        // If ∂L/∂v is steep, it changes by more than the tolerance between two neighbouring floating-point velocities.
+        // If ∂L/∂v is steep, it changes by more than the tolerance between two neighbouring
+        // floating-point velocities.
         let at_rounding = |i: usize| update[i].abs() <= ROUNDING * v[i].abs();
         if relative <= tolerance || (0..N).all(at_rounding) {
             return Some((v, sign));
@@ -369,7 +384,8 @@ fn contract<const N: usize>(
     None
 }
 
-/// Returns the sum of the residuals, each relative to the sum of its terms' magnitudes. The sum is NaN if a residual is NaN.
+/// Returns the sum of the residuals, each relative to the sum of its terms' magnitudes. The sum is
+/// NaN if a residual is NaN.
 fn sum_of_relative_residuals<const N: usize>(at: &Evaluation<N>) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {

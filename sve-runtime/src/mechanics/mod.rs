@@ -1,8 +1,9 @@
 //! Mechanics that follow from the Lagrangian: Legendre transform, energy, first-order form.
 //!
-//! Input: the derivatives that the macro generated ([`System`]). Output: functions of a state, for users and baselines.
-//! The equations of motion are those of a stochastic Hamilton–Pontryagin system (`docs/mathematics.md`, sections 1 and 4),
-//! `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`, `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
+//! Input: the derivatives that the macro generated ([`System`]). Output: functions of a state, for
+//! users and baselines. The equations of motion are those of a stochastic Hamilton–Pontryagin
+//! system (`docs/mathematics.md`, sections 1 and 4), `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`,
+//! `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 pub(crate) mod constraints;
 pub(crate) mod degenerate;
@@ -25,14 +26,17 @@ use degenerate::{NEEDS_REGULAR, is_degenerate};
 
 /// Mechanical quantities of a Lagrangian and its noises; implemented for every [`System`].
 ///
-/// What a state has is a function of `&state`. The momentum of a velocity is a function of `q` and `v`, which [`State::from_velocity`] calls.
+/// Quantities of a state are functions of `&state`. The momentum of a velocity is a function of `q`
+/// and `v`, which [`State::from_velocity`] calls.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
 /// struct Pendulum { m: f64, g: f64 }
 /// #[variational(midpoint)]
 /// impl Pendulum {
-///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * self.m * v * v + self.m * self.g * q.cos() }
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+///         0.5 * self.m * v * v + self.m * self.g * q.cos()
+///     }
 /// }
 /// # fn main() -> Result<(), StepError> {
 /// let pendulum = Pendulum { m: 2.0, g: 9.8 };
@@ -45,12 +49,13 @@ use degenerate::{NEEDS_REGULAR, is_degenerate};
 /// # }
 /// ```
 pub trait Mechanics: System {
-    /// The Legendre transform `p = ∂L/∂v(0, q, v)`. If L depends on time, see [`momentum_at`](Self::momentum_at).
+    /// Returns the momentum by the Legendre transform `p = ∂L/∂v(0, q, v)`. If L depends on time,
+    /// see [`momentum_at`](Self::momentum_at).
     fn momentum(&self, q: ConfigurationOf<Self>, v: MomentumOf<Self>) -> MomentumOf<Self> {
         self.momentum_at(0.0, q, v)
     }
 
-    /// The Legendre transform at time `t`.
+    /// Returns the momentum by the Legendre transform at time `t`.
     fn momentum_at(
         &self,
         t: f64,
@@ -58,24 +63,31 @@ pub trait Mechanics: System {
         v: MomentumOf<Self>,
     ) -> MomentumOf<Self>;
 
-    /// The velocity of a state, the inverse of the Legendre transform; [`State::from_velocity`] goes the other way.
+    /// Returns the velocity of a state by the inverse Legendre transform; [`State::from_velocity`]
+    /// does the opposite.
     ///
     /// # Errors
-    /// [`StepError::SingularMass`] if the mass matrix `∂²L/∂v²` has no inverse; [`StepError::NonFiniteInput`];
-    /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with that momentum is found.
+    /// [`StepError::SingularMass`] if the mass matrix `∂²L/∂v²` has no inverse;
+    /// [`StepError::NonFiniteInput`] if a number of the state is not finite;
+    /// [`StepError::NoVelocity`] if L is not quadratic in v and no velocity with this momentum is
+    /// found.
     fn velocity(&self, state: &StateOf<Self>) -> Result<MomentumOf<Self>, StepError>;
 
-    /// The energy `H = ⟨p, v⟩ − L`, in the units of L.
+    /// Returns the energy `H = ⟨p, v⟩ − L`, in the units of L.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
     fn hamiltonian(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The instantaneous temperature `⟨p, v⟩/n` of `n` degrees of freedom, in the units of L (kT, with Boltzmann's constant). For a quadratic kinetic energy K it is 2K/n. Each
-    /// constraint takes one degree of freedom; the momentum then has to have no part across the constraints, as it has after a step.
+    /// Returns the instantaneous temperature `⟨p, v⟩/n` of `n` degrees of freedom, in the units of
+    /// L (kT, with Boltzmann's constant). For a quadratic kinetic energy K it is 2K/n. Each
+    /// constraint takes one degree of freedom; the momentum then must not have a part across the
+    /// constraints, which is the case after a step.
     ///
-    /// Its mean over the distribution exp(−H/kT) is kT, for any Lagrangian whose mass matrix is regular (equipartition); where L is linear in velocities it has no meaning. The mean along the steps of a rule has the error of the rule. For a force of friction −νp
-    /// and γ = σq with σ² = 2νkT, in a harmonic potential of frequency ω:
+    /// Its mean over the distribution exp(−H/kT) is kT, for any Lagrangian whose mass matrix is
+    /// regular (equipartition). If L is linear in velocities, the temperature has no meaning. The
+    /// mean along the steps of a rule has the error of the rule. For a force of friction −νp and
+    /// γ = σq with σ² = 2νkT, in a harmonic potential of frequency ω:
     ///
     /// | rule | mean of p² over kT, less 1 | mean of q² |
     /// | --- | --- | --- |
@@ -84,51 +96,59 @@ pub trait Mechanics: System {
     /// | `initial_point` | −νh/2 + (hω)²/4 + … | kT + O(h²) |
     /// | `endpoint` | νh/2 + (hω)²/4 + … | kT + O(h²) |
     ///
-    /// So take the temperature with `midpoint`. With `stormer_verlet` and a harmonic potential divide by 1 − (hω)²/4. The one-sided rules are not for temperatures. Other potentials change the error at order h².
+    /// So compute the temperature with `midpoint`. With `stormer_verlet` and a harmonic potential
+    /// divide by 1 − (hω)²/4. Do not compute temperatures with the one-sided rules. Other
+    /// potentials change the error at order h².
     ///
-    /// [`Blocking`](crate::Blocking) averages along a path, `Ensemble::average` along many.
+    /// [`Blocking`](crate::Blocking) averages along a path, `Ensemble::average` over many paths.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity); [`StepError::Degenerate`] if L is degenerate.
     fn temperature(&self, state: &StateOf<Self>) -> Result<f64, StepError>;
 
-    /// The drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`. For a system with constraints it is that of the motion on them, with their forces
-    /// `∂φ/∂qᵀ λ` and without the part of the momentum across them, which has no effect on the motion.
+    /// Returns the drift of the (Stratonovich) first-order form, `(v, ∂L/∂q + F)`. For a system
+    /// with constraints, returns the drift of the motion on the constraints, with their forces
+    /// `∂φ/∂qᵀ λ` and without the part of the momentum across them, which has no effect on the
+    /// motion.
     ///
     /// # Errors
-    /// As [`velocity`](Self::velocity); [`StepError::InconsistentStart`], [`StepError::ConstraintRank`] and [`StepError::ConstraintGradient`] as in a step.
+    /// As [`velocity`](Self::velocity); [`StepError::InconsistentStart`],
+    /// [`StepError::ConstraintRank`] and [`StepError::ConstraintGradient`] as in a step.
     fn drift(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// The second time derivatives `(q̈, p̈)` of the motion without noise. Does not compile for a system with constraints, whose multipliers would have to be
-    /// differentiated too.
+    /// Returns the second time derivatives `(q̈, p̈)` of the motion without noise. Does not compile
+    /// for a system with constraints, whose multipliers would have to be differentiated too.
     ///
     /// # Errors
     /// As [`velocity`](Self::velocity).
     fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given increments. Does not compile for a system with constraints, whose
-    /// forces balance a part of the noise:
+    /// Returns `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given
+    /// increments. Does not compile for a system with constraints, whose forces balance a part of
+    /// the noise:
     ///
     /// ```compile_fail
     /// use sve_runtime::prelude::*;
     /// struct Rod { s: f64 }
     /// #[variational(midpoint)]
     /// impl Rod {
-    ///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 { 0.5 * (v[0] * v[0] + v[1] * v[1]) }
+    ///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+    ///         0.5 * (v[0] * v[0] + v[1] * v[1])
+    ///     }
     ///     #[gamma]
     ///     fn push(&self, q: [f64; 2]) -> f64 { self.s * q[0] }
     ///     #[constraint]
     ///     fn rod(&self, q: [f64; 2]) -> f64 { 0.5 * (q[0] * q[0] + q[1] * q[1] - 1.0) }
     /// }
     /// # fn main() {
-    /// // error: this function is for systems without constraints: it would leave out their forces …
+    /// // error: this function is for systems without constraints …
     /// Rod { s: 0.1 }.noise(&State::new([1.0, 0.0], [0.0, 1.0]), &[0.2]);
     /// # }
     /// ```
     fn noise(&self, state: &StateOf<Self>, dw: &IncrementsOf<Self>) -> Field<MomentumOf<Self>>;
 
-    /// The Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift. Does not compile for a system with constraints, as
-    /// [`noise`](Self::noise).
+    /// Returns the Itô correction `½ Σ_a (Dg_a) g_a`: the Itô drift minus the Stratonovich drift.
+    /// Like [`noise`](Self::noise), does not compile for a system with constraints.
     fn ito_correction(&self, state: &StateOf<Self>) -> Field<MomentumOf<Self>>
     where
         ConfigurationOf<Self>: VectorSpace;

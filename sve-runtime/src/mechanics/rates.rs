@@ -1,7 +1,7 @@
 //! Drift, motion, noise and Itô correction in coordinates, as methods compute them.
 //!
-//! Input: a system and a flat state, or its derivatives there. Output: rates of change of (q, p). Errors are those of solvers: a method reports the error of a whole
-//! step, not of one stage.
+//! Input: a system and a flat state, or its derivatives there. Output: rates of change of (q, p).
+//! Errors are [`SolveError`]s: a method reports the error of a whole step, not of one stage.
 
 use crate::mechanics::legendre;
 use crate::phase::Field;

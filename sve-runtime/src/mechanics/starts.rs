@@ -7,11 +7,13 @@ use crate::phase::state::State;
 use crate::system::{Dims, System};
 
 impl<Q: Configuration> State<Q> {
-    /// The state of a configuration at rest, at `t = 0`.
+    /// Returns the state of a configuration at rest, at `t = 0`.
     ///
-    /// For a degenerate Lagrangian momenta are functions of the configuration, p = α(q), so the configuration is the whole state. Coordinates that have a kinetic
-    /// energy of their own are at rest, p = ∂L/∂v(q, 0); this is so for all coordinates of a regular Lagrangian. Coordinates whose velocities do not occur in L at
-    /// all are solved for, ∂L/∂q = 0, from their values in `q`.
+    /// For a degenerate Lagrangian momenta are functions of the configuration, p = α(q), so the
+    /// configuration is the whole state. Coordinates with a kinetic energy are at rest, p =
+    /// ∂L/∂v(q, 0); these are all coordinates of a regular Lagrangian. If the velocity of a
+    /// coordinate does not occur in L, the coordinate is solved for, ∂L/∂q = 0, starting from its
+    /// value in `q`.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -51,10 +53,11 @@ impl<Q: Configuration> State<Q> {
         Ok(Self::from_coordinates(&state))
     }
 
-    /// The state with a velocity, p = ∂L/∂v(q, v), at `t = 0`. If L depends on time, see [`from_velocity_at`](Self::from_velocity_at).
+    /// Returns the state with a velocity, p = ∂L/∂v(q, v), at `t = 0`. If L depends on time, see
+    /// [`from_velocity_at`](Self::from_velocity_at).
     ///
-    /// `q` and `v` have the shape in which the Lagrangian has them: rows of numbers, vectors, bodies. Of a rotation, `q` is the attitude and `v` the angular velocity in
-    /// the body frame.
+    /// `q` and `v` have the same shape as in the Lagrangian: rows of numbers, vectors, bodies. For
+    /// a rotation, `q` is the attitude and `v` the angular velocity in the body frame.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -65,26 +68,30 @@ impl<Q: Configuration> State<Q> {
     /// #[variational(midpoint)]
     /// impl Pair {
     ///     fn lagrangian(&self, q: [Vector3<f64>; 2], v: [Vector3<f64>; 2]) -> f64 {
-    ///         let kinetic = 0.5 * self.m[0] * v[0].norm_squared() + 0.5 * self.m[1] * v[1].norm_squared();
-    ///         kinetic - 0.5 * self.k * (q[1] - q[0]).norm_squared()
+    ///         let [a, b] = v.map(|v| 0.5 * v.norm_squared());
+    ///         self.m[0] * a + self.m[1] * b - 0.5 * self.k * (q[1] - q[0]).norm_squared()
     ///     }
     /// }
     ///
     /// # fn main() -> Result<(), StepError> {
     /// let pair = Integrator::new(Pair { m: [1.0, 2.0], k: 4.0 }, Midpoint);
-    /// let start = State::from_velocity(pair.system(), [Vector3::zeros(), Vector3::x()], [Vector3::y(), Vector3::z()])?;
+    /// let (q, v) = ([Vector3::zeros(), Vector3::x()], [Vector3::y(), Vector3::z()]);
+    /// let start = State::from_velocity(pair.system(), q, v)?;
     /// assert_eq!(start.p, [Vector3::y(), 2.0 * Vector3::z()]);
     /// assert_eq!(pair.system().velocity(&start)?, [Vector3::y(), Vector3::z()]);
     /// # Ok(())
     /// # }
     /// ```
     ///
-    /// With constraints, [`consistent`](crate::Integrator::consistent) projects the state onto them. For a degenerate Lagrangian the velocities of coordinates without mass
-    /// follow from the motion: the momenta of those coordinates are α(q), whatever is given for them, and [`from_configuration`](Self::from_configuration) needs no velocity.
+    /// With constraints, [`consistent`](crate::Integrator::consistent) projects the state onto
+    /// them. For a degenerate Lagrangian the velocities of coordinates without mass follow from the
+    /// motion. The momenta of these coordinates are α(q) and do not depend on `v`, and
+    /// [`from_configuration`](Self::from_configuration) needs no velocity.
     ///
     /// # Errors
-    /// [`StepError::NonFiniteInput`]; [`StepError::NonFiniteResult`] if L is not defined there; [`StepError::Inconsistent`] if a coordinate whose velocity does not
-    /// occur in L does not solve its equation.
+    /// [`StepError::NonFiniteInput`] if a number is not finite; [`StepError::NonFiniteResult`] if L
+    /// is not defined there; [`StepError::Inconsistent`] if the velocity of a coordinate does not
+    /// occur in L and the coordinate does not solve its equation.
     pub fn from_velocity<S, const N: usize, const M: usize>(
         system: &S,
         q: Q,
@@ -97,7 +104,7 @@ impl<Q: Configuration> State<Q> {
         Self::from_velocity_at(system, 0.0, q, v)
     }
 
-    /// The state with a velocity at time `t`; see [`from_velocity`](Self::from_velocity).
+    /// Returns the state with a velocity at time `t`; see [`from_velocity`](Self::from_velocity).
     ///
     /// # Errors
     /// As [`from_velocity`](Self::from_velocity).

@@ -1,16 +1,18 @@
 //! The fractions of the step in compositions.
 //!
-//! Negative fractions cannot be avoided: every composition of order above 2 has some (Sheng 1989; Suzuki 1991).
+//! Negative fractions cannot be avoided: every composition of order above 2 has some (Sheng 1989;
+//! Suzuki 1991).
 
 use super::composed::Composition;
 use super::split::Coefficients;
 
-/// The composition of order 8 with 17 substeps of Kahan and Li (1997), *Composition constants for raising the orders of
-/// unconventional schemes for ordinary differential equations*, Math. Comp. 66, 1089–1099 (method s17odr8a).
+/// The composition of order 8 with 17 substeps of Kahan and Li (1997), *Composition constants for
+/// raising the orders of unconventional schemes for ordinary differential equations*, Math. Comp.
+/// 66, 1089–1099 (method s17odr8a).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KahanLi8;
 
-/// The first nine of the 17 fractions, which read the same from both ends.
+/// The first nine of the 17 fractions, which are the same in reverse order.
 const KAHAN_LI: [f64; 9] = [
     0.130_202_483_088_890_08,
     0.561_162_981_775_108_4,
@@ -38,7 +40,7 @@ impl Composition for KahanLi8 {
     }
 }
 
-/// Returns all fractions from the first `K` of `2K − 1`.
+/// Returns all `2K − 1` fractions of a symmetric sequence from the first `K`.
 const fn palindrome<const K: usize, const ALL: usize>(first: [f64; K]) -> [f64; ALL] {
     let mut all = [0.0; ALL];
     let mut number = 0;
@@ -53,14 +55,15 @@ const fn palindrome<const K: usize, const ALL: usize>(first: [f64; K]) -> [f64; 
     all
 }
 
-/// The splitting of order 4 with 6 stages of Blanes and Moan (2002), *Practical symplectic partitioned Runge–Kutta and
-/// Runge–Kutta–Nyström methods*, J. Comput. Appl. Math. 142, 313–330 (method S6).
+/// The splitting of order 4 with 6 stages of Blanes and Moan (2002), *Practical symplectic
+/// partitioned Runge–Kutta and Runge–Kutta–Nyström methods*, J. Comput. Appl. Math. 142, 313–330
+/// (method S6).
 ///
 /// For Lagrangians T(v) − V(t, q).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlanesMoan4;
 
-/// Kicks and drifts of [`BlanesMoan4`]: the first half of each, without the middle.
+/// Kicks and drifts of [`BlanesMoan4`]: the first half of each sequence, without the middle.
 const MOAN4_KICKS: [f64; 3] = [
     0.079_203_696_431_195_7,
     0.353_172_906_049_774,
@@ -85,8 +88,9 @@ impl Coefficients for BlanesMoan4 {
     }
 }
 
-/// The splitting of order 6 with 11 stages of Blanes and Moan (2002), *Practical symplectic partitioned Runge–Kutta and
-/// Runge–Kutta–Nyström methods*, J. Comput. Appl. Math. 142, 313–330 (method SRKN11).
+/// The splitting of order 6 with 11 stages of Blanes and Moan (2002), *Practical symplectic
+/// partitioned Runge–Kutta and Runge–Kutta–Nyström methods*, J. Comput. Appl. Math. 142, 313–330
+/// (method SRKN11).
 ///
 /// For Lagrangians ½vᵀMv − V(t, q) with a constant matrix M.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -127,8 +131,8 @@ impl Coefficients for BlanesMoanRkn6 {
 
 /// Returns the fractions α₁, β₁, α₂, … of a splitting that begins and ends with a kick.
 ///
-/// The initial-point rule kicks and then drifts, each by α; the endpoint rule drifts and then kicks, each by β. So the kicks are
-/// α₁, β₁ + α₂, …, `β_K`, and the drifts α₁ + β₁, α₂ + β₂, ….
+/// The initial-point rule kicks and then drifts, each by α; the endpoint rule drifts and then
+/// kicks, each by β. So the kicks are α₁, β₁ + α₂, …, `β_K`, and the drifts α₁ + β₁, α₂ + β₂, ….
 const fn alternating<const K: usize, const KICKS: usize, const ALL: usize>(
     drifts: [f64; K],
     kicks: [f64; KICKS],

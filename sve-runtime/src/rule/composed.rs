@@ -5,7 +5,8 @@ use super::{Gauss, Midpoint, Mode, Rule, StormerVerlet, Walker};
 use crate::system::equations::Memory;
 use crate::system::plan::Plan;
 
-/// A symmetric rule: a step of length −h leads back. Compositions of substeps raise its order.
+/// A symmetric rule: a step of length −h undoes a step of length h. Compositions of substeps raise
+/// its order.
 #[diagnostic::on_unimplemented(
     message = "a composition does not raise the order of `{Self}`",
     note = "it raises that of the symmetric rules without options: `Midpoint`, `StormerVerlet` and `Gauss::<S>`; `Split::new` composes the initial-point and the endpoint rule"
@@ -20,7 +21,7 @@ impl<const S: usize> Symmetric for Gauss<S> {}
 pub trait Composition {
     /// A value for each different fraction.
     type Each<T: Clone>: Clone + AsRef<[T]>;
-    /// Name and order.
+    /// Name of the composition and its order.
     const NAME: &'static str;
     /// Order of convergence without noise.
     const ORDER: u32;
@@ -28,13 +29,16 @@ pub trait Composition {
     const FRACTIONS: &'static [f64];
     /// Returns the value of each different fraction.
     fn each<T: Clone>(prepare: impl Fn(f64) -> T) -> Self::Each<T>;
-    /// The number of a substep's fraction among the different ones.
+    /// Returns the number of a substep's fraction among the different fractions.
     fn distinct(number: usize) -> usize;
 }
 
-/// A symmetric rule in substeps whose lengths are fractions of the step, some of them negative: a rule of a higher order.
+/// A symmetric rule in substeps whose lengths are fractions of the step, some of them negative: a
+/// rule of a higher order.
 ///
-/// Each substep is a step of the rule, so the composition is symplectic, conserves what the rule conserves, and is symmetric. The step stays explicit where the rule is.
+/// Each substep is a step of the rule, so the composition is symplectic and symmetric, and
+/// conserves the same quantities as the rule. The step is explicit if the step of the rule is
+/// explicit.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -58,11 +62,14 @@ pub trait Composition {
 /// # }
 /// ```
 ///
-/// With noise the increments are divided like the step. The error is then O(h⁸ + σh) for noise of strength σ: the strong order is that of the rule, and the
-/// higher order shows where noise is weak.
+/// With noise the increments are divided like the step. The error is then O(h⁸ + σh) for noise of
+/// strength σ: the strong order is the strong order of the rule, and the higher order shows where
+/// noise is weak.
 ///
-/// A force of friction is amplified in the substeps of negative length. The composition is correct, and its steps have to resolve the friction: with [`KahanLi8`](crate::KahanLi8) of the midpoint rule the error of a momentum that
-/// decays at the rate ν is 10⁻⁹ of it for hν = ½, 4·10⁻⁷ for hν = 1, and a tenth for hν = 3; at hν = 3.3 a substep is singular.
+/// A force of friction is amplified in the substeps of negative length. The composition is correct,
+/// but its steps have to resolve the friction. Take a momentum that decays at the rate ν, and
+/// [`KahanLi8`](crate::KahanLi8) of the midpoint rule: the relative error is 10⁻⁹ for hν = ½,
+/// 4·10⁻⁷ for hν = 1, and a tenth for hν = 3; at hν = 3.3 a substep is singular.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Composed<R, C> {
     rule: R,
@@ -70,13 +77,13 @@ pub struct Composed<R, C> {
 }
 
 impl<R: Symmetric, C: Composition> Composed<R, C> {
-    /// The rule in the substeps of the composition.
+    /// Returns the rule in the substeps of the composition.
     pub const fn new(rule: R, composition: C) -> Self {
         Self { rule, composition }
     }
 }
 
-/// A composition of symmetric substeps that reads the same from both ends is symmetric.
+/// A composition of symmetric substeps is symmetric if its fractions are the same in reverse order.
 impl<R: Symmetric, C> Symmetric for Composed<R, C> {}
 
 /// Returns the higher of two orders: a composition lowers the order of no rule.

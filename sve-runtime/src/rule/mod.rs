@@ -1,15 +1,17 @@
-//! Rules: how a step of a system is a walk over steps of derived rules.
+//! Rules: a step of a system as a walk over steps of derived rules.
 //!
 //! | file | part |
 //! | --- | --- |
 //! | `rules.rs` | the rules that the macro derives, of one substep each |
 //! | `composed.rs` | [`Composed`]: substeps of one symmetric rule |
-//! | `split.rs` | [`Split`]: substeps that alternate between the initial-point and the endpoint rule |
-//! | `coefficients.rs` | the fractions of the step in compositions and splittings, with their sources |
-//! | `sequence.rs` | what compositions and splittings have in common |
-//! | `variational.rs` | the same as a bound of the system |
+//! | `split.rs` | [`Split`]: alternating substeps of the initial-point and the endpoint rule |
+//! | `coefficients.rs` | fractions of the step in compositions and splittings, with sources |
+//! | `sequence.rs` | code shared by compositions and splittings |
+//! | `variational.rs` | a rule as a bound of the system |
 //!
-//! A rule knows its substeps, and a [`Mode`] what is done in each of them. The modes are in `integrator/`: neither kind knows the other one, so a new rule has all
+//! A rule determines the substeps, and a [`Mode`] the operation in each substep. The modes are in
+//! `integrator/`. Rules and modes do not know one another, so a new rule has all modes, and a new
+//! mode all rules.
 //! modes, and a new mode all rules.
 
 mod coefficients;
@@ -36,10 +38,13 @@ use crate::system::equations::{Memory, StepEquations};
 use crate::system::plan::Plan;
 use crate::system::start::Tested;
 
-/// A rule with a step for the system `S`: a rule that the attribute of the system lists, a composition, or a splitting.
+/// A rule with a step for the system `S`: a rule that the attribute of the system lists, a
+/// composition, or a splitting.
 ///
-/// Code for all rules of a system asks for this trait, `R: Rule<Pendulum>`; code for all systems too asks for `S: Variational<R>`, or for `R: Rule<S::Itself>`, where
-/// [`Itself`](crate::System::Itself) is the type behind a reference: steps are those of the system, whether an integrator owns or borrows it.
+/// Code for all rules of a system asks for this trait, `R: Rule<Pendulum>`. Code for all systems
+/// too asks for `S: Variational<R>`, or for `R: Rule<S::Itself>`, where
+/// [`Itself`](crate::System::Itself) is the type behind a reference: an integrator makes the same
+/// steps whether it owns the system or borrows it.
 #[diagnostic::on_unimplemented(
     message = "no step of the rule `{Self}` has been derived for `{S}`",
     label = "this rule is not in the attribute of the `impl` block",
@@ -51,24 +56,27 @@ pub trait Rule<S>: Sized {
     type Increments: Increments;
     /// Values that depend on parameters and step size only.
     type Prepared: Clone;
-    /// What a trajectory carries from step to step.
+    /// The numbers that a trajectory carries from step to step.
     type Memory: Memory;
-    /// Increments of a process in a step: 1, or the stages of a rule with stage noise.
+    /// Number of increments of a process in a step: 1, or the number of stages of a rule with stage
+    /// noise.
     const STAGES: usize;
     /// Number of steps of derived rules in a step.
     const SUBSTEPS: usize;
     /// The plan of the step.
     const PLAN: &'static Plan;
-    /// Whether each substep adds an increment to the state, so that its rounding errors can be compensated.
+    /// True if each substep adds an increment to the state, so that its rounding errors can be
+    /// compensated.
     const HAS_INCREMENTS: bool;
 
     /// Computes the values that depend on parameters and step size only.
     fn prepare(system: &S, h: f64) -> Self::Prepared;
 
-    /// Walks over the substeps of a step of length `h`, with the values that [`prepare`](Self::prepare) returned for the same `h`.
+    /// Walks over the substeps of a step of length `h`, with the values that
+    /// [`prepare`](Self::prepare) returned for the same `h`.
     ///
     /// # Errors
-    /// That of the first substep that fails. Nothing is carried then.
+    /// The error of the first substep that fails. `memory` is then empty.
     #[doc(hidden)]
     fn walk<M: Mode<S, Self::Increments>>(
         walker: Walker<'_, S, Self>,
@@ -80,16 +88,17 @@ pub trait Rule<S>: Sized {
     ) -> Result<(), M::Failure>;
 }
 
-/// What is done in each substep of a step: it is made, in one of several ways, or differentiated. `I` are the increments of the rule.
+/// The operation in each substep of a step: the substep is made, in one of several ways, or
+/// differentiated. `I` is the type of the increments of the rule.
 #[doc(hidden)]
 pub trait Mode<S, I> {
-    /// The increments of a step: `I`, or those of all lanes.
+    /// The increments of a step: `I`, or the increments of all lanes.
     type Increments;
-    /// Why the walk ends before the last substep.
+    /// The reason why the walk ends before the last substep.
     type Failure;
-    /// What is kept of the start of a sequence.
+    /// The data of the start of a sequence that its end needs.
     type Start;
-    /// Whether the walk goes from the last substep to the first.
+    /// True if the walk goes from the last substep to the first.
     const IS_BACKWARD: bool = false;
 
     /// Makes a substep of length `h`.
@@ -110,10 +119,11 @@ pub trait Mode<S, I> {
     /// Begins a sequence of substeps.
     fn begin(&mut self) -> Self::Start;
 
-    /// Ends a sequence of substeps, whose lengths add up to `h`. It is not called if a substep fails.
+    /// Ends a sequence of substeps, whose lengths add up to `h`. It is not called if a substep
+    /// fails.
     fn end(&mut self, start: Self::Start, h: f64);
 
-    /// Returns the increments of a substep that is this part of a step.
+    /// Returns the increments of a substep, which is this fraction of a step.
     fn part(dw: &Self::Increments, part: f64) -> Self::Increments;
 }
 
@@ -136,7 +146,7 @@ impl<S, R> Clone for Walker<'_, S, R> {
 impl<S, R> Copy for Walker<'_, S, R> {}
 
 impl<'a, S, R> Walker<'a, S, R> {
-    /// Steps of a system.
+    /// Returns a walker over steps of a system.
     #[inline(always)]
     pub(crate) fn new(system: &'a S, newton: &'a Newton) -> Self {
         Self {
@@ -146,14 +156,14 @@ impl<'a, S, R> Walker<'a, S, R> {
         }
     }
 
-    /// Returns the same with the rule of a substep.
+    /// Returns the same walker with the rule of a substep.
     #[inline(always)]
     fn by<T>(self) -> Walker<'a, S, T> {
         Walker::new(self.system, self.newton)
     }
 }
 
-/// A rule whose step tells the impulses of constraints: every derived rule, and no composition.
+/// A rule whose step gives the impulses of constraints: every derived rule, and no composition.
 #[diagnostic::on_unimplemented(
     message = "the step of the rule `{Self}` tells no forces of constraints",
     label = "a composition has forces in each of its substeps",

@@ -1,6 +1,8 @@
-//! The discretisation rules: a unit type for each, which names the rule of an [`Integrator`](crate::Integrator).
+//! The discretisation rules: a unit type for each, which names the rule of an
+//! [`Integrator`](crate::Integrator).
 //!
-//! The macro defines a rule by its discrete action (`docs/mathematics.md`, section 2). A step is one substep: the equations that the macro derived.
+//! The macro defines a rule by its discrete action (`docs/mathematics.md`, section 2). A step
+//! consists of one substep, with the equations that the macro derived.
 
 use super::{Mode, Rule, TellsImpulses, Walker};
 use crate::system::equations::StepEquations;
@@ -20,30 +22,43 @@ rules! {
     InitialPoint
     /// `S_d = h L(t₁, q₁, v) + …`: node at the end of the step. Deterministic order 1.
     Endpoint
-    /// `S_d = h L(t₀ + h/2, (q₀+q₁)/2, v) + …`: node in the middle. Deterministic order 2, self-adjoint.
+    /// `S_d = h L(t₀ + h/2, (q₀+q₁)/2, v) + …`: node in the middle. Deterministic order 2,
+    /// self-adjoint.
     Midpoint
-    /// `S_d = h (L(t₀, q₀, v) + L(t₁, q₁, v))/2 + …`: the rule of Störmer and Verlet, nodes at both ends, self-adjoint. Deterministic order 2. Explicit where L has
-    /// constant masses and is separable, and noise is in q alone.
+    /// `S_d = h (L(t₀, q₀, v) + L(t₁, q₁, v))/2 + …`: the rule of Störmer and Verlet, nodes at both
+    /// ends, self-adjoint. Deterministic order 2. Explicit where L has constant masses and is
+    /// separable, and noise is in q alone.
     StormerVerlet
-    /// The second-order Taylor variational integrator of Schmitt, Shingel and Leok: deterministic systems only, order 2.
+    /// The second-order Taylor variational integrator of Schmitt, Shingel and Leok: deterministic
+    /// systems only, order 2.
     Taylor2
 }
 
-/// The Gauss–Galerkin rule with `S` stages, from 2 to 8: `S_d = Σ h b_i L(t₀ + c_i h, Q_i, V_i) + …` with nodes and weights of Gauss quadrature, self-adjoint.
-/// Deterministic order `2 S`. In the attribute it is `gauss(4)`, as the rule of an integrator `Gauss::<4>`.
+/// The Gauss–Galerkin rule with `S` stages, from 2 to 8:
+/// `S_d = Σ h b_i L(t₀ + c_i h, Q_i, V_i) + …` with nodes and weights of Gauss quadrature,
+/// self-adjoint. Deterministic order `2 S`. In the attribute it is `gauss(4)`, as the rule of an
+/// integrator `Gauss::<4>`.
 ///
-/// With four stages or more the step is solved by fixed-point iteration where this contracts. Otherwise Newton's method solves it for the unknowns of all stages at once, with a dense matrix of `S N` rows for N coordinates, or
-/// `2 S N` where noise moves positions. With many coordinates such steps are slow: the outer solar system has 144 unknowns with 8 stages, and a step that is too long for the fixed-point iteration takes milliseconds, some hundred times as
-/// long as a shorter step.
+/// With four stages or more the step is solved by fixed-point iteration if the iteration contracts.
+/// Otherwise Newton's method solves it for the unknowns of all stages at once, with a dense matrix
+/// of `S N` rows for N coordinates, or `2 S N` if noise moves positions. With many coordinates such
+/// steps are slow: the outer solar system has 144 unknowns with 8 stages, and a step that is too
+/// long for the fixed-point iteration takes milliseconds, some hundred times as long as a shorter
+/// step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gauss<const S: usize>;
 
-/// The rule `R`, a [`Gauss`] rule, with an increment of each process for each stage. In the attribute it is `gauss(3, stage_noise)`, as the rule of an integrator `StageNoise(Gauss::<3>)`.
+/// The [`Gauss`] rule `R` with an increment of each process for each stage. In the attribute it is
+/// `gauss(3, stage_noise)`, as the rule of an integrator `StageNoise(Gauss::<3>)`.
 ///
-/// The increment of process a at stage i is `∫ ℓ_i dW_a`, where ℓ is the Lagrange basis of the nodes. The `dw` of a step has `S M` entries, process by process, with nodes ascending; each is independent
-/// with variance `b_i h`. [`Wiener`](crate::noise::Wiener) draws them as details of one path, which serves every number of stages and the other rules; [`noise`](crate::noise) says which other sources do.
+/// The increment of process a at stage i is `∫ ℓ_i dW_a`, where ℓ is the Lagrange basis of the
+/// nodes. The `dw` of a step has `S M` entries, process by process, with nodes ascending; each is
+/// independent with variance `b_i h`. [`Wiener`](crate::noise::Wiener) draws them as details of one
+/// path, which serves every number of stages and the other rules; [`noise`](crate::noise) lists the
+/// other sources with stage noise.
 ///
-/// For additive noise, γ linear in q with constant masses, the strong order is min(S, 3). For other noise it is 1 as without the option.
+/// For additive noise, γ linear in q with constant masses, the strong order is min(S, 3). For other
+/// noise it is 1, as without the option.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -69,19 +84,26 @@ pub struct Gauss<const S: usize>;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StageNoise<R>(pub R);
 
-/// The rule `R` with the option `weak2`, which the attribute writes `midpoint(weak2)`, `stormer_verlet(weak2)` or `gauss(3, weak2)`: weak order 2 with one Gaussian increment a process, where
-/// `R` has 1.
+/// The rule `R` with the option `weak2`, in the attribute `midpoint(weak2)`,
+/// `stormer_verlet(weak2)` or `gauss(3, weak2)`. It has weak order 2 with one Gaussian increment
+/// for each process, where `R` has weak order 1.
 ///
-/// The action gets a potential that removes the leading error of expectations, `S_d −= h|h|/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node of the midpoint rule with M = ∂²L/∂v², and the mean of this term over both ends for
-/// the rule of Störmer and Verlet. A [`Gauss`] rule has `S_d −= h|h|/12 Σ_i b_i K(node i)` with the K of `docs/mathematics.md`, section 9, which is the same for a γ; for noise that moves the position it depends
-/// on the momentum too. The step stays variational and symmetric, and its strong order does not change. The term is that of increments of variance |h|, so the rule
-/// is no part of compositions.
+/// The action gets a potential that removes the leading error of expectations. For the midpoint
+/// rule it is `S_d −= h|h|/8 Σ ⟨∂γ/∂q, M⁻¹ ∂γ/∂q⟩` at the node, with M = ∂²L/∂v², and for the rule
+/// of Störmer and Verlet the mean of this term over both ends. A [`Gauss`] rule has
+/// `S_d −= h|h|/12 Σ_i b_i K(node i)` with the K of `docs/mathematics.md`, section 9, which is the
+/// same for a γ; for noise that moves the position it depends on the momentum too. The step stays
+/// variational and symmetric, and its strong order does not change. The term assumes increments of
+/// variance |h|, so the rule cannot be a part of compositions.
 ///
-/// `Weak2(StageNoise(Gauss::<3>))`, in the attribute `gauss(3, stage_noise, weak2)`, has the strong order 1.5 with γ's that commute, as those of q always do, where no force acts, and the weak order 2. Its
-/// term is `h|h|/(8(2S − 1)) Σ_i b_i K(node i)` with S stages.
+/// `Weak2(StageNoise(Gauss::<3>))`, in the attribute `gauss(3, stage_noise, weak2)`, has the weak
+/// order 2, and without a force the strong order 1.5 if its noises are γ's that commute, which γ's
+/// of q always do. Its term is `h|h|/(8(2S − 1)) Σ_i b_i K(node i)` with S stages.
 ///
-/// The macro refuses the option, with the reason, where the term does not raise the weak order or is not a function of time, configuration and momentum:
-/// noises that do not commute; noise that moves the position, except for `gauss(s, weak2)` of systems without a force; ∂²L/∂v² that depends on v; a force that is not affine in v.
+/// The macro refuses the option, with the reason, where the term does not raise the weak order or
+/// is not a function of time, configuration and momentum: noises that do not commute; noise that
+/// moves the position, except for `gauss(s, weak2)` of systems without a force; ∂²L/∂v² that
+/// depends on v; a force that is not affine in v.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -116,8 +138,9 @@ pub struct StageNoise<R>(pub R);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Weak2<R>(pub R);
 
-/// A rule whose step is derived without analysing its structure: Newton's method in all unknowns. Tests and benchmarks
-/// compare derived steps with it; the attribute derives it with `structure = both`.
+/// A rule whose step is derived without analysing its structure: Newton's method in all unknowns.
+/// Tests and benchmarks compare derived steps with it; the attribute derives it with
+/// `structure = both`.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unstructured<R>(pub R);

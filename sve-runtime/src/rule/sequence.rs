@@ -1,9 +1,10 @@
-//! What compositions and splittings have in common: substep `k` has the length `wₖ h` and the increments `wₖ ΔW`.
+//! Code shared by compositions and splittings: substep `k` has the length `wₖ h` and the increments
+//! `wₖ ΔW`.
 
 use super::Mode;
 use crate::system::plan::{Operations, Plan, Substeps};
 
-/// Returns number and fraction of the substep that a walk visits after `at` others.
+/// Returns number and fraction of the substep that a walk visits after `at` other substeps.
 #[inline(always)]
 pub(super) fn visited<S, I, M: Mode<S, I>>(fractions: &[f64], at: usize) -> (usize, f64) {
     let number = if M::IS_BACKWARD {
@@ -14,7 +15,8 @@ pub(super) fn visited<S, I, M: Mode<S, I>>(fractions: &[f64], at: usize) -> (usi
     (number, fractions[number])
 }
 
-/// Returns the plan of `count` substeps, of which equally many are those of each of the given plans.
+/// Returns the plan of `count` substeps. Each of the given plans describes the same number of
+/// substeps.
 pub(super) const fn plan_of<const K: usize>(
     plans: [&Plan; K],
     rule: &'static str,

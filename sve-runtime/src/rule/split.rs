@@ -1,4 +1,5 @@
-//! Substeps that alternate between the initial-point rule and its adjoint, the endpoint rule: splittings of T(v) − V(q).
+//! Substeps that alternate between the initial-point rule and its adjoint, the endpoint rule:
+//! splittings of T(v) − V(q).
 
 use super::coefficients::{BlanesMoan4, BlanesMoanRkn6};
 use super::sequence::{plan_of, visited};
@@ -14,18 +15,20 @@ use crate::system::{IncrementsOf, System};
 )]
 pub trait Separable {}
 
-/// A system with `L = ½ vᵀMv − V(t, q)` and a constant matrix M. Implemented by `#[variational(…)]`.
+/// A system with `L = ½ vᵀMv − V(t, q)` and a constant matrix M. Implemented by
+/// `#[variational(…)]`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no Runge–Kutta–Nyström splitting: its kinetic energy is not ½ vᵀMv with a constant M",
     note = "use `Split::new(BlanesMoan4)` where L = T(v) − V(t, q), or `Composed::new(Midpoint, KahanLi8)`"
 )]
 pub trait QuadraticKineticEnergy: Separable {}
 
-/// The fractions of the step in a splitting: α₁, β₁, α₂, β₂, … of the initial-point and the endpoint rule.
+/// The fractions of the step in a splitting: α₁, β₁, α₂, β₂, … of the initial-point and the
+/// endpoint rule.
 pub trait Coefficients {
     /// A value for each pair α, β.
     type Each<T: Clone>: Clone + AsRef<[T]>;
-    /// Name and order.
+    /// Name of the splitting and its order.
     const NAME: &'static str;
     /// Order of convergence without noise.
     const ORDER: u32;
@@ -41,9 +44,11 @@ pub trait Splitting<S>: Coefficients {}
 impl<S: Separable> Splitting<S> for BlanesMoan4 {}
 impl<S: QuadraticKineticEnergy> Splitting<S> for BlanesMoanRkn6 {}
 
-/// A splitting of the step into kicks by the potential and drifts: steps of the initial-point rule alternate with steps of the endpoint rule.
+/// A splitting of the step into kicks by the potential and drifts: steps of the initial-point rule
+/// alternate with steps of the endpoint rule.
 ///
-/// For Lagrangians T(v) − V(t, q), whose attribute lists both rules. The step is explicit where noise is in q alone.
+/// For Lagrangians T(v) − V(t, q) whose attribute lists both rules. The step is explicit if noise
+/// is in q alone.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -67,21 +72,21 @@ impl<S: QuadraticKineticEnergy> Splitting<S> for BlanesMoanRkn6 {}
 /// # }
 /// ```
 ///
-/// With noise the increments are divided like the step, and the strong order is 1 where noises commute. A force of friction is amplified in the substeps
-/// of negative length.
+/// With noise the increments are divided like the step, and the strong order is 1 if the noises
+/// commute. A force of friction is amplified in the substeps of negative length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Split<C> {
     splitting: C,
 }
 
 impl<C: Coefficients> Split<C> {
-    /// The splitting with these coefficients.
+    /// Returns the splitting with these coefficients.
     pub const fn new(splitting: C) -> Self {
         Self { splitting }
     }
 }
 
-/// What both rules prepare for a pair of fractions.
+/// The values that both rules prepare for a pair of fractions.
 type Prepared<S> = (
     <InitialPoint as Rule<S>>::Prepared,
     <Endpoint as Rule<S>>::Prepared,

@@ -4,9 +4,11 @@ use super::{Rule, TellsImpulses};
 use crate::system::equations::Memory;
 use crate::system::{IncrementsOf, System};
 
-/// A system with the step of the rule `R`, which takes one increment for each Wiener process: `R: Rule<S::Itself, Increments = IncrementsOf<S>>` in other words.
+/// A system with the step of the rule `R`, which takes one increment for each Wiener process. This
+/// is the bound `R: Rule<S::Itself, Increments = IncrementsOf<S>>`.
 ///
-/// All rules do, except those with stage noise. The bound holds for references to the system too.
+/// All rules take one increment for each process, except the rules with stage noise. The bound
+/// holds for references to the system too.
 #[diagnostic::on_unimplemented(
     message = "no step of the rule `{R}` with one increment a process has been derived for `{Self}`",
     label = "this rule is not in the attribute of the `impl` block, or takes the increments of stages",
@@ -26,7 +28,7 @@ pub trait Variational<R>:
 {
     /// Values that depend on parameters and step size only.
     type Prepared: Clone;
-    /// What a trajectory carries from step to step.
+    /// The numbers that a trajectory carries from step to step.
     type Memory: Memory;
 }
 
@@ -39,12 +41,14 @@ where
     type Memory = R::Memory;
 }
 
-/// A system with a step of the rule `R` that tells the impulses of its constraints: every derived rule, and no composition.
+/// A system with a step of the rule `R` that gives the impulses of its constraints: every derived
+/// rule, and no composition.
 pub trait ConstraintImpulses<R>: Is<R, Type: TellsImpulses> {}
 
 impl<S, R: TellsImpulses> ConstraintImpulses<R> for S {}
 
-/// Names the type `R` as an associated type: bounds of associated types in a list of supertraits follow from a bound by the trait, those in a `where` clause do not.
+/// Names the type `R` as an associated type. A bound by the trait implies the bounds of associated
+/// types in its list of supertraits, but not the bounds in a `where` clause.
 #[doc(hidden)]
 pub trait Is<R>: Same<R, Type = R> {}
 
@@ -52,7 +56,7 @@ impl<S, R> Is<R> for S {}
 
 #[doc(hidden)]
 pub trait Same<R> {
-    /// `R`.
+    /// The type `R`.
     type Type;
 }
 

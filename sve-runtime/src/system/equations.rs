@@ -1,6 +1,7 @@
-//! The equations of a step: the interface between what the macro derives for a rule and the integrator.
+//! The equations of a step: the interface between the code that the macro derives for a rule and
+//! the integrator.
 //!
-//! Invariant: nothing here changes a state. The integrator decides what is accepted.
+//! Invariant: nothing here changes a state. The integrator decides which solutions are accepted.
 
 use core::fmt::Debug;
 
@@ -15,9 +16,10 @@ use crate::system::{
     FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, TangentLanesOf, VectorOf,
 };
 
-/// What a trajectory carries from one step to the next: numbers that the next step would compute again, or that its iteration starts from.
+/// Numbers that a trajectory carries from one step to the next: results that the next step would
+/// compute again, or starting points of its iteration.
 ///
-/// A step from no numbers gives the same result, up to the rounding error of the iteration.
+/// A step without these numbers gives the same result, up to the rounding error of the iteration.
 pub trait Memory: Clone + Debug {
     /// Returns the memory before the first step.
     fn none() -> Self;
@@ -27,7 +29,7 @@ pub trait Memory: Clone + Debug {
     fn from_numbers(numbers: &[f64]) -> Option<Self>;
 }
 
-/// Nothing is carried.
+/// The memory of a step that carries nothing.
 impl Memory for () {
     #[inline(always)]
     fn none() -> Self {}
@@ -41,7 +43,7 @@ impl Memory for () {
     }
 }
 
-/// `K` numbers, or none before the first step.
+/// A memory of `K` numbers, or of none before the first step.
 impl<const K: usize> Memory for Option<[f64; K]> {
     #[inline(always)]
     fn none() -> Self {
@@ -60,28 +62,31 @@ impl<const K: usize> Memory for Option<[f64; K]> {
     }
 }
 
-/// What the increment of a step is.
+/// The form in which a step returns its result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Returns {
     /// `q₁ − q₀` and `p₁ − p₀`.
     Increment,
-    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, and an offset. Adding an increment would only lengthen
-    /// the chain of operations.
+    /// `q₁` and `p₁`: a matrix that differs from step to step times the state, and an offset.
+    /// Adding an increment would only lengthen the chain of operations.
     State,
     /// `q₁ − q₀` and `p₁ − p₀` as a matrix, the same in all steps, times the state, and an offset.
     MatrixTimesState,
 }
 
 impl Returns {
-    /// Whether the state at the end is returned, and not what is added to the one at the start.
+    /// Returns whether the step returns the state at its end, in place of an increment of the state
+    /// at its start.
     pub(crate) const fn is_state(self) -> bool {
         matches!(self, Self::State)
     }
 }
 
-/// The equations of the step of a rule, solved and linearised: what `#[variational]` implements for each rule that it derives.
+/// The equations of the step of a rule, solved and linearised. `#[variational]` implements this
+/// trait for each rule that it derives.
 ///
-/// Integrators and code for all rules ask for a [`Rule`](crate::Rule), which compositions are too.
+/// Integrators, and code for all rules, ask for a [`Rule`](crate::Rule), since compositions are
+/// rules too.
 #[diagnostic::on_unimplemented(
     message = "no step of the rule `{R}` has been derived for `{Self}`",
     label = "this rule is not in the attribute of the `impl` block",
@@ -93,33 +98,36 @@ pub trait StepEquations<R>: StartOfStep {
     type Increments: Increments;
     /// Values that depend on parameters and step size only.
     type Prepared: Clone;
-    /// What a trajectory carries from step to step.
+    /// The numbers that a trajectory carries from step to step.
     type Memory: Memory;
     /// The unknowns of all blocks, `[f64; K]`.
     type Unknowns: Unknowns;
-    /// The conditions of the domain: where the functions in L and in the noises are defined, as text.
+    /// The conditions of the domain, as text: they hold where the functions in L and in the noises
+    /// are defined.
     const DOMAIN: &'static [&'static str] = &[];
-    /// Increments of a process in a step: 1, or the stages of a rule with stage noise.
+    /// Number of increments of a process in a step: 1, or the number of stages of a rule with stage
+    /// noise.
     const STAGES: usize = 1;
     /// The plan of the step.
     const PLAN: &'static Plan;
-    /// Whether the equations are not solved where the mass matrix at the start is singular, or where no velocity of the momentum is found, so that the start needs no
-    /// test beside them.
+    /// True if the equations are not solved where the mass matrix at the start is singular, or
+    /// where no velocity of the momentum is found, so that no further test of the start is needed.
     const PROVES_START: bool = false;
-    /// What [`increment`](Self::increment) returns.
+    /// The form of the result of [`increment`](Self::increment).
     const RETURNS: Returns;
     /// Computes the values that depend on parameters and step size only.
     fn prepare(&self, h: f64) -> Self::Prepared;
-    /// Returns the unknowns of all blocks in the limit of no noise and h → 0, from velocity and acceleration at the start of the
-    /// step.
+    /// Returns the unknowns of all blocks in the limit of no noise and h → 0, from velocity and
+    /// acceleration at the start of the step.
     fn start(
         &self,
         state: &FlatStateOf<Self>,
         velocity: &VectorOf<Self>,
         acceleration: &VectorOf<Self>,
     ) -> Self::Unknowns;
-    /// Solves one step. Returns `(q₁ − q₀, p₁ − p₀)` or `(q₁, p₁)`, see [`RETURNS`](Self::RETURNS), and the unknowns of all blocks. `memory` is what the step before
-    /// left; the step may use it, and leaves its own.
+    /// Solves one step. Returns `(q₁ − q₀, p₁ − p₀)` or `(q₁, p₁)`, see [`RETURNS`](Self::RETURNS),
+    /// and the unknowns of all blocks. `memory` has the numbers of the step before; the step may
+    /// use them, and writes its own numbers.
     ///
     /// # Errors
     /// A [`SolveError`] if an implicit equation of the step cannot be solved.
@@ -132,11 +140,13 @@ pub trait StepEquations<R>: StartOfStep {
         dw: &Self::Increments,
         newton: &BlockSolver<'_>,
     ) -> Result<StepOf<Self, R>, SolveError>;
-    /// Advances every lane on the fast path and writes the result to `next`, and the unknowns of all blocks to `unknowns`. Returns the mask of lanes that the fast path
-    /// could not solve; their states are copied unchanged, and the caller steps them with [`increment`](Self::increment). Times in `next` are not written.
+    /// Advances every lane on the fast path and writes the result to `next`, and the unknowns of
+    /// all blocks to `unknowns`. Returns the mask of lanes that the fast path could not solve;
+    /// their states are copied unchanged, and the caller steps them with
+    /// [`increment`](Self::increment). Times in `next` are not written.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)] // those of a step and the unknowns
+    #[allow(clippy::too_many_arguments)] // the arguments of a step and the unknowns
     fn increment_lanes(
         &self,
         prepared: &Self::Prepared,
@@ -151,8 +161,8 @@ pub trait StepEquations<R>: StartOfStep {
         next.clone_from(states);
         ALL
     }
-    /// Carries tangent vectors along a step in lanes, around the unknowns that solve it. Returns the mask of lanes whose vectors have no meaning. The default carries
-    /// none.
+    /// Carries tangent vectors along a step in lanes, around the unknowns that solve it. Returns
+    /// the mask of lanes whose vectors are invalid. The default implementation marks every lane.
     #[inline(always)]
     fn linearise_lanes(
         &self,
@@ -165,7 +175,8 @@ pub trait StepEquations<R>: StartOfStep {
         let _ = (states, h, dw, unknowns, tangents);
         ALL
     }
-    /// Visits the multipliers of the constraints of a solved step: the impulses at the start of the step, then those at its end.
+    /// Visits the multipliers of the constraints of a solved step: the impulses at the start of the
+    /// step, then the impulses at its end.
     fn multipliers(
         &self,
         state: &FlatStateOf<Self>,
@@ -176,7 +187,8 @@ pub trait StepEquations<R>: StartOfStep {
     ) {
         let _ = (state, h, dw, unknowns, visit);
     }
-    /// Linearises the step's equations and results around a solved step. Returns what `then` makes of them.
+    /// Linearises the step's equations and results around a solved step. Returns the result of
+    /// `then`.
     fn linearise<T>(
         &self,
         state: &FlatStateOf<Self>,

@@ -1,7 +1,9 @@
-//! The increment of Euler's method, of which the explicit baselines consist: what generated code returns for it, and calls.
+//! The increment of Euler's method, of which the explicit baselines consist. Generated code
+//! computes it and calls functions of this file.
 //!
-//! Input: a state, a step size and increments of the noises. Output: `h f(z) + Σ g_a(z) ΔW_a` for `z = (q, p)`, with the drift f and the noise fields g of the
-//! first-order form, and the Itô correction. Invariant: nothing is checked here; a method checks its whole step.
+//! Input: a state, a step size and increments of the noises. Output: `h f(z) + Σ g_a(z) ΔW_a` for
+//! `z = (q, p)`, with the drift f and the noise fields g of the first-order form, and the Itô
+//! correction. Invariant: nothing is checked here; a method checks its whole step.
 
 pub use crate::phase::Field;
 

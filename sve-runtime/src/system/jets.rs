@@ -1,4 +1,5 @@
-//! Values of L, of the noise Hamiltonians and of the force at a point, with their derivatives, as generated code returns them.
+//! Values of L, of the noise Hamiltonians and of the force at a point, with their derivatives, as
+//! generated code returns them.
 
 /// `L(t, q, v)` with its first and second derivatives; `dqv[i][j] = ∂²L/∂qᵢ∂vⱼ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +22,8 @@ pub struct LagrangianJet<const N: usize> {
     pub dvt: [f64; N],
 }
 
-/// A noise Hamiltonian `G(t, q, p)` with its first and second derivatives; `dqp[i][j] = ∂²G/∂qᵢ∂pⱼ`.
+/// A noise Hamiltonian `G(t, q, p)` with its first and second derivatives;
+/// `dqp[i][j] = ∂²G/∂qᵢ∂pⱼ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseJet<const N: usize> {
     /// `∂G/∂q`.
@@ -62,13 +64,13 @@ pub struct ForceJet<const N: usize> {
     pub dt: [f64; N],
 }
 
-/// How the velocity of a coordinate occurs in the Lagrangian.
+/// The form in which the velocity of a coordinate occurs in the Lagrangian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CoordinateRole {
     /// The momentum determines the velocity.
     Massive,
-    /// Linearly: the momentum is a function of the configuration, p = α(q).
+    /// The velocity occurs linearly: the momentum is a function of the configuration, p = α(q).
     Massless,
-    /// Not at all: the coordinate follows from the others by 0 = ∂L/∂q.
+    /// The velocity does not occur: the coordinate follows from the others by 0 = ∂L/∂q.
     Algebraic,
 }

@@ -1,7 +1,9 @@
-//! The linearised step that the macro generates, and its solution by the implicit-function theorem (`docs/mathematics.md`, section 8).
+//! The linearised step that the macro generates, and its solution by the implicit-function theorem
+//! (`docs/mathematics.md`, section 8).
 //!
-//! Input: a step and its results, linearised around a solved step. Output: the matrix of all derivatives; tangent vectors after the step, for
-//! tangent vectors before it; or derivatives of a function of the state before the step, for those of the function after it.
+//! Input: a step and its results, linearised around a solved step. Output: the matrix of all
+//! derivatives; or tangent vectors after the step, from tangent vectors before it; or derivatives
+//! of a function by the state before the step, from its derivatives by the state after it.
 
 use nalgebra::DMatrix;
 
@@ -31,9 +33,9 @@ impl<const N: usize> Field<[f64; N]> {
 /// The non-zero entries of a matrix.
 #[derive(Clone, Copy, Debug)]
 pub struct Entries<'a> {
-    /// Row and column of each.
+    /// Row and column of each entry.
     pub places: &'a [(usize, usize)],
-    /// The value of each.
+    /// Value of each entry.
     pub values: &'a [f64],
 }
 
@@ -79,7 +81,7 @@ pub struct Linearisation<'a> {
 pub struct Directions<'a, V> {
     /// The tangent vectors.
     pub fields: &'a mut [Field<V>],
-    /// For each vector the parameter that varies with it in this step, if one does.
+    /// The parameter that varies with each vector in this step; `None` if no parameter varies.
     pub parameters: &'a [Option<usize>],
 }
 
@@ -94,12 +96,13 @@ impl<V> Directions<'_, V> {
     }
 }
 
-/// The derivative of a function of the states of a path by a state, and by the parameters in the steps from there.
+/// The derivative of a function of the states of a path, by a state and by the parameters in the
+/// steps from this state on.
 #[derive(Debug)]
 pub struct Covector<'a, V> {
-    /// By the state.
+    /// The derivative by the state.
     pub state: &'a mut Field<V>,
-    /// By each parameter.
+    /// The derivative by each parameter.
     pub parameters: &'a mut [f64],
 }
 
@@ -135,8 +138,8 @@ impl<'a> Linearisation<'a> {
         }
     }
 
-    /// Adds intermediate values w(z), at most as many as coordinates, by dw/dz and ∂y/∂w: the derivative of y is then
-    /// `∂y/∂z + ∂y/∂w dw/dz`.
+    /// Adds intermediate values w(z), at most as many as coordinates, by dw/dz and ∂y/∂w: the
+    /// derivative of y is then `∂y/∂z + ∂y/∂w dw/dz`.
     #[inline(always)]
     #[must_use]
     pub fn through(self, [wz, yw]: [Entries<'a>; 2]) -> Self {
@@ -147,7 +150,8 @@ impl<'a> Linearisation<'a> {
         }
     }
 
-    /// Returns `dy/dz`. With `increments` the results are differences to the state at the start, whose derivative is added.
+    /// Returns `dy/dz`. If `increments` is true, the results are differences from the state at the
+    /// start, whose derivative is added.
     ///
     /// # Errors
     /// [`SolveError`] if ∂R/∂x is singular, or the result is not finite.
@@ -169,7 +173,8 @@ impl<'a> Linearisation<'a> {
                 all[(row, column)] += value * intermediates[(intermediate, column)];
             }
         }
-        // Term by term: a product of matrices may contract operations, with other bits on other machines.
+        // The terms are added one by one: a product of matrices may contract operations, with other
+        // bits on other machines.
         for column in 0..all.ncols() {
             for row in 0..all.nrows() {
                 for k in 0..moves.nrows() {
@@ -185,26 +190,28 @@ impl<'a> Linearisation<'a> {
     }
 }
 
-/// The unknowns of a step, `[f64; K]`, with the solutions of its linearised equations. Nothing is allocated.
+/// The unknowns of a step, `[f64; K]`, and the solution of its linearised equations. Nothing is
+/// allocated.
 pub trait Unknowns: Copy + AsRef<[f64]> + AsMut<[f64]> {
     /// The unknowns of each lane.
     type Lanes: KeepUnknowns;
-    /// Returns room for the unknowns of each lane.
+    /// Returns memory for the unknowns of each lane.
     fn lanes() -> Self::Lanes;
     /// Carries tangent vectors along the step: `y ← dy/dz z`.
     ///
     /// # Errors
-    /// As [`Linearisation::solve`]; the vectors have no meaning then.
+    /// As [`Linearisation::solve`]; the vectors are then invalid.
     fn push_forward<const N: usize>(
         linear: &Linearisation<'_>,
         increments: bool,
         directions: Directions<'_, [f64; N]>,
     ) -> Result<(), SolveError>;
 
-    /// Carries derivatives by the result of the step back to its start: `λ ← (dy/dz)ᵀ λ`, of which the part of the parameters is added to the earlier one.
+    /// Carries derivatives by the result of the step back to its start: `λ ← (dy/dz)ᵀ λ`. The
+    /// derivatives by the parameters are added to the earlier ones.
     ///
     /// # Errors
-    /// As [`Linearisation::solve`]; the derivatives have no meaning then.
+    /// As [`Linearisation::solve`]; the derivatives are then invalid.
     fn pull_back<const N: usize>(
         linear: &Linearisation<'_>,
         increments: bool,
@@ -319,7 +326,8 @@ fn factors<const K: usize>(
     factored(&dense).ok_or(SolveError::Singular { iteration: 0 })
 }
 
-/// The component of a vector of phase space with this number: first those along q, then those along p.
+/// Returns the component with this number of a vector of phase space: the components along q come
+/// first, then the components along p.
 #[inline(always)]
 fn entry<const N: usize>(field: &mut Field<[f64; N]>, number: usize) -> &mut f64 {
     if number < N {

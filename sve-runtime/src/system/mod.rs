@@ -1,4 +1,5 @@
-//! The traits that `#[variational]` implements: the interface between generated code and the runtime.
+//! The traits that `#[variational]` implements: the interface between generated code and the
+//! runtime.
 //!
 //! Everything that depends on the number of coordinates goes through one associated type,
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
@@ -19,13 +20,13 @@ use crate::phase::configuration::Configuration;
 use crate::phase::state::State;
 use crate::system::euler::EulerIncrement;
 
-/// `[f64; N]` of a system.
+/// The type `[f64; N]` of a system.
 pub type VectorOf<S> = <<S as System>::Dims as Dimensions>::Vector;
-/// `[f64; M]` of a system.
+/// The type `[f64; M]` of a system.
 pub type IncrementsOf<S> = <<S as System>::Dims as Dimensions>::Increments;
 /// The configuration of a system, the type of `q` in its state.
 pub type ConfigurationOf<S> = <<S as System>::Dims as Dimensions>::Configuration;
-/// The momentum of a system, the type of `p` in its state; velocities have it too.
+/// The momentum of a system, the type of `p` in its state and of velocities.
 pub type MomentumOf<S> = <ConfigurationOf<S> as Configuration>::Momentum;
 /// The state of a system.
 pub type StateOf<S> = State<ConfigurationOf<S>>;
@@ -33,9 +34,9 @@ pub type StateOf<S> = State<ConfigurationOf<S>>;
 pub type FlatOf<S> = <<S as System>::Dims as Dimensions>::Flat;
 /// The state of a system in coordinates, `State<[f64; N]>` in a vector space.
 pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
-/// `StateLanes<N>` of a system.
+/// The type `StateLanes<N>` of a system.
 pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
-/// `[Lane; M]` of a system.
+/// The type `[Lane; M]` of a system.
 pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
 /// A state of a system in dual numbers: [`DualState<N>`](crate::DualState) in a vector space.
 pub type DualStateOf<'a, S> = <<S as System>::Dims as Dimensions>::DualState<'a>;
@@ -43,54 +44,62 @@ pub type DualStateOf<'a, S> = <<S as System>::Dims as Dimensions>::DualState<'a>
 #[doc(hidden)]
 pub type TangentLanesOf<S> = <<S as System>::Dims as Dimensions>::TangentLanes;
 
-/// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its force.
+/// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its
+/// force.
 ///
-/// Implemented by `#[variational(…)]`; what users call is in [`Mechanics`](crate::Mechanics).
+/// Implemented by `#[variational(…)]`. [`Mechanics`](crate::Mechanics) has the functions for users.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a mechanical system",
     note = "put `#[variational(midpoint)]` on the `impl` block that holds its `lagrangian`"
 )]
 pub trait System {
-    /// Its sizes and its configuration, `Dims<N, M, Q>`.
+    /// The sizes and the configuration of the system, `Dims<N, M, Q>`.
     type Dims: Dimensions;
-    /// The system for which steps are derived: its own type; of a reference, the type behind it.
+    /// The system for which steps are derived: for a system its own type, for a reference the type
+    /// behind it.
     type Itself: System<Dims = Self::Dims, Itself = Self::Itself>;
     /// Returns the system, behind all references.
     fn itself(&self) -> &Self::Itself;
-    /// Whether `∂L/∂v` is affine in `v`, so that the Legendre transform is inverted by one linear solve.
+    /// True if `∂L/∂v` is affine in `v`, so that one linear solve inverts the Legendre transform.
     const AFFINE_MOMENTUM: bool;
     /// The role of each coordinate, if L does not determine every velocity; empty for a regular L.
     const ROLES: &'static [CoordinateRole] = &[];
-    /// Whether there is a force.
+    /// True if the system has a force.
     const FORCED: bool = false;
-    /// The parameters, as the source has them: `m`, `l[0]`, `body.mass`.
+    /// The names of the parameters in the source: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
-    /// The coordinates that a state stores, as L has them: `q`, `q[0]`, `q.x`, or `x` and `y` after `let [x, y] = q`. A rotation has the components of its quaternion, `r.w` to `r.k`.
+    /// The names in L of the coordinates that a state stores: `q`, `q[0]`, `q.x`, or `x` and `y`
+    /// after `let [x, y] = q`. A rotation has the components of its quaternion, `r.w` to `r.k`.
     const COORDINATES: &'static [&'static str] = &[];
-    /// The momenta, in the same way: `p`, `p[0]`, `p.x`, `p_x`, `pi.x`.
+    /// The names of the momenta, in the same form: `p`, `p[0]`, `p.x`, `p_x`, `pi.x`.
     const MOMENTA: &'static [&'static str] = &[];
-    /// The constraints, by the names of their functions: `rod`, `rods[0]`.
+    /// The names of the functions of the constraints: `rod`, `rods[0]`.
     const CONSTRAINTS: &'static [&'static str] = &[];
-    /// A hash of the formulas of L, the noises and the force, by which shards and checkpoints of ensembles are recognised.
+    /// A hash of the formulas of L, the noises and the force, which identifies the system of shards
+    /// and checkpoints of ensembles.
     const FORMULAS: u64 = 0;
     /// Visits the values of the parameters, in the order of [`PARAMETERS`](Self::PARAMETERS).
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         let _ = visit;
     }
-    /// What [`euler_increment`](Self::euler_increment) uses that depends on the parameters and the step size alone.
+    /// Numbers for [`euler_increment`](Self::euler_increment) that depend on the parameters and the
+    /// step size alone.
     type EulerNumbers: Copy + core::fmt::Debug;
-    /// Whether [`euler_increment`](Self::euler_increment) is written for this system.
+    /// True if [`euler_increment`](Self::euler_increment) is implemented for this system.
     const HAS_EULER_INCREMENT: bool = false;
-    /// Largest number of stages of a method that is stepped in lanes; 0 where [`euler_increment_in_lane`](Self::euler_increment_in_lane) is not written.
+    /// Largest number of stages of a method that is stepped in lanes; 0 if
+    /// [`euler_increment_in_lane`](Self::euler_increment_in_lane) is not implemented.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     const EULER_STAGES_IN_LANES: usize = 0;
-    /// Returns what [`euler_increment`](Self::euler_increment) uses for steps of length `h`; `None` if a constant mass matrix is singular.
+    /// Returns the numbers for [`euler_increment`](Self::euler_increment) in steps of length `h`;
+    /// `None` if a constant mass matrix is singular.
     #[inline]
     fn euler_numbers(&self, h: f64) -> Option<Self::EulerNumbers> {
         let _ = h;
         None
     }
-    /// The increment of Euler's method over a step from a state. It is not finite, or `None`, where it has no value.
+    /// Returns the increment of Euler's method over a step from a state. Where the increment has no
+    /// value, the result is not finite, or `None`.
     #[inline]
     fn euler_increment(
         &self,
@@ -104,7 +113,7 @@ pub trait System {
         let _ = (prepared, t, q, p, h, dw);
         None
     }
-    /// The same in a loop over lanes, by functions without branches.
+    /// Returns the same increment in a loop over lanes, by functions without branches.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
     fn euler_increment_in_lane(
@@ -119,21 +128,22 @@ pub trait System {
         let _ = (prepared, t, q, p, h, dw);
         None
     }
-    /// `L` and its first and second derivatives.
+    /// Returns `L` and its first and second derivatives.
     fn lagrangian_jet(
         &self,
         t: f64,
         q: &FlatOf<Self>,
         v: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::LagrangianJet;
-    /// Every noise Hamiltonian (`−γᵢ` or `H₁ⱼ`, in the order of `dw`) with its first and second derivatives.
+    /// Returns every noise Hamiltonian (`−γᵢ` or `H₁ⱼ`, in the order of `dw`) with its first and
+    /// second derivatives.
     fn noise_jets(
         &self,
         t: f64,
         q: &FlatOf<Self>,
         p: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::NoiseJets;
-    /// The force F with its first derivatives; zero where there is none.
+    /// Returns the force F with its first derivatives; zero for a system without a force.
     #[inline]
     fn force_jet(
         &self,
@@ -144,7 +154,8 @@ pub trait System {
         let _ = (t, q, v);
         <Self::Dims as Dimensions>::NO_FORCE
     }
-    /// Visits the constraints with their first derivatives, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
+    /// Visits the constraints with their first derivatives, in the order of
+    /// [`CONSTRAINTS`](Self::CONSTRAINTS).
     fn constraint_jets(
         &self,
         t: f64,
@@ -153,14 +164,16 @@ pub trait System {
     ) {
         let _ = (t, q, visit);
     }
-    /// Writes the energy of each lane to `energies`, where a loop without branches computes it; elsewhere a number that is not finite. The default has none.
+    /// Writes the energy of each lane to `energies`. Where a loop without branches cannot compute
+    /// it, writes a number that is not finite, as the default implementation does for every lane.
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
     fn energy_lanes(&self, states: &StateLanesOf<Self>, energies: &mut Lane) {
         let _ = states;
         energies.fill(f64::NAN);
     }
-    /// Visits the second time derivatives of the constraints in motion with velocity `v` and without acceleration, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
+    /// Visits the second time derivatives of the constraints in motion with velocity `v` and
+    /// without acceleration, in the order of [`CONSTRAINTS`](Self::CONSTRAINTS).
     fn constraint_curvatures(
         &self,
         t: f64,

@@ -1,12 +1,14 @@
-//! The plan of a step: what was derived, how it is solved, what it costs. The macro writes it; users read it through `Integrator::plan`.
+//! The plan of a step: its derivation, its solution and its cost. The macro writes it; users read
+//! it through `Integrator::plan`.
 
 use core::fmt;
 
-/// How a block of equations is solved.
+/// The method by which a block of equations is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BlockKind {
-    /// Each equation has one unknown, whose coefficient depends on parameters only: straight-line code.
+    /// Each equation has one unknown, whose coefficient depends on parameters only: straight-line
+    /// code.
     Explicit,
     /// The Jacobian does not depend on the unknowns: one linear solve, no iteration.
     Linear,
@@ -27,13 +29,14 @@ impl fmt::Display for BlockKind {
 /// A block of equations that is solved together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Block {
-    /// How the block is solved.
+    /// The method by which the block is solved.
     pub kind: BlockKind,
-    /// Names of its unknowns. Unknowns that others define are eliminated.
+    /// Names of the block's unknowns. Unknowns that other unknowns define are eliminated.
     pub unknowns: &'static [&'static str],
     /// Number of structural non-zeros of its Jacobian.
     pub nonzeros: usize,
-    /// Lower and upper bandwidth of its Jacobian, if it is solved as a banded matrix. `unknowns` are in the order of the band.
+    /// Lower and upper bandwidth of its Jacobian, if it is solved as a banded matrix. `unknowns`
+    /// are in the order of the band.
     pub band: Option<(usize, usize)>,
 }
 
@@ -43,7 +46,8 @@ pub struct Block {
 pub enum StrongOrder {
     /// No noise.
     Deterministic,
-    /// All noises commute: order 1. [`Formulas::system`] says if this is checked numerically and not proved.
+    /// All noises commute: order 1. [`Formulas::system`] states whether this is proved or only
+    /// checked numerically.
     One,
     /// Stage noise with γ alone, and the term of the option `weak2`: order 3/2.
     OneAndAHalf,
@@ -58,24 +62,28 @@ pub enum StrongOrder {
     },
 }
 
-/// How a step treats a Lagrangian that does not determine every velocity, and what the step preserves.
+/// The treatment of a Lagrangian that does not determine every velocity, and the quantity that the
+/// step preserves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DegenerateStep {
-    /// The degenerate coordinates occur in L without their velocities: the step is that of the Lagrangian that is left when `0 = ∂L/∂q` eliminates them, and symplectic.
+    /// The degenerate coordinates occur in L without their velocities. `0 = ∂L/∂q` eliminates them,
+    /// and the step is the symplectic step of the remaining Lagrangian.
     Eliminated,
-    /// α = ∂L/∂v is affine in q: the discrete equations are the implicit midpoint rule. The two-form ω = Dαᵀ − Dα is preserved to rounding.
+    /// α = ∂L/∂v is affine in q: the discrete equations are the implicit midpoint rule. The
+    /// two-form ω = Dαᵀ − Dα is preserved to rounding.
     Affine,
-    /// Half of the velocities do not occur in L, up to a total derivative of a quadratic function: these coordinates are variables of the node.
-    /// The two-form ω is preserved to rounding.
+    /// Half of the velocities do not occur in L, up to a total derivative of a quadratic function:
+    /// these coordinates are variables of the node. The two-form ω is preserved to rounding.
     Internal,
-    /// Both ends are projected to p = α(q) by the same multiplier. The two-form ω is preserved up to O(h⁵) a step, and how far depends on the total derivatives in L;
-    /// L written without half of the velocities gives [`Internal`](Self::Internal).
+    /// Both ends are projected to p = α(q) by the same multiplier. The two-form ω is preserved up
+    /// to O(h⁵) a step, with a constant that depends on the total derivatives in L. If L is written
+    /// without half of the velocities, the step is [`Internal`](Self::Internal).
     Projected,
 }
 
 impl DegenerateStep {
-    /// Whether the two-form is preserved to rounding.
+    /// Returns whether the two-form is preserved to rounding.
     pub fn keeps_two_form(self) -> bool {
         self != Self::Projected
     }
@@ -94,19 +102,21 @@ impl fmt::Display for DegenerateStep {
     }
 }
 
-/// Numbers of floating-point operations. Comparisons, the choice of pivots and the tests of Newton's method are not counted.
+/// Numbers of floating-point operations. Comparisons, the choice of pivots and the tests of
+/// Newton's method are not counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     /// Additions, subtractions, multiplications, divisions.
     pub arithmetic: usize,
     /// Calls of `sqrt`, `sin`, `exp` and the like.
     pub transcendental: usize,
-    /// Angle additions: sine and cosine of a sum, from those of an angle and a short polynomial in the small increment.
+    /// Angle additions: sine and cosine of a sum, from sine and cosine of an angle and a short
+    /// polynomial in the small increment.
     pub angle_additions: usize,
 }
 
 impl Operations {
-    /// Returns these operations and `times` times the others.
+    /// Returns the sum of these operations and `times` times the others.
     pub(crate) const fn plus(self, times: usize, others: Self) -> Self {
         Self {
             arithmetic: self.arithmetic + times * others.arithmetic,
@@ -125,12 +135,13 @@ pub struct Substeps {
     pub count: usize,
 }
 
-/// The mathematics of a step, as text. Lines end with `\n`; the last one does not.
+/// The mathematics of a step, as text. Lines end with `\n`, except for the last line.
 ///
-/// Time levels are subscripts, `q₀` and `q₁`, start and end of a step; components are in brackets, `q₀[2]`, and a single
-/// coordinate has no brackets. `q̄`, `t̄` are the node of the midpoint rule, `q̂`, `v̂` the predicted end of `taylor2`; `Δq = q₁ − q₀`;
-/// `ΔW[a]` is the increment of process `a`. Parameters have the names of their fields. `c1`, `s1`, `u1`, … stand for expressions
-/// that are written below. Long texts are cut off, with a note of how much is missing.
+/// Time levels are subscripts, `q₀` and `q₁`, start and end of a step; components are in brackets,
+/// `q₀[2]`, and a single coordinate has no brackets. `q̄`, `t̄` are the node of the midpoint rule,
+/// `q̂`, `v̂` the predicted end of `taylor2`; `Δq = q₁ − q₀`; `ΔW[a]` is the increment of process
+/// `a`. Parameters have the names of their fields. `c1`, `s1`, `u1`, … stand for expressions that
+/// are written below. Long texts are cut off, with a note of the missing length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Formulas {
     /// L, the noise terms, the force, and the momenta of symmetries.
@@ -139,7 +150,8 @@ pub struct Formulas {
     pub motion: &'static str,
     /// The discrete action of the rule, and the virtual work of the force.
     pub action: &'static str,
-    /// The equations of the step after elimination, block by block, and what follows from them.
+    /// The equations of the step after elimination, block by block, and the results that follow
+    /// from them.
     pub step: &'static str,
 }
 
@@ -161,10 +173,11 @@ pub struct Formulas {
 pub struct Plan {
     /// Name of the user's type.
     pub system: &'static str,
-    /// Attribute name of the rule; both rules of a splitting.
+    /// Attribute name of the rule, or the names of both rules of a splitting.
     pub rule: &'static str,
-    /// The substeps of a composition. Blocks and formulas are then those of a substep, of the initial-point rule for a splitting; orders and numbers of
-    /// operations are those of the whole step.
+    /// The substeps of a composition. Blocks and formulas then describe a substep, which for a
+    /// splitting is a step of the initial-point rule; orders and numbers of operations describe the
+    /// whole step.
     pub substeps: Option<Substeps>,
     /// Degrees of freedom.
     pub degrees_of_freedom: usize,
@@ -176,43 +189,47 @@ pub struct Plan {
     pub deterministic_order: u32,
     /// Strong order of convergence with noise.
     pub strong_order: StrongOrder,
-    /// Weak order of convergence: errors of expectations are of the order of h to this power. Without noise it is the deterministic order. With noise it is 1; it is 2 for rules
-    /// of deterministic order 2 or above with the option `weak2`, and without it where the term of the option would be constant: additive noise in position alone, with
-    /// constant masses.
+    /// Weak order of convergence: errors of expectations are of the order of h to this power.
+    /// Without noise it is the deterministic order. With noise it is 1, except in two cases, in
+    /// which it is 2: for rules of deterministic order 2 or above with the option `weak2`, and
+    /// without the option if its term would be constant, that is for additive noise in position
+    /// alone with constant masses.
     pub weak_order: u32,
-    /// The momenta of symmetries, by their functions, that every step conserves to rounding.
+    /// The functions of the momenta of symmetries that every step conserves to rounding.
     pub conserved: &'static [&'static str],
-    /// Whether ensembles make this step for many paths at once, in lanes of vector registers. A step with too many unknowns, with a banded matrix, with rotations or with
-    /// roots that no bounds judge is made for one path after the other. `false` without the feature `ensemble`.
+    /// True if ensembles make this step for many paths at once, in lanes of vector registers. A
+    /// step with too many unknowns, with a banded matrix, with rotations, or with roots that no
+    /// bounds judge is made for one path after the other. `false` without the feature `ensemble`.
     pub in_lanes: bool,
-    /// How the step treats a degenerate Lagrangian; `None` if L determines every velocity.
+    /// The treatment of a degenerate Lagrangian; `None` if L determines every velocity.
     pub degenerate: Option<DegenerateStep>,
     /// Operations for each step size.
     pub prepare: Operations,
     /// Operations for each step, with the linear solves and without the iterations.
     pub step: Operations,
-    /// Operations of a step that a trajectory does not repeat, since it carries their results from the step before: the force at the end of a step is
-    /// that at the start of the next.
+    /// Operations of a step that a trajectory does not repeat, since it carries their results from
+    /// the step before: the force at the end of a step is the force at the start of the next one.
     pub carried: Operations,
-    /// Operations for each iteration of all Newton blocks, with the linear solves. For a [`Gauss`](crate::Gauss) rule those of a sweep over the stages: an iteration of its fixed point, or the
-    /// residuals of Newton's method without the Jacobian and the linear solve.
+    /// Operations for each iteration of all Newton blocks, with the linear solves. For a
+    /// [`Gauss`](crate::Gauss) rule the operations of a sweep over the stages: an iteration of its
+    /// fixed point, or the residuals of Newton's method without the Jacobian and the linear solve.
     pub iteration: Operations,
     /// The mathematics of the step.
     pub formulas: Formulas,
 }
 
 impl Plan {
-    /// Number of unknowns that a linear solve or an iteration determines.
+    /// Returns the number of unknowns that a linear solve or an iteration determines.
     pub fn unknowns(&self) -> usize {
         self.implicit().map(|b| b.unknowns.len()).sum()
     }
 
-    /// Number of structural non-zeros of the Jacobians of all implicit blocks.
+    /// Returns the number of structural non-zeros of the Jacobians of all implicit blocks.
     pub fn jacobian_nonzeros(&self) -> usize {
         self.implicit().map(|b| b.nonzeros).sum()
     }
 
-    /// The most demanding kind of block in the step.
+    /// Returns the most demanding kind of block in the step.
     pub fn kind(&self) -> BlockKind {
         let has = |kind| self.blocks.iter().any(|b| b.kind == kind);
         if has(BlockKind::Newton) {
@@ -224,7 +241,7 @@ impl Plan {
         }
     }
 
-    /// Operations of a step in which each Newton block takes so many iterations.
+    /// Returns the operations of a step in which each Newton block takes so many iterations.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -241,7 +258,8 @@ impl Plan {
         self.step.plus(iterations, self.iteration)
     }
 
-    /// The first part of the printed plan: sizes, blocks and orders, without the formulas and the counts of operations.
+    /// Returns the first part of the printed plan: sizes, blocks and orders, without the formulas
+    /// and the counts of operations.
     pub fn structure(&self) -> impl fmt::Display + '_ {
         Structure(self)
     }
@@ -306,7 +324,7 @@ impl fmt::Display for Plan {
     }
 }
 
-/// A plan without its formulas: see [`Plan::structure`].
+/// A plan without its formulas, see [`Plan::structure`].
 struct Structure<'a>(&'a Plan);
 
 impl fmt::Display for Structure<'_> {

@@ -1,4 +1,4 @@
-//! The fixed sizes of a system, and the types that have them.
+//! The fixed sizes of a system, and the types with these sizes.
 
 use core::marker::PhantomData;
 
@@ -11,13 +11,14 @@ use crate::phase::lanes::LaneStates;
 use crate::phase::state::State;
 use crate::phase::tangents::{FieldLanes, TangentLanes};
 
-/// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of configurations.
+/// The fixed sizes of a system, `N` degrees of freedom and `M` Wiener processes, and its type of
+/// configurations.
 #[derive(Clone, Copy, Debug)]
 pub struct Dims<const N: usize, const M: usize, Q = [f64; N]>(PhantomData<Q>);
 
 /// The increments of the Wiener processes over a step: a row of numbers.
 pub trait Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]> {
-    /// All increments zero.
+    /// The increments that are all zero.
     const NONE: Self;
     /// Number of Wiener processes.
     #[doc(hidden)]
@@ -36,9 +37,11 @@ impl<const M: usize> Increments for [f64; M] {
     }
 }
 
-/// The types that belong to the sizes and the configuration of a system. Implemented by [`Dims`] alone.
+/// The types that belong to the sizes and the configuration of a system. Only [`Dims`] implements
+/// it.
 ///
-/// Generated code computes with rows of `N` coordinates; the runtime converts them from and to the configuration.
+/// Generated code computes with rows of `N` coordinates; the runtime converts them from and to the
+/// configuration.
 pub trait Dimensions {
     /// The configuration, `Q`.
     type Configuration: FixedSize;
@@ -68,39 +71,39 @@ pub trait Dimensions {
     /// [`ConstraintJet<N>`](ConstraintJet).
     type ConstraintJet;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    /// All increments of all lanes zero.
+    /// Increments of all lanes that are zero.
     const NO_INCREMENT_LANES: Self::IncrementLanes;
     #[doc(hidden)]
     /// A row of zeros.
     const ZERO: Self::Vector;
     /// A state in dual numbers, [`DualState<N>`](crate::DualState) in a vector space.
     type DualState<'a>;
-    /// No force.
+    /// The force zero with its derivatives.
     const NO_FORCE: Self::ForceJet;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    /// The same state in each lane.
+    /// Returns the same state in each lane.
     fn splat(state: &State<Self::Configuration>) -> Self::StateLanes;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    /// The state of a lane.
+    /// Returns the state of a lane.
     fn get(lanes: &Self::StateLanes, lane: usize) -> State<Self::Configuration>;
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// Replaces the state of a lane.
     fn set(lanes: &mut Self::StateLanes, lane: usize, state: &State<Self::Configuration>);
     #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    /// The times of the lanes.
+    /// Returns the times of the lanes.
     fn times(lanes: &mut Self::StateLanes) -> &mut Lane;
     #[doc(hidden)]
-    /// A state that varies along a direction, with the function that has the parameters.
+    /// Returns a state that varies along a direction; `parameter` returns the parameters.
     fn dual_state<'a>(
         state: &State<Self::Configuration>,
         direction: &Field<Self::Vector>,
         parameter: &'a dyn Fn(&str) -> Dual,
     ) -> Self::DualState<'a>;
     #[doc(hidden)]
-    /// The increments of a lane.
+    /// Returns the increments of a lane.
     fn increments_of(lanes: &Self::IncrementLanes, lane: usize) -> Self::Increments;
     #[doc(hidden)]
-    /// The increments of all processes where there is a single one.
+    /// Returns the increments of all processes if there is a single process.
     fn of_only_process(increments: &Lane) -> Option<&Self::IncrementLanes>;
 }
 

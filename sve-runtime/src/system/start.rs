@@ -1,35 +1,41 @@
-//! What a step tests of its start: that one velocity has the momentum there, and no other one near it.
+//! Tests of the start of a step: a velocity has the momentum of the start, and no other velocity
+//! near it has this momentum.
 //!
-//! The step is the solution that is connected with no noise and h → 0, where v₀ solves ∂L/∂v(q₀, v₀) = p₀ (`docs/mathematics.md`, section 6). Where no such velocity
-//! exists, or none that is isolated, there is no step, in any rule. If ∂L/∂v is affine in v, the velocity exists and is isolated exactly if the mass matrix
-//! ∂²L/∂v² is regular at the start. Otherwise it has to be found.
+//! The step is the solution that is connected with no noise and h → 0, where v₀ solves ∂L/∂v(q₀,
+//! v₀) = p₀ (`docs/mathematics.md`, section 6). If no isolated velocity solves this equation, there
+//! is no step, in any rule. If ∂L/∂v is affine in v, the velocity exists and is isolated exactly if
+//! the mass matrix ∂²L/∂v² is regular at the start. Otherwise it has to be found.
 //!
-//! The macro says what may fail: nothing where the mass matrix has numbers alone, or where constraints or a degenerate Lagrangian have a definition of their own.
-//! `integrator/start.rs` makes the tests.
+//! The macro determines which tests can fail: none if the mass matrix consists of numbers, or if
+//! constraints or a degenerate Lagrangian have a definition of their own. `integrator/start.rs`
+//! makes the tests.
 
 use crate::lanes::Mask;
 use crate::system::{FlatOf, StateLanesOf, System};
 
-/// What the start of a step of a system needs. Implemented by `#[variational]`.
+/// The tests that the start of a step of a system needs. Implemented by `#[variational]`.
 pub trait StartOfStep: System {
-    /// Whether parameters can make the mass matrix singular wherever the system is.
+    /// True if parameters can make the mass matrix singular in every state of the system.
     const TESTS_PARAMETERS: bool = false;
-    /// Whether the mass matrix can be singular at some configurations or times.
+    /// True if the mass matrix can be singular at some configurations or times.
     const TESTS_STATE: bool = false;
-    /// Whether ∂L/∂v is not affine in v, so that a momentum may have no velocity, or several.
+    /// True if ∂L/∂v is not affine in v, so that no velocity or several velocities may have a
+    /// momentum.
     const TESTS_VELOCITY: bool = false;
-    /// Returns whether the parameters make the part of the mass matrix regular that depends on nothing else.
+    /// Returns whether the part of the mass matrix that depends on parameters alone is regular.
     #[inline(always)]
     fn parameters_give_regular_mass(&self) -> bool {
         true
     }
-    /// Returns whether the part of the mass matrix that depends on configuration or time is regular.
+    /// Returns whether the part of the mass matrix that depends on configuration or time is
+    /// regular.
     #[inline(always)]
     fn state_gives_regular_mass(&self, t: f64, q: &FlatOf<Self>) -> bool {
         let _ = (t, q);
         true
     }
-    /// Returns the lanes where that part is singular, or not surely regular; `None` if a loop over lanes is not written for it.
+    /// Returns the lanes in which the part of the mass matrix that depends on configuration or time
+    /// is singular, or not surely regular; `None` if this part has no loop over lanes.
     #[inline(always)]
     fn lanes_of_singular_mass(&self, states: &StateLanesOf<Self>) -> Option<Mask> {
         let _ = states;
@@ -37,17 +43,18 @@ pub trait StartOfStep: System {
     }
 }
 
-/// What depends on parameters and step size alone, and whether parameters allow a start.
+/// Values that depend on parameters and step size alone, and the result of the test of the
+/// parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct Tested<C> {
-    /// What the rule computes.
+    /// The values that the rule prepares.
     pub(crate) coefficients: C,
-    /// Whether the part of the mass matrix that depends on parameters alone is regular.
+    /// True if the part of the mass matrix that depends on parameters alone is regular.
     pub(crate) has_regular_mass: bool,
 }
 
 impl<C> Tested<C> {
-    /// What a rule computes for a system.
+    /// Adds the test of a system's parameters to the values that a rule prepares.
     #[inline(always)]
     pub(crate) fn of(system: &impl StartOfStep, coefficients: C) -> Self {
         Self {

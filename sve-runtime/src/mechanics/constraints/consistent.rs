@@ -1,6 +1,7 @@
 //! Projection of a state onto the constraints: φ(q) = 0, then ∂φ/∂t + ∂φ/∂q v = 0.
 //!
-//! The configuration moves along `M⁻¹ ∂φ/∂qᵀ` (Gauss–Newton, mass-orthogonal), the momentum along `∂φ/∂qᵀ`.
+//! The configuration moves along `M⁻¹ ∂φ/∂qᵀ` (Gauss–Newton, mass-orthogonal), the momentum along
+//! `∂φ/∂qᵀ`.
 
 use nalgebra::DVector;
 
@@ -10,16 +11,18 @@ use crate::phase::configuration::{Coordinates, FlatConfiguration, VectorCoordina
 use crate::phase::state::State;
 use crate::system::{Dims, System};
 
-/// Gauss–Newton steps. From a start within reach some 5 are made.
+/// Largest number of Gauss–Newton steps. From a start within reach the projection makes about 5.
 const MAX_ITERATIONS: u32 = 60;
 
 /// Violation of a constraint, relative to its terms, that is only rounding error.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Largest violation at which the last iterations may stop: rounding errors of φ can be larger than those of its terms.
+/// Largest violation at which the last iterations may stop: rounding errors of φ can be larger than
+/// the rounding errors of its terms.
 const ROUNDING_OF_FUNCTIONS: f64 = 1e-12;
 
-/// Returns the state on the constraints that is nearest to a given one in the metric of the masses.
+/// Returns the state on the constraints that is nearest to a given state in the metric of the
+/// masses.
 pub(crate) fn project<S, Q, const N: usize, const M: usize>(
     system: &S,
     given: &State<[f64; N]>,
@@ -112,7 +115,7 @@ where
     Ok(State { t, q, p })
 }
 
-/// The error of dependent constraints, or of one whose gradient vanishes with it.
+/// Returns the error of dependent constraints, or of a constraint whose gradient vanishes with it.
 pub(super) fn rank_error<S, Q, const N: usize, const M: usize>(
     system: &S,
     here: &Linearised<N>,
@@ -139,7 +142,7 @@ where
     })
 }
 
-/// The error of dependent constraints.
+/// Returns the error of dependent constraints.
 fn dependence_error<S, Q, const N: usize, const M: usize>(
     here: &Linearised<N>,
     t: f64,

@@ -1,13 +1,15 @@
-//! The motion of a system with constraints, without noise: `dp/dt = ∂L/∂q + F + ∂φ/∂qᵀ λ` with the λ that keeps `∂φ/∂t + ∂φ/∂q v = 0`.
+//! The motion of a system with constraints, without noise: `dp/dt = ∂L/∂q + F + ∂φ/∂qᵀ λ` with the
+//! λ that keeps `∂φ/∂t + ∂φ/∂q v = 0`.
 //!
-//! Differentiating this equation along the motion gives
+//! Differentiating this equation for v along the motion gives
 //!
 //! ```text
 //! ∂φ/∂q a + c = 0    c = ∂²φ/∂t² + 2 ⟨∂²φ/∂t∂q, v⟩ + ⟨v, ∂²φ/∂q² v⟩
 //! L_vv a = ∂L/∂q + F − L_vq v − L_vt + ∂φ/∂qᵀ λ
 //! ```
 //!
-//! and so `∂φ/∂q L_vv⁻¹ ∂φ/∂qᵀ λ = −c − ∂φ/∂q a₀` with the acceleration a₀ of the motion without constraints.
+//! and so `∂φ/∂q L_vv⁻¹ ∂φ/∂qᵀ λ = −c − ∂φ/∂q a₀` with the acceleration a₀ of the motion without
+//! constraints.
 
 use nalgebra::DVector;
 
@@ -22,10 +24,13 @@ use crate::phase::state::State;
 use crate::solve::SolveError;
 use crate::system::{Dims, System};
 
-/// Returns the drift with the forces of the constraints. The part of the momentum across the constraints is left out, as in a step.
+/// Returns the drift with the forces of the constraints. The part of the momentum across the
+/// constraints is left out, as in a step.
 ///
 /// # Errors
-/// [`StepError::InconsistentStart`] beside the constraints, [`StepError::ConstraintRank`] and [`StepError::ConstraintGradient`] where their gradients do not determine forces; otherwise those of the velocity.
+/// [`StepError::InconsistentStart`] if the state violates a constraint;
+/// [`StepError::ConstraintRank`] and [`StepError::ConstraintGradient`] if the gradients do not
+/// determine forces; otherwise the errors of the velocity.
 pub(crate) fn drift<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,
@@ -64,7 +69,8 @@ where
     }
 }
 
-/// Returns `∂L/∂q + F + ∂φ/∂qᵀ λ` at a velocity along the constraints; `None` if a matrix is singular.
+/// Returns `∂L/∂q + F + ∂φ/∂qᵀ λ` at a velocity along the constraints; `None` if a matrix is
+/// singular.
 fn force<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,

@@ -9,10 +9,12 @@ use crate::phase::configuration::{Coordinates, FlatConfiguration};
 use crate::phase::state::State;
 use crate::system::{Dims, System};
 
-/// Largest violation of a constraint at the start of a step, relative to its terms; the macro has the same number in the conditions of a step.
+/// Largest violation of a constraint at the start of a step, relative to its terms. The macro has
+/// the same number in the conditions of a step.
 const INCONSISTENT: f64 = 1e-8;
 
-/// Returns the error in the terms of the constraints, if they are the reason; `None` otherwise, and for systems without constraints.
+/// Returns the error in terms of the constraints, if they are the reason; `None` otherwise, and for
+/// systems without constraints.
 #[cold]
 pub(crate) fn constraint_error<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -62,7 +64,8 @@ where
     })
 }
 
-/// Returns the error of a start at which the gradient of a constraint vanishes with the constraint; `None` for systems without constraints.
+/// Returns the error of a start at which the gradient of a constraint vanishes with the constraint;
+/// `None` for systems without constraints.
 #[cold]
 pub(crate) fn gradient_error<S, Q, const N: usize, const M: usize>(
     system: &S,
@@ -88,7 +91,7 @@ where
     Some(is_inconsistent.unwrap_or(error))
 }
 
-/// Returns the error of a state beside the constraints.
+/// Returns the error of a state that violates a constraint.
 pub(super) fn inconsistent_start<S: System, const N: usize>(
     here: &Linearised<N>,
     t: f64,

@@ -1,7 +1,9 @@
-//! Holonomic constraints: consistent states, the forces of constraints, and the errors of steps that lose them.
+//! Holonomic constraints: consistent states, the forces of constraints, and the errors of steps
+//! that lose them.
 //!
-//! Input: the constraints that the macro differentiated ([`System::constraint_jets`]) and the mass matrix `M = ∂²L/∂v²`. Output: as above. Nothing here is on the
-//! fast path of a step: the equations of a step have the constraints in them.
+//! Input: the constraints that the macro differentiated ([`System::constraint_jets`]) and the mass
+//! matrix `M = ∂²L/∂v²`. Output: states, forces and errors. Nothing here is on the fast path of a
+//! step: the equations of a step contain the constraints.
 //!
 //! | file | part |
 //! | --- | --- |
@@ -23,11 +25,11 @@ use crate::phase::configuration::{Coordinates, FlatConfiguration};
 use crate::phase::state::State;
 use crate::system::{ConstraintJet, Dims, System};
 
-/// Smallest pivot of a regular system of constraints, relative to its diagonal entry: gradients that differ in direction by 10⁻⁵. Below it, a step has lost
-/// the digits of the constraint forces.
+/// Smallest pivot of a regular system of constraints, relative to its diagonal entry: gradients
+/// that differ in direction by 10⁻⁵. Below it, a step has lost the digits of the constraint forces.
 const SMALLEST_PIVOT: f64 = 1e-10;
 
-/// Fails to compile if a system has constraints, which the methods for comparison do not know.
+/// Fails to compile if a system has constraints, which the methods for comparison do not treat.
 pub(crate) const fn assert_unconstrained<S: System>() {
     assert!(
         S::CONSTRAINTS.is_empty(),
@@ -35,7 +37,8 @@ pub(crate) const fn assert_unconstrained<S: System>() {
     );
 }
 
-/// Why a function of [`Mechanics`](crate::Mechanics) does not compile for a system with constraints.
+/// The reason why a function of [`Mechanics`](crate::Mechanics) does not compile for a system with
+/// constraints.
 pub(crate) const LEAVES_OUT_FORCES: &str = "this function is for systems without constraints: it would leave out their forces; `drift` has them, and a step makes the motion with noise";
 
 /// The constraints at a point, with `A = ∂φ/∂q M⁻¹ ∂φ/∂qᵀ`.
@@ -49,7 +52,7 @@ struct Linearised<const N: usize> {
     rest: [f64; N],
 }
 
-/// A constraint that depends on those before it.
+/// A constraint whose gradient depends on the gradients of the constraints before it.
 struct Dependent {
     k: usize,
     pivot: f64,
@@ -58,12 +61,13 @@ struct Dependent {
 /// Rounding errors of a constraint, in units of the magnitudes of its terms.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Largest change of a gradient, relative to the gradient, over a distance at which the constraint changes by its violation and its rounding errors. At a double root it
-/// is ½, and more at a root of higher multiplicity.
+/// Largest change of a gradient, relative to the gradient, over a distance at which the constraint
+/// changes by its violation and its rounding errors. At a double root the change is ½, and it is
+/// larger at a root of higher multiplicity.
 const LARGEST_CHANGE: f64 = 0.125;
 
 impl<const N: usize> Linearised<N> {
-    /// The constraints of a system at a point; `None` if the mass matrix is singular there.
+    /// Returns the constraints of a system at a point; `None` if the mass matrix is singular there.
     fn at<S, Q, const M: usize>(system: &S, t: f64, q: &Q::Flat) -> Option<Self>
     where
         S: System<Dims = Dims<N, M, Q>>,
@@ -85,7 +89,7 @@ impl<const N: usize> Linearised<N> {
         })
     }
 
-    /// Returns the first constraint whose gradient depends on those before it.
+    /// Returns the first constraint whose gradient depends on the gradients before it.
     fn dependent(&self) -> Option<Dependent> {
         let mut matrix = self.matrix.clone();
         let count = matrix.nrows();
@@ -108,8 +112,10 @@ impl<const N: usize> Linearised<N> {
         None
     }
 
-    /// Returns the first constraint whose gradient vanishes where the constraint holds, as that of f² does for every f: within the distance that its violation and rounding errors leave open, its
-    /// gradient along its own direction changes by much of itself. The number returned is that change, relative to the gradient.
+    /// Returns the first constraint whose gradient vanishes where the constraint holds, such as the
+    /// gradient of f² for every f. The constraint is known only up to its violation and rounding
+    /// errors. Within the corresponding distance such a gradient changes along its own direction by
+    /// a large part of itself. The returned number is this change, relative to the gradient.
     fn vanishing<S, Q, const M: usize>(&self, system: &S, t: f64, q: &Q::Flat) -> Option<Dependent>
     where
         S: System<Dims = Dims<N, M, Q>>,
@@ -153,7 +159,8 @@ impl<const N: usize> Linearised<N> {
         self.matrix.clone().lu().solve(b)
     }
 
-    /// The constraint that is violated most, with its violation relative to its terms.
+    /// Returns the constraint with the largest violation, and this violation relative to the terms
+    /// of the constraint.
     fn worst(&self) -> (usize, f64) {
         let relative =
             |jet: &ConstraintJet<N>| jet.value.abs() / (jet.magnitude + f64::MIN_POSITIVE);
