@@ -1,8 +1,9 @@
 #![doc = include_str!("links.md")]
 #![doc = include_str!("../../docs/guide/README.md")]
-// The pages lie in the folder `docs/guide` of this package, so that they can be read in the repository as they are. Their links are
-// reference links, which they define at their ends as links between files. Of two definitions Markdown takes the first, so the definitions of
-// `links.md`, which stand before each page, make them links between modules.
+// The pages lie in the folder `docs/guide` of this package, so that they can be read in the
+// repository. Their links are reference links, which they define at their ends as links between
+// files. Markdown takes the first of two definitions, so the definitions of `links.md`, which stand
+// before each page, make them links between modules.
 
 /// Declares a module for each page.
 macro_rules! pages {
@@ -31,7 +32,8 @@ pages! {
     not_planned
 }
 
-// The programs of these pages need features. The pages are always shown, and tested where the features are there.
+// The programs of these pages need features. The pages are always shown, and tested if the features
+// are enabled.
 pages! {
     #[cfg(any(not(doctest), feature = "serde"))]
     trajectories

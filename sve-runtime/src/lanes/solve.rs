@@ -2,10 +2,10 @@
 //!
 //! Input: matrix and right-hand side of a lane. Output: the solution; NaN or infinite if the matrix
 //! is singular. One and two unknowns are solved by the formulas of [`dense`](crate::solve::dense),
-//! bit for bit. Three and more are solved by Gaussian elimination with partial pivoting. Pivots may
-//! differ from those of the scalar solve, which scales rows before comparing them. Steps with
-//! constraints solve three and more unknowns by code that the macro writes for the zeros of their
-//! matrices.
+//! bit for bit. Three and more are solved by Gaussian elimination with partial pivoting. Its pivots
+//! may differ from the pivots of the scalar solve, which scales rows before comparing them. Steps
+//! with constraints solve three and more unknowns by code that the macro writes for the zeros of
+//! their matrices.
 
 use crate::solve::dense::SINGULAR;
 

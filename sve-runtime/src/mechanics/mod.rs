@@ -1,8 +1,8 @@
 //! Mechanics that follow from the Lagrangian: Legendre transform, energy, first-order form.
 //!
 //! Input: the derivatives that the macro generated ([`System`]). Output: functions of a state, for
-//! users and baselines. The equations of motion are those of a stochastic Hamilton–Pontryagin
-//! system (`docs/mathematics.md`, sections 1 and 4), `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`,
+//! users and baselines. The equations of motion describe a stochastic Hamilton–Pontryagin system
+//! (`docs/mathematics.md`, sections 1 and 4), `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`,
 //! `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
 pub(crate) mod constraints;

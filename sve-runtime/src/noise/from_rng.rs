@@ -1,7 +1,7 @@
 //! Increments from a random generator of the `rand` crates.
 //!
 //! Input: a generator of random words. Output: √h z with z the next standard normal of its stream.
-//! Invariant: every two words become two normals, both of which are used.
+//! Invariant: every two words become two normals, and both normals are used.
 
 use super::{Noise, NoiseError, box_muller};
 use crate::error::check_step;

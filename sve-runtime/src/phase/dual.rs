@@ -160,7 +160,7 @@ impl From<f64> for Dual {
 
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident($x:ident) = $value:expr, $derivative:expr;)*) => {
-        /// Smooth functions of one number; outside of their domain they are NaN, as those of `f64`
+        /// Smooth functions of one number; outside of their domain they are NaN, as the functions of `f64`
         /// are.
         impl Dual {$(
             $(#[$doc])*

@@ -1,4 +1,4 @@
-//! The increment of Euler's method, of which the explicit baselines consist. Generated code
+//! The increment of Euler's method, from which the explicit baselines are built. Generated code
 //! computes it and calls functions of this file.
 //!
 //! Input: a state, a step size and increments of the noises. Output: `h f(z) + Σ g_a(z) ΔW_a` for

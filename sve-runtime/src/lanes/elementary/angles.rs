@@ -2,8 +2,8 @@
 //!
 //! The argument is reduced by the nearest multiple of π/2 in three parts (W. Cody, W. Waite,
 //! Software Manual for the Elementary Functions, 1980), the first two of 36 bits, so that their
-//! products with a multiple below 2¹⁷ are exact. The remainder has a second, low part. The
-//! polynomials are those of [`angle_addition`](crate::angle_addition).
+//! products with a multiple below 2¹⁷ are exact. The remainder has a second, low part.
+//! [`angle_addition`](crate::angle_addition) has the polynomials.
 
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_4};
 

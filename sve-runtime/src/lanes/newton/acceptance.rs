@@ -1,7 +1,7 @@
 //! The roots that an iteration in lanes accepts.
 //!
 //! Input: the evaluations of an iteration, with the Jacobian or with the solution of its linear
-//! system. Output: true if a lane may continue. The two kinds of acceptance are those of the scalar
+//! system. Output: true if a lane may continue. There are two kinds of acceptance, as in the scalar
 //! method, see the header of `solve/newton/mod.rs`.
 
 use super::Update;

@@ -25,9 +25,9 @@
 //! Source: Hairer, `McLachlan`, Razakarivony, *Achieving Brouwer's law with implicit Runge–Kutta
 //! methods*, BIT 48 (2008).
 //!
-//! **Which root.** The equations of a step may have several solutions. The step is the solution
-//! connected with the limit of no noise and h → 0, where the velocity is that of the momentum at
-//! the start. Blocks fall into three classes.
+//! **The connected root.** The equations of a step may have several solutions. The step is the
+//! solution connected with the limit of no noise and h → 0. In this limit the velocity follows from
+//! the momentum at the start. Blocks fall into three classes.
 //! - The macro derives, for blocks of up to four unknowns whose equations are affine in that limit,
 //!   bounds of the Jacobian between the limit and the root. The step accepts the root if every
 //!   matrix within the bounds is regular, see [`regularity`](super::regularity). The iteration may
@@ -36,12 +36,12 @@
 //!   the derivatives at a node, and the step accepts the root if the equations are a contraction in
 //!   a box that contains the root and the limit (`gauss/connected.rs`). The iteration may take any
 //!   path. Linear equations of stages have one root, which is accepted.
-//! - The other blocks are accepted by the path of their iteration. It has to contract: the
-//!   determinant of each Jacobian has the sign that it has in the limit, and each residual is at
-//!   most ¼ of the one before, relative to the magnitudes at the one before. A single unknown
-//!   needs |f f″| ≤ ½ f′² too. Kantorovich's theorem gives these bounds. Of a single unknown the
-//!   root of another iteration is accepted too, if the sign is that of the limit at 17 points of
-//!   the segment from the guess to the root.
+//! - The other blocks are accepted by the path of their iteration. The iteration has to contract:
+//!   the determinant of each Jacobian has the same sign as in the limit, and each residual is at
+//!   most ¼ of the residual before, relative to the magnitudes at the point before. A single
+//!   unknown needs |f f″| ≤ ½ f′² too. Kantorovich's theorem gives these bounds. If the iteration
+//!   for a single unknown does not contract, its root is accepted if the determinant has the sign
+//!   of the limit at 17 points of the segment from the guess to the root.
 //!
 //! Blocks with multipliers of constraints are accepted by the path of their iteration, with a ratio
 //! of 1/64 in the place of ¼, if noise does not undo most of the motion. Lanes accept their roots
@@ -51,14 +51,14 @@
 //!
 //! [`continuation`](crate::continuation) treats a step whose root is not accepted.
 //!
-//! What is proved: every Jacobian within accepted bounds is regular, so the bounds contain at most
-//! one solution for each smaller step and increment, but for rounding errors of the radii, for
-//! which the bound of the spectral radius leaves room. A path from the limit that leaves the bounds
-//! and comes back is excluded for blocks with multipliers of constraints and for the stages of
-//! Gauss rules alone, where the bounds show that it stays in the box. The test of the iteration's
-//! path samples the Jacobian, as continuation does, and so does the fixed-point iteration of Gauss
-//! rules from four stages on (`gauss/convergence.rs`). For constrained systems a test of the
-//! repository compares the roots of random long steps with a continuation of its own.
+//! **Proved properties.** Every Jacobian within accepted bounds is regular, so the bounds contain
+//! at most one solution for each smaller step and increment. This holds but for rounding errors of
+//! the radii, for which the bound of the spectral radius leaves room. The bounds exclude a path
+//! from the limit that leaves them and comes back only for blocks with multipliers of constraints
+//! and for the stages of Gauss rules, where they show that the path stays in the box. The test of
+//! the iteration's path samples the Jacobian, as continuation does, and so does the fixed-point
+//! iteration of Gauss rules from four stages on (`gauss/convergence.rs`). For constrained systems a
+//! test of the repository compares the roots of random long steps with a continuation of its own.
 //!
 //! Sources: Neumaier, *Interval Methods for Systems of Equations* (1990), chapter 5; Ortega,
 //! Rheinboldt, *Iterative Solution of Nonlinear Equations in Several Variables* (1970), section
