@@ -1,5 +1,6 @@
-//! What the compiler makes of a scene: times of `cargo check` and `cargo build --release` of a crate with nothing but the
-//! scene, its dependencies built before; and the time of a step of the program.
+//! The cost of compiling a scene: times of `cargo check` and `cargo build --release` of a crate
+//! that contains only the scene, with its dependencies already built; and the time of a step of the
+//! program.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,18 +9,18 @@ use std::time::Instant;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Where crates are written and built.
+/// The folder in which crates are written and built.
 const SCRATCH: &str = env!("CARGO_TARGET_TMPDIR");
 
 /// The root of the workspace.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// A crate that holds one scene after the other.
+/// A crate that holds one scene at a time.
 pub(super) struct Crate {
     root: PathBuf,
 }
 
-/// Seconds; a step in nanoseconds.
+/// Times in seconds; the time of a step in nanoseconds.
 pub(super) struct Built {
     pub(super) check: f64,
     pub(super) release: f64,
@@ -27,7 +28,7 @@ pub(super) struct Built {
 }
 
 impl Crate {
-    /// A crate whose dependencies are built.
+    /// Returns a crate whose dependencies are built.
     pub(super) fn new() -> Result<Self, String> {
         let root = Path::new(SCRATCH).join("scene");
         let runtime = Path::new(ROOT).join("sve-runtime");
@@ -67,7 +68,7 @@ impl Crate {
         fs::write(self.root.join("src/main.rs"), program).map_err(|error| error.to_string())
     }
 
-    /// The seconds that a command of cargo takes.
+    /// Returns the seconds that a command of cargo takes.
     fn cargo(&self, arguments: &[&str]) -> Result<f64, String> {
         let mut command = Command::new("cargo");
         command
@@ -80,7 +81,8 @@ impl Crate {
     }
 }
 
-/// What this benchmark prints when it is compiled without optimisation, as macros are in a user's build.
+/// Returns the output of this benchmark when it is compiled without optimisation, as macros are in
+/// a user's build.
 pub(super) fn unoptimised(arguments: &[String]) -> Result<String, String> {
     let mut command = Command::new("cargo");
     command
@@ -101,7 +103,8 @@ pub(super) fn unoptimised(arguments: &[String]) -> Result<String, String> {
     output(&mut command)
 }
 
-/// Lines of tokens: one a statement, two a block. The formatter itself overflows its stack on large systems.
+/// Returns the number of lines of tokens, with one line for each statement and two for each block.
+/// The formatter itself overflows its stack on large systems.
 pub(super) fn lines(tokens: TokenStream) -> usize {
     let of_tree = |tree| match tree {
         TokenTree::Punct(mark) => usize::from(mark.as_char() == ';'),
@@ -114,7 +117,7 @@ pub(super) fn lines(tokens: TokenStream) -> usize {
     tokens.into_iter().map(of_tree).sum()
 }
 
-/// The standard output of a command.
+/// Returns the standard output of a command.
 fn output(command: &mut Command) -> Result<String, String> {
     let described = format!("{command:?}");
     let output = command

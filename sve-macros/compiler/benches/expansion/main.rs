@@ -1,7 +1,10 @@
-//! What a system costs before its first step: time of expansion, size of the code, time of the compiler, operations.
+//! The cost of a system before its first step: time of expansion, size of the code, time of the
+//! compiler, operations.
 //!
-//! `cargo bench -p sve-compiler --bench expansion` prints a table for each scene in `scenes.rs`, of 1 to 48 degrees of freedom;
-//! `-- chain 96 240` one scene in these sizes.//! Between two rows, `^` is the exponent of growth: of a quantity that grows like the degrees of freedom squared it is 2.
+//! `cargo bench -p sve-compiler --bench expansion` prints a table for each scene in `scenes.rs`, of
+//! 1 to 48 degrees of freedom; `-- chain 96 240` prints one scene in these sizes. Between two
+//! rows, `^` is the exponent of growth: it is 2 for a quantity that grows like the square of the
+//! degrees of freedom.
 
 mod build;
 mod scenes;
@@ -158,13 +161,13 @@ impl Row {
     }
 }
 
-/// Attribute and block of a scene.
+/// Returns the attribute and the block of a scene.
 fn input(scene: Scene, n: usize) -> Result<(TokenStream, TokenStream), String> {
     let parse = |text: &str| text.parse().map_err(|error| format!("{error}"));
     Ok((parse(Scene::RULE)?, parse(&scene.block(n))?))
 }
 
-/// Median time of an expansion, and what it gives.
+/// Returns the median time of an expansion, and the expansion.
 fn expansion(scene: Scene, n: usize) -> Result<(f64, TokenStream), String> {
     let (attribute, block) = input(scene, n)?;
     let mut times = Vec::new();
@@ -183,7 +186,7 @@ fn expansion(scene: Scene, n: usize) -> Result<(f64, TokenStream), String> {
     Ok((times[times.len() / 2], tokens))
 }
 
-/// Tokens, those within groups too.
+/// Returns the number of tokens, including tokens within groups.
 fn count(tokens: TokenStream) -> usize {
     let mut open = vec![tokens];
     let mut sum = 0;

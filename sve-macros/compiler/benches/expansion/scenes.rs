@@ -1,7 +1,7 @@
 //! The scenes: families of systems of any size, as the text that a user would write.
 //!
-//! Input: a scene and its degrees of freedom. Output: the `impl` block, and the crate around it, which makes steps and prints
-//! how long one takes.
+//! Input: a scene and its degrees of freedom. Output: the `impl` block, and a crate with the block
+//! that takes steps and prints the time of one.
 
 use std::fmt::Write as _;
 
@@ -10,10 +10,11 @@ use std::fmt::Write as _;
 pub(crate) enum Scene {
     /// Masses on a line with anharmonic springs between neighbours, the first tied to a wall.
     Chain,
-    /// Rods that hang from one another, in their angles: every coordinate is coupled to every other, by the mass matrix too.
+    /// Rods that hang from one another, in their angles. The mass matrix, too, couples every
+    /// coordinate to every other.
     Pendulum,
-    /// Bodies that attract one another, and a fixed one at the origin. In the plane, two coordinates a body; an odd number of
-    /// coordinates is that number of bodies on a line.
+    /// Bodies that attract one another, and a fixed one at the origin. In the plane each body has
+    /// two coordinates; an odd number of coordinates stands for this number of bodies on a line.
     Bodies,
 }
 
@@ -31,7 +32,7 @@ impl Scene {
     /// The rule to derive.
     pub(crate) const RULE: &'static str = "midpoint";
 
-    /// The `impl` block without its attribute.
+    /// Returns the `impl` block without its attribute.
     pub(crate) fn block(self, n: usize) -> String {
         let body = match self {
             Self::Chain => {
@@ -83,7 +84,7 @@ impl Scene {
         .replace('N', &n.to_string())
     }
 
-    /// A program that makes steps of it and prints the nanoseconds that one takes.
+    /// Returns a program that takes steps of the scene and prints the nanoseconds of one.
     pub(crate) fn program(self, n: usize) -> String {
         let mut positions = String::new();
         let mut momenta = String::new();
@@ -92,7 +93,8 @@ impl Scene {
             let (q, p) = match self {
                 Self::Chain => (0.3 * x.sin(), 0.2 * x.cos()),
                 Self::Pendulum => (0.3 * x.sin(), 0.0),
-                // two bodies a ring, on circular orbits around the origin if alone
+                // each ring has two bodies, which without the others would move on circular orbits
+                // around the origin
                 Self::Bodies => {
                     let (radius, angle) = (1.0 + (i / 4) as f64, 2.4 * (i / 2) as f64);
                     let speed = 0.3 / radius.sqrt();

@@ -1,5 +1,5 @@
-//! Printed mathematics means what it was printed from: a reader with the usual rules of precedence
-//! evaluates it to the same.
+//! Printed formulas have the same value as their expressions: a reader with the usual rules of
+//! precedence evaluates them.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use super::{Arena, Expr, Function, Sum, Symbol};
 
 const NAMES: [&str; SYMBOLS] = ["x", "y", "z"];
 
-/// Letters for symbols, and a name for one expression.
+/// Letters for symbols, and a name for at most one expression.
 struct Letters(Option<Expr>);
 
 impl Notation for Letters {
@@ -30,13 +30,13 @@ impl Notation for Letters {
     }
 }
 
-/// Values of the letters.
+/// Returns the values of the letters.
 fn letters(at: &[f64]) -> HashMap<String, f64> {
     let names = NAMES.into_iter().map(ToOwned::to_owned);
     names.zip(at.iter().copied()).collect()
 }
 
-/// Returns the value of a formula of which everything is known.
+/// Returns the value of a formula. All of its names must be known.
 fn value_of(text: &str, values: &HashMap<String, f64>) -> f64 {
     read(text, values).unwrap_or_else(|| panic!("what is in {text}?"))
 }
@@ -55,7 +55,7 @@ proptest! {
         prop_assert!(close(read, value, 1e3), "{} is {read}, not {value}", text.text);
     }
 
-    /// With one of the subexpressions named, in the whole and in the parts of a sum.
+    /// One of the subexpressions is named, in the whole and in the parts of a sum.
     #[test]
     fn names_stand_for_their_expressions(recipe in recipe(), at in prop::collection::vec(-3.0..3.0f64, SYMBOLS), which in 0..1000usize) {
         let mut arena = Arena::new();
@@ -76,7 +76,7 @@ proptest! {
         prop_assert!(close(read, value, 1e3), "{} is {read}, not {value}", text.text);
         prop_assert_eq!(text.text.contains('w'), text.named.contains(&named));
 
-        // a named sum is not opened by those who ask for its parts
+        // a named sum is not expanded into its parts
         prop_assume!(named != root);
         let mut sum = Sum::default();
         sum.add(-3.0, root, &arena);
@@ -107,7 +107,7 @@ proptest! {
     }
 }
 
-/// How formulas look.
+/// Formulas are printed in the usual notation.
 #[test]
 fn the_usual_way_of_writing() {
     let mut arena = Arena::new();

@@ -1,5 +1,5 @@
-//! A step contains only the code that its system needs: a term that the system lacks leaves no trace, and neither does the derivation of
-//! the step without structure.
+//! A step contains only the code that its system needs: a term that the system lacks leaves no
+//! trace, and neither does the derivation of the step without structure.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -15,7 +15,8 @@ fn expansion(attribute: &str, members: &str) -> TokenStream {
     expand(&parse(attribute), &parse(&item))
 }
 
-/// The functions of a step and beside it, each as text: `prepare`, `increment`, `increment_lanes`, `linearise`, `fallback_0`.
+/// Returns the functions of a step and the additional functions, each as text: `prepare`,
+/// `increment`, `increment_lanes`, `linearise`, `fallback_0`.
 fn step(attribute: &str, members: &str) -> Vec<String> {
     let expansion = expansion(attribute, members);
     assert!(
@@ -41,7 +42,7 @@ fn step(attribute: &str, members: &str) -> Vec<String> {
     code
 }
 
-/// Whether something implements `StepEquations` for a rule itself.
+/// Returns whether an item implements `StepEquations` for a rule itself.
 fn is_step(item: &syn::ItemImpl) -> bool {
     let Some((path, _)) = &item.trait_ else {
         return false;
@@ -50,7 +51,7 @@ fn is_step(item: &syn::ItemImpl) -> bool {
     text.contains(":: StepEquations <") && !text.contains("Unstructured")
 }
 
-/// The body of `increment`.
+/// Returns the body of `increment`.
 fn increment(attribute: &str, members: &str) -> String {
     let step = step(attribute, members);
     let found = step.into_iter().find(|f| f.contains("fn increment ("));
@@ -62,7 +63,7 @@ fn increment(attribute: &str, members: &str) -> String {
 const PENDULUM: &str =
     "fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() }";
 
-/// Members beside another Lagrangian or other terms have the same step.
+/// Checks that members with another Lagrangian or other terms have the same step.
 fn same(members: &str, others: &str) {
     for rule in RULES {
         assert_eq!(step(rule, members), step(rule, others), "{rule}: {others}");
@@ -109,7 +110,8 @@ fn a_noise_that_vanishes_is_refused() {
     }
 }
 
-/// An H₁ that depends on q alone is −γ, and its step the same: nothing of the momentum's part or of the correction is left.
+/// An H₁ that depends on q alone equals −γ and has the same step, without a momentum part or a
+/// correction.
 #[test]
 fn an_h1_without_momentum_costs_what_a_gamma_does() {
     let gamma = "#[gamma] fn shake(&self, q: f64) -> f64 { self.s * q.sin() }";
@@ -117,7 +119,7 @@ fn an_h1_without_momentum_costs_what_a_gamma_does() {
     same(&format!("{PENDULUM} {gamma}"), &format!("{PENDULUM} {h1}"));
 }
 
-/// A symmetry gives a function beside the step, which does not change it.
+/// A symmetry adds a function and does not change the step.
 #[test]
 fn symmetries_leave_the_step_alone() {
     let free = "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -144,7 +146,7 @@ fn without_noise_or_time_neither_is_read() {
     }
 }
 
-/// The comparison is derived beside the step, not in its place.
+/// The step without structure is derived in addition and does not change the step.
 #[test]
 fn the_comparison_leaves_the_step_alone() {
     let noise = "#[h1] fn turn(&self, q: f64, p: f64) -> f64 { self.s * q.sin() * p }";
@@ -159,7 +161,8 @@ fn the_comparison_leaves_the_step_alone() {
     }
 }
 
-/// `structure = both` is not for users: no message names it, and another value is reported as any unknown argument.
+/// `structure = both` is not for users: no message names it, and another value is reported as any
+/// unknown argument.
 #[test]
 fn the_comparison_is_not_offered() {
     for (attribute, hint) in [

@@ -1,11 +1,13 @@
-//! The tables of rules in the documentation have the names, types and orders of the catalogue, each rule once.
+//! The tables of rules in the documentation have the names, types and orders of the catalogue, each
+//! rule once.
 
 use crate::catalogue::{Rule, RuleOption};
 
 const OF_THE_MACRO: &str = include_str!("../../../src/lib.rs");
 const OF_THE_METHODS: &str = include_str!("../../../../docs/methods.md");
 
-/// The rules that the first cell of a row names: in backquotes, one after the other, or from one member of a family `…` or `to` another, or to the last.
+/// Returns the rules that the first cell of a row names: in backquotes one after the other, or a
+/// range of a family from one member to another, written with `…` or `to`, or to the last one.
 fn rules(cell: &str) -> Vec<Rule> {
     let all = Rule::all_with_options();
     let mut found: Vec<Rule> = Vec::new();
@@ -29,7 +31,7 @@ fn rules(cell: &str) -> Vec<Rule> {
     found
 }
 
-/// The members of a family with the options of a rule and more stages than it has, up to `last`.
+/// Returns the members of a family with the options of a rule and with more stages, up to `last`.
 fn after(rule: Rule, last: Option<usize>) -> Vec<Rule> {
     let mut family = Rule::all_with_options();
     family.retain(|other| {
@@ -40,7 +42,7 @@ fn after(rule: Rule, last: Option<usize>) -> Vec<Rule> {
     family
 }
 
-/// The type of a rule: `Weak2<Gauss<2>>`.
+/// Returns the type of a rule: `Weak2<Gauss<2>>`.
 fn type_of(rule: Rule) -> String {
     let stages = rule.stages().map(|stages| format!("<{stages}>"));
     let plain = format!("{}{}", rule.type_name, stages.unwrap_or_default());
@@ -50,7 +52,7 @@ fn type_of(rule: Rule) -> String {
     })
 }
 
-/// The orders of rules as the tables write them: `2`, or `4, 6, …, 16`.
+/// Returns the orders of rules as the tables write them: `2`, or `4, 6, …, 16`.
 fn orders(rules: &[Rule]) -> String {
     match rules {
         [first, second, .., last] if second.order > first.order => {
@@ -60,7 +62,8 @@ fn orders(rules: &[Rule]) -> String {
     }
 }
 
-/// Checks the rows of a table. Their first cell names rules, the second their types, the cell `order` their orders without noise.
+/// Checks the rows of a table. Their first cell names rules, the second their types, the cell
+/// `order` their orders without noise.
 fn check<'a>(rows: impl Iterator<Item = &'a str>, order: usize) {
     let mut named = Vec::new();
     for row in rows {

@@ -1,7 +1,9 @@
-//! The operations in the plans against the operations of the emitted code: statements and solves, counted in the tokens.
+//! The operations in the plans against the operations of the emitted code: statements and solves,
+//! counted in the tokens.
 //!
-//! Compares every rule of every model of the workspace's tests, with structure and without, and of the scenes of `benches/expansion`. Code
-//! that runs only after the fast path fails is not counted: the functions beside a step, and the closure `rounding` of a step without structure.
+//! Compares every rule of every model of the workspace's tests, with and without structure, and of
+//! the scenes of `benches/expansion`. Code that runs only after the fast path fails is not counted:
+//! the additional functions of a step, and the closure `rounding` of a step without structure.
 
 use std::ops::AddAssign;
 
@@ -127,7 +129,7 @@ impl<'a> Visit<'a> for Counter {
     }
 }
 
-/// Arithmetic operations of the runtime's solve with a matrix, by going through its loops.
+/// Returns the arithmetic operations of the runtime's solve with a matrix, by following its loops.
 fn solve(matrix: &Expr) -> usize {
     match matrix {
         Expr::Reference(reference) => solve(&reference.expr),
@@ -160,7 +162,7 @@ fn solve(matrix: &Expr) -> usize {
     }
 }
 
-/// The number of rows of a dense matrix.
+/// Returns the number of rows of a dense matrix.
 fn dense_size(matrix: &Expr) -> usize {
     match matrix {
         Expr::Reference(reference) => dense_size(&reference.expr),
@@ -179,7 +181,7 @@ fn dense_size(matrix: &Expr) -> usize {
     }
 }
 
-/// `Factors::solve` of the runtime.
+/// Returns the operations of `Factors::solve` of the runtime.
 fn substitution(k: usize) -> usize {
     let mut operations = 0;
     for row in 0..k {
@@ -198,7 +200,7 @@ fn number(literal: &Expr) -> usize {
     }
 }
 
-/// `solve::dense` of the runtime.
+/// Returns the operations of `solve::dense` of the runtime.
 fn dense(k: usize) -> usize {
     match k {
         0 | 1 => k,
@@ -219,7 +221,7 @@ fn dense(k: usize) -> usize {
     }
 }
 
-/// `Banded::solve_with_sign` of the runtime.
+/// Returns the operations of `Banded::solve_with_sign` of the runtime.
 fn banded(k: usize, lower: usize, width: usize) -> usize {
     let mut operations = 0;
     for column in 0..k {
@@ -258,7 +260,8 @@ fn told(plan: &Expr) -> [Counts; 3] {
     })
 }
 
-/// Compares the plans of an expansion with its code, and returns the number of rules and the counts of the last.
+/// Compares the plans of an expansion with its code. Returns the number of rules, and the counts of
+/// the last one.
 pub(super) fn compare(what: &str, expansion: &TokenStream) -> (usize, [Counts; 3]) {
     let (mut rules, mut last) = (0, [Counts::default(); 3]);
     let implementations = items(expansion.clone()).into_iter();
@@ -328,7 +331,8 @@ fn plans_tell_the_operations_of_scenes_of_any_size() {
     }
 }
 
-/// A chain of 12 with springs that harden: its mass matrix is diagonal beside a tridiagonal Jacobian.
+/// A chain of 12 masses with hardening springs: its mass matrix is diagonal, and its Jacobian is
+/// tridiagonal.
 #[test]
 fn a_diagonal_mass_matrix_costs_a_division_per_unknown() {
     let block = "impl Chain {
@@ -346,7 +350,8 @@ fn a_diagonal_mass_matrix_costs_a_division_per_unknown() {
     let (_, [_, step, iteration]) = compare("chain", &expansion);
     let solve = 12;
     let sums = step.0[ARITHMETIC] - 2 * solve;
-    // the second stage of the guess, and q and p at the end: in proportion to the number of masses
+    // the second stage of the guess, and q and p at the end, each proportional to the number of
+    // masses
     assert!(sums < 14 * 12, "{step:?}");
     assert!(iteration.0[ARITHMETIC] > banded(12, 1, 3), "{iteration:?}");
 }

@@ -1,10 +1,11 @@
-//! Energies in lanes: which systems have the loop, and that it has neither branches nor calls of the library.
+//! Energies in lanes: the systems that have the loop, and that the loop has neither branches nor
+//! calls of the library.
 
 use proc_macro2::TokenStream;
 
 use crate::Settings;
 
-/// The function `energy_lanes` of a system, if there is one.
+/// Returns the function `energy_lanes` of a system, if there is one.
 fn energy_lanes(lagrangian: &str, settings: Settings) -> Option<String> {
     let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
     let block = parse(&format!("impl P {{ {lagrangian} }}"));

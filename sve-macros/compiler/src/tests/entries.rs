@@ -1,10 +1,11 @@
-//! Entries of vector and matrix parameters: one symbol for each entry, even if the entry is written in several ways.
+//! Entries of vector and matrix parameters: one symbol for each entry, even if the entry is written
+//! in several ways.
 
 use super::{rows, vectors::model};
 use crate::algebra::Arena;
 use crate::model::{Meaning, Symbols};
 
-/// A block of this body, whose coordinates are vectors of length 2.
+/// Returns a block with this body. Its coordinates are vectors of length 2.
 fn block(body: &str) -> String {
     format!(
         "fn lagrangian(&self, q: Vector2<f64>, v: Vector2<f64>) -> f64 {{ 0.5 * v.norm_squared() - {{ {body} }} }}
@@ -12,7 +13,7 @@ fn block(body: &str) -> String {
     )
 }
 
-/// How generated code reads the parameters.
+/// Returns the code by which generated code reads the parameters.
 fn reads(symbols: &Symbols) -> Vec<String> {
     let access = |symbol| match symbols.meaning(symbol) {
         Meaning::Parameter { access, .. } => access.to_string().replace(' ', ""),

@@ -1,10 +1,11 @@
-//! Increments of Euler's method: which systems have them, and for how many stages they are stepped in lanes.
+//! Increments of Euler's method: the systems that have them, and the increments that are stepped in
+//! lanes.
 
 use proc_macro2::TokenStream;
 
 use crate::tests::expand;
 
-/// The expansion of a system, as text.
+/// Returns the expansion of a system, as text.
 fn expansion(lagrangian: &str) -> String {
     let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
     expand(

@@ -1,12 +1,12 @@
-//! Where the matrix of a guess is factored.
+//! The place at which the matrix of a guess is factored.
 
 use proc_macro2::TokenStream;
 
 use super::costs::compare;
 use crate::tests::expand;
 
-/// A full mass matrix of parameters beside a quartic potential: its factors are those of `prepare`, and the step has only substitutions
-/// before its iteration.
+/// A full mass matrix of parameters with a quartic potential: `prepare` factors it, and the step
+/// has only substitutions before its iteration.
 #[test]
 fn a_constant_mass_matrix_is_factored_in_prepare() {
     let block = |mass: &str| {
@@ -40,7 +40,8 @@ fn a_constant_mass_matrix_is_factored_in_prepare() {
             parts.map(of_part).collect::<Vec<_>>()
         })
     };
-    // once in `prepare` and once before the loops over lanes; the step has its fallback's solve
+    // once in `prepare` and once before the loops over lanes; the step has the solve of its
+    // fallback
     assert_eq!(
         calls(&constant, ":: factored ("),
         [[1, 1], [0, 0], [1, 1]].map(Vec::from)

@@ -1,9 +1,11 @@
-//! Data goes one way: a file uses files of its own folder and of the floors below, never of a floor above.
+//! Data goes one way: a file uses files of its own folder and of lower floors, never of a higher
+//! floor.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The folders and files at the root of the compiler, from the lowest floor to the highest. A name that a floor re-exports belongs to it.
+/// The folders and files at the root of the compiler, from the lowest floor to the highest. A name
+/// that a floor re-exports belongs to it.
 const COMPILER: &[&str] = &[
     "errors",
     "settings",
@@ -26,7 +28,7 @@ const COMPILER: &[&str] = &[
     "lib",
 ];
 
-/// Those at the root of the runtime.
+/// The folders and files at the root of the runtime.
 const RUNTIME: &[&str] = &[
     "angle_addition",
     "power",
@@ -60,7 +62,7 @@ const RUNTIME: &[&str] = &[
     "lib",
 ];
 
-/// The files below a folder, but for those of tests.
+/// Returns the files below a folder, except tests.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder");
     let paths = entries.map(|entry| entry.expect("an entry").path());
@@ -78,7 +80,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The modules at the root that a text names in paths from `crate`. A path to a name of the root itself counts as one to `lib`.
+/// Returns the modules at the root that a text names in paths from `crate`. A path to a name of the
+/// root itself counts as one to `lib`.
 fn used(text: &str) -> impl Iterator<Item = &str> {
     let before_tests = text.split("#[cfg(test)]\nmod tests").next().unwrap_or(text);
     let lines = before_tests.lines().map(str::trim_start);
@@ -96,7 +99,7 @@ fn used(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Checks the imports of a crate, of which there are more than `least`.
+/// Checks the imports of a crate. `least` is a lower bound of their number.
 fn assert_imports_go_down(root: &str, floors: &[&str], least: usize) {
     let floor = |module: &str| {
         let found = floors.iter().position(|&floor| floor == module);

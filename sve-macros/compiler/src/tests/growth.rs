@@ -1,7 +1,8 @@
-//! How the output grows with a system, counted: linear for a chain, at most quadratic where everything is coupled; and the
-//! residual costs a few times L, as a gradient does (Baur and Strassen 1983: at most about 4).
+//! The growth of the output with a system, in numbers of tokens: linear for a chain, at most
+//! quadratic if all coordinates are coupled. The residual costs a few times L, as a gradient does
+//! (Baur and Strassen 1983: at most about 4).
 //!
-//! The scenes are those of `benches/expansion`, which measures times.
+//! The scenes come from `benches/expansion`, which measures times.
 
 #[path = "../../benches/expansion/scenes.rs"]
 #[allow(dead_code)] // the program around a scene is for the benchmark
@@ -17,7 +18,7 @@ fn parse(text: &str) -> TokenStream {
     text.parse().expect("tokens")
 }
 
-/// Tokens of the expansion, those within groups too.
+/// Returns the number of tokens of the expansion, including tokens within groups.
 fn tokens(rule: &str, scene: Scene, n: usize) -> f64 {
     let mut open = vec![expand(&parse(rule), &parse(&scene.block(n)))];
     let mut sum = 0;
@@ -32,7 +33,7 @@ fn tokens(rule: &str, scene: Scene, n: usize) -> f64 {
     f64::from(sum)
 }
 
-/// The exponent of growth from one size to its double.
+/// Returns the exponent of growth from one size to its double.
 fn exponent(rule: &str, scene: Scene, n: usize) -> f64 {
     (tokens(rule, scene, 2 * n) / tokens(rule, scene, n)).log2()
 }
@@ -61,17 +62,19 @@ fn residuals_and_jacobians_cost_a_few_times_the_function() {
             let count = count.expect("a system");
             let ratio = count.residual as f64 / count.lagrangian as f64;
             assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
-            // no more entries than there are pairs in L, each from one term
+            // at most as many entries as pairs in L, each entry from one term
             let ratio = count.jacobian as f64 / count.residual as f64;
             assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
         }
     }
 }
 
-/// The compiler of Rust overflows its stack at about 2,500 `let` statements that are in scope together, if debug information is written.
+/// The compiler of Rust overflows its stack at about 2,500 `let` statements that are in scope
+/// together, if debug information is written.
 const SCOPES: usize = 1500;
 
-/// The largest number of `let` statements that are in scope together, and those of a closure with those around it.
+/// Returns the largest number of `let` statements that are in scope together. The statements of a
+/// closure count together with the surrounding ones.
 fn scopes(code: TokenStream) -> usize {
     let (mut open, mut deepest) = (0, 0);
     for tree in code {
@@ -79,7 +82,7 @@ fn scopes(code: TokenStream) -> usize {
             TokenTree::Ident(word) => open += usize::from(word == "let"),
             TokenTree::Group(group) => {
                 let inner = scopes(group.stream());
-                // a function is not in the scope of what stands before it
+                // a function is not in the scope of earlier statements
                 deepest = deepest.max(open + inner);
             }
             _ => {}
@@ -89,7 +92,7 @@ fn scopes(code: TokenStream) -> usize {
     deepest
 }
 
-/// The sizes that the documentation names, and the next.
+/// The documented sizes are accepted, and the next larger ones are refused.
 #[test]
 fn limits_are_those_of_the_documentation() {
     for (scene, rule, largest, next) in [

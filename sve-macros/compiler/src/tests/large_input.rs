@@ -4,7 +4,7 @@ use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 
 use super::robustness::{expand_body, expanded, tokens};
 
-/// `open (open (… inner …))`.
+/// Returns `open (open (… inner …))`.
 fn nested(delimiter: Delimiter, depth: usize, inner: &str) -> TokenStream {
     (0..depth).fold(tokens(inner), |stream, _| {
         TokenTree::from(Group::new(delimiter, stream)).into()

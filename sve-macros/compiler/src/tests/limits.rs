@@ -1,18 +1,18 @@
-//! Limits of work and size. A system within the limits is accepted, a larger one is one error that names the limit. The limit may be
-//! reached at any place.
+//! Limits of work and size. A system within the limits is accepted, a larger one is one error that
+//! names the limit. The limit may be reached at any place.
 
 use crate::Settings;
 use crate::driver::expand_within;
 use crate::tests::robustness::{SYSTEMS, expanded, tokens};
 
-/// Particles with a term in L.
+/// Returns a block of particles with a term in L.
 fn system(n: usize, body: &str) -> String {
     format!(
         "fn lagrangian(&self, q: [f64; {n}], v: [f64; {n}]) -> f64 {{ let mut s: f64 = v.iter().zip(&self.m).map(|(v, m)| 0.5 * m * v * v).sum(); {body} }}"
     )
 }
 
-/// Helpers `f0` to `f39`, each of which calls the one before three times.
+/// Returns the helpers `f0` to `f39`, each of which calls the previous one three times.
 fn doubling() -> String {
     let mut helpers = vec!["fn f0(&self, x: f64) -> f64 { x.sin() * x }".to_owned()];
     helpers.extend((1..40).map(|i| {
@@ -22,7 +22,7 @@ fn doubling() -> String {
     helpers.join(" ")
 }
 
-/// Free particles with many noises.
+/// Returns a block of free particles with many noises.
 fn noises(n: usize, m: usize) -> String {
     format!(
         "{} #[h1] fn noise(&self, q: [f64; {n}], p: [f64; {n}]) -> [f64; {m}] {{ let mut a = [0.0; {m}]; for i in 0..{m} {{ a[i] = (q[i % {n}] * (i as f64 + 1.0)).sin() * p[(i + 1) % {n}]; }} a }}",
@@ -30,8 +30,8 @@ fn noises(n: usize, m: usize) -> String {
     )
 }
 
-/// Systems whose derivatives are far larger than they are: helpers that double, dense couplings, products of long sums, high
-/// powers, many noises.
+/// Returns systems whose derivatives are far larger than the systems: helpers that double, dense
+/// couplings, products of long sums, high powers, many noises.
 fn large_systems() -> Vec<(&'static str, String)> {
     let doubling = doubling();
     vec![
@@ -105,7 +105,7 @@ fn large_systems_are_one_error_with_a_limit() {
     }
 }
 
-/// The rules that an error of size says to be within the limit.
+/// Returns the rules that an error of size says to be within the limit.
 fn named(error: &str) -> Vec<String> {
     let rules = [
         "initial_point",
@@ -123,7 +123,7 @@ fn named(error: &str) -> Vec<String> {
     rules.map(ToOwned::to_owned).collect()
 }
 
-/// An error of size names those rules that a system of this size may have, and no others.
+/// An error of size names exactly the rules that a system of this size may have.
 #[test]
 fn an_error_of_size_names_the_rules_that_fit() {
     let rules = [

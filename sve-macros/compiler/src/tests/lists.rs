@@ -1,4 +1,4 @@
-//! What is derived for a rule does not depend on the other rules of the list.
+//! The derivation of a rule does not depend on the other rules of the list.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,8 @@ use syn::{Meta, Token};
 use super::models::models;
 use crate::tests::expand;
 
-/// The rules of an attribute. `structure = both` is left out: it doubles the work, and its rules are made by the same functions.
+/// Returns the rules of an attribute. `structure = both` is omitted: it doubles the work, and the
+/// same functions derive its rules.
 fn rules(attribute: TokenStream) -> Vec<String> {
     let parser = Punctuated::<Meta, Token![,]>::parse_terminated;
     let listed = syn::parse::Parser::parse2(parser, attribute).expect("a list of rules");
@@ -22,7 +23,7 @@ fn rules(attribute: TokenStream) -> Vec<String> {
         .collect()
 }
 
-/// The items of an expansion.
+/// Returns the items of an expansion.
 fn items(rules: &[String], block: &str) -> BTreeSet<String> {
     let attribute = rules.join(", ").parse().expect("rules");
     let expansion = expand(&attribute, &block.parse().expect("a block"));
@@ -33,7 +34,7 @@ fn items(rules: &[String], block: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// Checks that what each rule alone makes is part of what the list makes.
+/// Checks that the items of each rule alone are among the items of the whole list.
 fn compare(name: &str, rules: &[String], block: &str) {
     let together = items(rules, block);
     for rule in rules {
@@ -53,7 +54,8 @@ fn each_rule_of_each_model_expands_alone_as_in_its_list() {
     }
 }
 
-/// A charge in a magnetic field about a centre, with a mass that depends on the velocity: of its eleven steps, six depended on the list.
+/// A charge in a magnetic field about a centre, with a mass that depends on the velocity. In a
+/// common arena six of its eleven steps depend on the list.
 #[test]
 fn each_rule_of_a_magnetic_kepler_problem_expands_alone_as_in_its_list() {
     let block = "impl Charge {

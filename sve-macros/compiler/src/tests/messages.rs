@@ -1,5 +1,6 @@
-//! The messages of mistakes and their places: each case of `tests/mistakes/cases` is expanded here, and its errors are compared with those
-//! of the table. With `MISTAKES=overwrite` in the environment the tables are written instead.
+//! The messages of mistakes and their places. Each case of `tests/mistakes/cases` is expanded here,
+//! and its errors are compared with the errors of the table. With `MISTAKES=overwrite` in the
+//! environment the tables are written instead.
 
 use proc_macro2::{LineColumn, Span, TokenStream, TokenTree};
 use quote::ToTokens;
@@ -8,7 +9,7 @@ use syn::{Attribute, Item, Meta};
 
 use crate::tests::expand;
 
-/// The attributes of an item that a procedural macro can be on.
+/// Returns the attributes of an item that a procedural macro can be on.
 fn attributes(item: &mut Item) -> Option<&mut Vec<Attribute>> {
     match item {
         Item::Impl(item) => Some(&mut item.attrs),
@@ -18,7 +19,8 @@ fn attributes(item: &mut Item) -> Option<&mut Vec<Attribute>> {
     }
 }
 
-/// The attribute `#[variational(…)]`: its own tokens, its arguments, and the item without it.
+/// Returns the attribute `#[variational(…)]`: its own tokens, its arguments, and the item without
+/// it.
 fn annotated(mut item: Item) -> Option<(Attribute, TokenStream, TokenStream)> {
     let all = attributes(&mut item)?;
     let is_ours = |attribute: &Attribute| {
@@ -35,7 +37,8 @@ fn annotated(mut item: Item) -> Option<(Attribute, TokenStream, TokenStream)> {
     Some((attribute, arguments, item.into_token_stream()))
 }
 
-/// The `compile_error!("…")` of an expansion: the message, and the first token that it is about, which is what the compiler of Rust marks.
+/// Returns the `compile_error!("…")` of an expansion: the message, and the first token that it
+/// concerns, which the compiler of Rust marks.
 fn mistakes(expansion: TokenStream) -> Vec<(String, Span)> {
     let tokens: Vec<TokenTree> = expansion.into_iter().collect();
     let is_error =
@@ -52,8 +55,8 @@ fn mistakes(expansion: TokenStream) -> Vec<(String, Span)> {
     errors.map(mistake).collect()
 }
 
-/// The end of the token or group that starts at a place. A span of several tokens is here that of all, and in the compiler of Rust
-/// that of the first.
+/// Returns the end of the token or group that starts at a place. Here a span of several tokens
+/// covers all of them; in the compiler of Rust it covers the first one.
 fn end_of_token(tokens: TokenStream, start: LineColumn) -> Option<LineColumn> {
     tokens.into_iter().find_map(|token| {
         if token.span().start() == start {
@@ -66,7 +69,8 @@ fn end_of_token(tokens: TokenStream, start: LineColumn) -> Option<LineColumn> {
     })
 }
 
-/// The place of an error in a program. A span of no token is that of the attribute as a whole.
+/// Returns the place of an error in a program. A span without tokens stands for the whole
+/// attribute.
 fn place(span: Span, attribute: &Attribute, program: &TokenStream) -> (LineColumn, LineColumn) {
     let of_nothing = LineColumn { line: 1, column: 0 };
     if span.start() == of_nothing {
@@ -80,7 +84,7 @@ fn place(span: Span, attribute: &Attribute, program: &TokenStream) -> (LineColum
     (span.start(), end.expect("a token").min(span.end()))
 }
 
-/// All messages of a case, by their lines.
+/// Returns all messages of a case, ordered by lines.
 fn messages(case: &Case) -> Vec<Message> {
     let program: TokenStream = case.source().parse().expect("tokens");
     let file: syn::File = syn::parse2(program.clone()).expect("Rust");

@@ -1,5 +1,5 @@
-//! One error for each mistake: the number of errors of an expansion, and the replacement of wrong functions, about which the compiler of
-//! Rust would report a second error.
+//! One error for each mistake: the number of errors of an expansion, and the replacement of wrong
+//! functions, about which the compiler of Rust would report a second error.
 
 use proc_macro2::TokenStream;
 
@@ -15,7 +15,7 @@ fn errors(attribute: &str, members: &str) -> usize {
     output.matches("compile_error").count()
 }
 
-/// A block with this body, a helper and a noise.
+/// Returns a block with this body, a helper and a noise.
 fn block(body: &str) -> String {
     format!(
         "const N: usize = 2;
@@ -118,7 +118,7 @@ fn one_error_a_mistake_elsewhere() {
     }
 }
 
-/// The expansion after its errors.
+/// Returns the expansion after its errors.
 fn rest(members: &str) -> String {
     let item = tokens(&format!("impl P {{ {members} }}"));
     let output = expand(&tokens("midpoint"), &item).to_string();

@@ -27,12 +27,13 @@ use proc_macro2::TokenStream;
 
 use crate::Settings;
 
-/// The expansion with steps in lanes.
+/// Returns the expansion with steps in lanes.
 pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
     crate::expand(attribute, item, Settings::default())
 }
 
-/// The items of an expansion. Those of a step with functions beside it stand in a block, which is opened.
+/// Returns the items of an expansion. The items of a step with additional functions stand in a
+/// block, which is opened.
 pub(crate) fn items(expansion: TokenStream) -> Vec<syn::Item> {
     let file: syn::File = syn::parse2(expansion).expect("items");
     let mut items = Vec::new();
@@ -53,7 +54,7 @@ pub(crate) fn items(expansion: TokenStream) -> Vec<syn::Item> {
     items
 }
 
-/// The rows of a table: lines with columns that ` → ` separates, beside remarks.
+/// Returns the rows of a table: lines with columns that ` → ` separates, beside remarks.
 pub(crate) fn rows<const COLUMNS: usize>(table: &str) -> Vec<[&str; COLUMNS]> {
     let mut rows = Vec::new();
     for line in table.lines().map(str::trim) {
@@ -65,7 +66,7 @@ pub(crate) fn rows<const COLUMNS: usize>(table: &str) -> Vec<[&str; COLUMNS]> {
     rows
 }
 
-/// The lines of code in the documentation of this package are these.
+/// The lines of code in the documentation of this package are the ones tested here.
 #[test]
 fn the_example_of_the_documentation_expands() {
     let attribute = "midpoint".parse().expect("tokens");
@@ -78,7 +79,7 @@ fn the_example_of_the_documentation_expands() {
     );
     assert!(expansion.to_string().contains("StepEquations"));
 
-    // but for line breaks and the name of this package
+    // equal except for line breaks and the name of this package
     let plain = |text: &str| {
         let text: String = text.split_whitespace().collect();
         text.replace(",)", ")").replace("sve_compiler::", "crate::")

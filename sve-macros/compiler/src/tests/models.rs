@@ -24,7 +24,7 @@ pub(super) struct Annotated {
     pub(super) block: ItemImpl,
 }
 
-/// All blocks in the order of their files.
+/// Returns all blocks in the order of their files.
 pub(super) fn models() -> Vec<Annotated> {
     let files = FILES.map(|text| syn::parse_file(text).expect("a file of models"));
     let items = files.into_iter().flat_map(|file| file.items);

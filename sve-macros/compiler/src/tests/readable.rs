@@ -11,7 +11,7 @@ fn tokens(text: &str) -> TokenStream {
     text.parse().expect("tokens")
 }
 
-/// Anharmonic springs between `n` masses.
+/// Returns a block of anharmonic springs between `n` masses.
 fn chain(n: usize) -> String {
     let mut text = "impl Chain { ".to_owned();
     write!(
@@ -60,7 +60,8 @@ fn expansions() -> Vec<TokenStream> {
     all
 }
 
-/// Each implementation: its trait, and its documentation and that of its functions.
+/// Returns, for each implementation, its trait, and its documentation with the documentation of its
+/// functions.
 fn documentation(expansion: &TokenStream) -> Vec<(String, String)> {
     let all = items(expansion.clone());
     let lines = |attributes: &[syn::Attribute]| {
@@ -177,7 +178,7 @@ fn texts_are_short() {
     );
 }
 
-/// Every `let` of a name, with the names that are in scope there.
+/// Checks the scope of every `let`. `outer` has the names that are in scope at the start.
 fn check_scope(stream: TokenStream, outer: &[String], count: &mut usize) {
     let mut names = outer.to_vec();
     let trees: Vec<TokenTree> = stream.into_iter().collect();
@@ -284,7 +285,7 @@ fn entries_of_a_band_are_called_by_their_place() {
     assert!(found > 12, "{found}");
 }
 
-/// A step is said to be a matrix times the state where it is computed as one, and only there.
+/// The plan calls a step a matrix times the state exactly if it is computed in this way.
 #[test]
 fn only_affine_steps_are_said_to_be_a_matrix_times_the_state() {
     let says = |rule: &str, item: &str| {

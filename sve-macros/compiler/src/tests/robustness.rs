@@ -1,4 +1,5 @@
-//! The macro on random and invalid input: it does not panic, it ends, and equal input gives equal output.
+//! The macro on random and invalid input: it does not panic, it ends, and equal input gives equal
+//! output.
 
 use proc_macro2::{Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 
@@ -99,7 +100,7 @@ impl Random {
     }
 }
 
-/// Numbers of token trees, groups included.
+/// Returns the number of token trees, including groups.
 fn size(stream: &TokenStream) -> usize {
     let inside = |t: TokenTree| match t {
         TokenTree::Group(group) => 1 + size(&group.stream()),
@@ -108,7 +109,8 @@ fn size(stream: &TokenStream) -> usize {
     stream.clone().into_iter().map(inside).sum()
 }
 
-/// The stream with its token number `at` deleted, doubled, swapped with the next or replaced.
+/// Returns the stream in which token number `at` is deleted, doubled, exchanged with the next one
+/// or replaced.
 fn mutate(
     stream: TokenStream,
     at: &mut usize,
@@ -225,7 +227,7 @@ fn odd_items() {
     expanded(&odd, &odd);
 }
 
-/// Systems with parts of one in another.
+/// Systems that contain parts of other systems.
 #[test]
 fn crossed_systems() {
     let mut random = Random(2);

@@ -1,4 +1,4 @@
-//! How the equations of rotations are solved.
+//! The solution of the equations of rotations.
 
 use crate::tests::expand;
 
@@ -27,7 +27,8 @@ fn a_rotation_is_solved_by_cofactors_from_a_guess_of_two_stages() {
     let step = increment(&body);
     assert_eq!(step.matches("Cofactors").count(), 1);
     assert_eq!(step.matches("let refinement_rhs_0").count(), 2);
-    // around the inertia without step, whose matrix is diagonal: in the guess with its stages, in the fallback, and in the bounds
+    // solves with the inertia at zero step, whose matrix is diagonal: in the guess with its stages,
+    // in the fallback, and in the bounds
     assert_eq!(step.matches(":: Diagonal (").count(), 5);
     let three = expansion(
         "impl Three {
@@ -40,7 +41,8 @@ fn a_rotation_is_solved_by_cofactors_from_a_guess_of_two_stages() {
     assert_eq!(increment(&three).matches("let refinement_rhs_0").count(), 1);
 }
 
-/// Paths that are rarely taken read the entries of the rotation again, so that the step computes those that it reads and no others.
+/// Paths that are rarely taken read the entries of the rotation again, so that the step computes
+/// only the entries that it reads.
 #[test]
 fn entries_of_a_rotation_are_read_where_they_are_used() {
     let top = expansion(

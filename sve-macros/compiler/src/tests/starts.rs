@@ -1,4 +1,4 @@
-//! A step tests of its start what can fail, and nothing else.
+//! A step tests exactly those properties of its start that can fail.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -6,7 +6,7 @@ use syn::Item;
 
 use crate::tests::{expand, items};
 
-/// The items of the expansion that implement a trait for a system.
+/// Returns the items of the expansion that implement a trait for a system.
 fn implementations(attribute: &str, members: &str, of: &str) -> Vec<String> {
     let item = format!("impl P {{ {members} }}");
     let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
@@ -24,14 +24,14 @@ fn implementations(attribute: &str, members: &str, of: &str) -> Vec<String> {
         .collect()
 }
 
-/// The test of the start, as text.
+/// Returns the test of the start, as text.
 fn start(members: &str) -> String {
     let mut found = implementations("midpoint", members, "StartOfStep");
     assert_eq!(found.len(), 1);
     found.swap_remove(0)
 }
 
-/// The parts of the mass matrix that are tested for singularity, once and in each step.
+/// Returns the parts of the mass matrix that are tested for singularity, once and in each step.
 fn blocks(members: &str) -> [usize; 2] {
     let text = start(members);
     assert!(!text.contains("TESTS_VELOCITY"), "{text}");

@@ -1,5 +1,6 @@
-//! Decisions in blocks about whether an expression vanishes: symmetries, commuting noises, mass matrices. Terms that break an identity
-//! have all sizes. True identities are written in forms that the algebra does not reduce to 0.
+//! Decisions whether an expression of a block vanishes: symmetries, commuting noises, mass
+//! matrices. Terms that break an identity have all sizes. True identities are written in forms that
+//! the algebra does not reduce to 0.
 
 use proc_macro2::TokenStream;
 
@@ -109,8 +110,8 @@ fn true_symmetries_are_accepted_however_they_are_written() {
     assert!(checked >= 7, "{checked} that the algebra leaves open");
 }
 
-/// A breaking term is refused down to 1e-25 of the other terms. A multiple of another term is folded into it, so that its size
-/// is told to 1e-15 of that term.
+/// A breaking term is refused down to 1e-25 of the other terms. A multiple of another term is added
+/// to its coefficient, so it is detected down to 1e-15 of that term.
 #[test]
 fn broken_symmetries_are_refused() {
     let breaking = ["x", "x * y.powi(3)", "x.sin()", "x * x"];
@@ -119,7 +120,8 @@ fn broken_symmetries_are_refused() {
             for k in 1..=25 {
                 let terms = if k > 15 { &breaking[..3] } else { &breaking };
                 let broken = format!("{potential} + 1e-{k} * {}", terms[(at + k) % terms.len()]);
-                // beside rounded constants, ln 2 and ln 10, less than their rounding is not told, and 1 swallows 1e-17
+                // beside the rounded constants ln 2 and ln 10 a term below their rounding is not
+                // detected, and 1e-17 is lost in 1
                 let is_rounded = |name: &&str| potential.contains(name);
                 if k > 14 && ["exp2", "log10", "exp_m1"].iter().any(is_rounded) {
                     continue;
@@ -134,8 +136,8 @@ fn broken_symmetries_are_refused() {
 const DOUBLE: &str =
     "(2.0 * x).cos() * (2.0 * y).cos() + 4.0 * x.sin() * x.cos() * y.sin() * y.cos()";
 
-/// If a breaking term is a part of another term at all scales, it is detected down to about 28 digits. A smaller one is not detected, and
-/// the identity is then called checked, not proved.
+/// If a breaking term is a part of another term at all scales, it is detected down to about 28
+/// digits. A smaller one is not detected, and the identity is then called checked, not proved.
 #[test]
 fn what_is_not_seen_is_not_called_proved() {
     for (size, expected) in [
@@ -150,7 +152,8 @@ fn what_is_not_seen_is_not_called_proved() {
     assert_eq!(symmetry("x * x + y * y", ROTATION), Known::Proved);
 }
 
-/// Directions of a triangle: √3/2 is rounded, so that their sum of squares is round to its rounding only.
+/// Directions of a triangle. The factor √3/2 is rounded, so the sum of their squares is
+/// rotationally symmetric only up to this rounding.
 #[test]
 fn rounded_constants_leave_it_open() {
     let triangle = "x * x + (0.5 * x + 0.8660254037844386 * y).powi(2) + (0.5 * x - 0.8660254037844386 * y).powi(2)";
@@ -162,7 +165,7 @@ fn rounded_constants_leave_it_open() {
     }
 }
 
-/// 1 + 1e-17 is 1: what the algebra then makes 0 is not proved to be.
+/// 1 + 1e-17 is 1, so an expression that the algebra then reduces to 0 is not proved to vanish.
 #[test]
 fn constants_lost_in_others_leave_it_open() {
     let round = "(x + y).powi(2) + (x - y).powi(2)";
@@ -181,7 +184,7 @@ fn constants_lost_in_others_leave_it_open() {
     );
 }
 
-/// What is known of the commutation of two noises.
+/// Returns the decision whether two noises commute.
 fn noises(first: &str, second: &str) -> Known {
     let output = expansion(&format!(
         "fn lagrangian(&self, q: f64, v: f64) -> f64 {{ 0.5 * v * v }}
@@ -221,7 +224,7 @@ fn noises_of_any_size_commute_or_do_not() {
     assert_eq!(noises(&round, "(p * p + q * q).sin()"), Known::Undecided);
 }
 
-/// The error of a Lagrangian with these kinetic terms.
+/// Returns the error of a Lagrangian with these kinetic terms.
 fn kinetic(terms: &str) -> Option<String> {
     let output = expansion(&format!(
         "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {{ let (v, w) = (v[0], v[1]); {terms} - q[0] * q[1] }}"
@@ -239,7 +242,7 @@ fn regular_lagrangians_are_regular_to_the_last_digit() {
         let terms = format!("0.5 * (v + w).powi(2) + 1e-{k} * w * w * q[0].exp()");
         assert_eq!(kinetic(&terms), None, "{terms}");
     }
-    // a determinant that no constant swallows
+    // a determinant in which no term is lost beside another
     for k in 16..=25 {
         let terms = format!("0.5 * (v + w).powi(2) + 1e-{k} * v * v * q[0].exp()");
         assert_eq!(kinetic(&terms), None, "{terms}");

@@ -1,5 +1,5 @@
 //! Derivatives of random expressions, first and second, against forward-mode evaluation of their
-//! descriptions, and that against differences.
+//! descriptions; and forward-mode evaluation against differences.
 
 use super::number::{Bounded, Dual, Number};
 use super::recipe::{Make, Random, build, evaluate, grow, values};
@@ -21,7 +21,8 @@ fn case(seed: u64) -> (Vec<Make>, Vec<f64>) {
     (recipe, at)
 }
 
-/// Value, derivatives in two variables and the mixed second one, of the last entry.
+/// Returns the value of the last entry, its derivatives in two variables and its mixed second
+/// derivative.
 fn forward<T: Number>(recipe: &[Make], at: &[T], i: usize, j: usize) -> [T; 4] {
     let unit = |a: usize, b: usize| f64::from(u8::from(a == b));
     let at: Vec<_> = (0..SYMBOLS)
@@ -73,8 +74,8 @@ fn agree_with_forward_evaluation() {
     assert!(10 * sharp > 8 * compared, "{sharp} of {compared}");
 }
 
-/// Derivative by central differences with two Richardson extrapolations, and how far the last one
-/// moved it.
+/// Returns the derivative by central differences with two Richardson extrapolations, and the change
+/// by the last extrapolation.
 fn richardson(f: impl Fn(f64) -> f64, x: f64) -> (f64, f64) {
     let central = |h: f64| (f(x + h) - f(x - h)) / (2.0 * h);
     let [a, b, c] = [1.0, 0.5, 0.25].map(|k| central(k * 2e-3));
@@ -99,7 +100,7 @@ fn forward_evaluation_agrees_with_differences() {
         for (of, is) in [(0, 2), (1, 3)] {
             compared += 1;
             let (found, change) = richardson(|x| moved(x)[of], at[j]);
-            // not where a singularity is so near that the differences do not converge
+            // skipped if a singularity is so near that the differences do not converge
             if change.is_nan() || change > 1e-4 * (1.0 + found.abs()) {
                 continue;
             }

@@ -1,6 +1,6 @@
-//! Functions of 106 bits against values of 40 digits, made with mpmath: `elementary.csv` has a line
-//! for each value, the function, its arguments, the nearest `f64` of the value, and the nearest
-//! `f64` of what is left.
+//! Functions of 106 bits against values of 40 digits, computed with mpmath. Each line of
+//! `elementary.csv` has a function, its arguments, the nearest `f64` of the value, and the nearest
+//! `f64` of the remainder.
 
 use crate::algebra::elementary::{ARGUMENT, Double, ROUNDING, of};
 use crate::algebra::expr::Bits;
@@ -10,8 +10,8 @@ use super::recipe::FUNCTIONS;
 
 const VALUES: &str = include_str!("elementary.csv");
 
-/// Returns the value of a function, and the size of its derivative in each argument times that
-/// argument, by differences.
+/// Returns the value of a function, and the magnitude of the sum of its derivatives times their
+/// arguments, computed by differences.
 fn value(name: &str, arguments: &[f64]) -> (Double, f64) {
     let wiggle = |f: &dyn Fn(f64) -> f64, x: f64| {
         let dx = 1e-9 * x.abs();
@@ -72,7 +72,7 @@ fn functions_are_good_to_their_bounds() {
         seen.insert(fields[0]);
     }
     assert!(worst > 1e-4, "the bound says nothing: {worst:e}");
-    // each function of the table, with a power of one constant exponent or more
+    // each function of the table; powers with one constant exponent or more
     for &function in FUNCTIONS {
         assert!(
             seen.contains(format!("{function:?}").as_str()),

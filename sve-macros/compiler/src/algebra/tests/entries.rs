@@ -53,8 +53,8 @@ fn identities_of_entries_hold() {
     assert_eq!(count, 6 * 9 + 5);
 }
 
-/// Those functions of two arguments that are called norms are, and their conditions and constant
-/// forms are those of their values.
+/// The functions of two arguments that are marked as norms are norms, and their conditions and
+/// constant forms agree with their values.
 #[test]
 fn properties_of_functions_of_two_arguments_hold() {
     let functions = Binary::METHODS.iter().copied().chain([Binary::PowLog(2)]);

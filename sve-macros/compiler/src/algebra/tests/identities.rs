@@ -1,4 +1,5 @@
-//! Identities that are zero, near ones that are not, and equal expressions that have equal names.
+//! Identities that vanish, similar expressions that do not, and equal expressions that have equal
+//! names.
 
 use crate::algebra::{Arena, Binary, Expr, Function, Symbol};
 

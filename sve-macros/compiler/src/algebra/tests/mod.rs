@@ -38,7 +38,8 @@ pub(super) fn close(found: f64, expected: f64, size: f64) -> bool {
     (found - expected).abs() <= 1e-12 * (1.0 + size)
 }
 
-/// Equal to a few last bits: not every odd function of the standard library is odd to the last.
+/// Returns whether two values are equal except for a few last bits. Not every odd function of the
+/// standard library is odd to the last bit.
 fn same(found: f64, expected: f64) -> bool {
     found == expected
         || found.is_nan() && expected.is_nan()
@@ -79,8 +80,9 @@ pub(super) fn moderate(made: &[(Expr, f64)]) -> bool {
         .all(|(_, x)| x.is_finite() && x.abs() < 30.0 && (*x == 0.0 || x.abs() > 1e-2))
 }
 
-/// Returns whether a difference is what rounding the argument makes of it: next to a singularity,
-/// as that of `atanh` at 1, the library's own values on the two sides differ by so much.
+/// Returns whether a difference is explained by the rounding of the argument. Next to a
+/// singularity, such as the singularity of `atanh` at 1, the library's own values on the two sides
+/// differ by as much.
 fn rounded(f: Function, x: f64, difference: f64) -> bool {
     let slope = slope(|x| f.evaluate(x), x, 1e-9);
     difference.abs() <= 4.0 * f64::EPSILON * slope.abs() * x.abs().max(1.0)
@@ -134,7 +136,7 @@ proptest! {
         prop_assume!(plain.abs() > 1e-6 * ((a * x).abs() + (b * y).abs()) && plain != 0.0);
         let found = arena.evaluate(ratio, at);
         prop_assert!((found / c.powi(k) - 1.0).abs() < 1e-8, "{found} {}", c.powi(k));
-        // by a power of two with a sign the base is one and the same
+        // multiplied by a signed power of two, a sum keeps its base
         let halved = arena.scale(-0.5, sum);
         let ratio = arena.product(&[(halved, k), (sum, -k)]);
         prop_assert_eq!(arena.constant_value(ratio), Some((-0.5f64).powi(k)));
@@ -199,7 +201,7 @@ proptest! {
             let derivative = arena.diff(value, Symbol(0));
             let expected = slope(|x| f.evaluate(x), x, 1e-4);
             let rough = slope(|x| f.evaluate(x), x, 2e-4);
-            // where the difference does not converge, a singularity is near
+            // if the difference does not converge, a singularity is near
             if expected.is_finite() && (expected - rough).abs() < 1e-8 * (1.0 + expected.abs()) {
                 let found = arena.evaluate(derivative, |_| x);
                 prop_assert!((found - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{f:?} {x}: {found} {expected}");
@@ -272,7 +274,7 @@ fn substitution_agrees_with_evaluation() {
         let new = arena.substitute(expr, &HashMap::from([(Symbol(0), by)]));
         let at = |s: Symbol| Bounded::of(at[s.0 as usize]);
         let found = recipe::values(&arena, &[new], at)[0];
-        // the same composition, evaluated with its bound
+        // the same composition, evaluated with an error bound
         let start: Vec<Bounded> = (0..SYMBOLS as u32).map(|i| at(Symbol(i))).collect();
         let here = *recipe::evaluate(&inner, &start).last().expect("one");
         let expected = recipe::evaluate(&outer, &[here, start[1], start[2]]);

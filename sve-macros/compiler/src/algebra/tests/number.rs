@@ -7,7 +7,7 @@
 
 use crate::algebra::{Binary, Function};
 
-/// What expressions can be evaluated in.
+/// The types of numbers in which expressions can be evaluated.
 pub(crate) trait Number: Copy {
     fn of(value: f64) -> Self;
     /// Returns the plain value.
@@ -63,7 +63,7 @@ impl Number for f64 {
     }
 }
 
-/// Returns the derivative of a function, as in a table of derivatives.
+/// Returns the derivative of a function, by the formula of a table of derivatives.
 fn slope<T: Number>(function: Function, x: T, value: T) -> T {
     let one = T::of(1.0);
     let root = |y: T| one.over(y.call(Function::Sqrt));
@@ -120,7 +120,7 @@ pub(crate) struct Dual<T> {
 }
 
 impl<T: Number> Dual<T> {
-    /// Returns a variable: the direction of differentiation is `slope`.
+    /// Returns a variable. `slope` is its component in the direction of differentiation.
     pub(crate) fn new(value: T, slope: f64) -> Self {
         let slope = T::of(slope);
         Self { value, slope }
@@ -177,11 +177,11 @@ pub(crate) struct Bounded {
 }
 
 impl Bounded {
-    /// Rounded, with what the operands' errors make of it; functions of the library are good to a
-    /// unit in the last place.
+    /// Returns a rounded value with the error that follows from the errors of the operands.
+    /// Functions of the standard library have an error of one unit in the last place.
     fn rounded(value: f64, inherited: f64) -> Self {
-        // an exact zero of exact operands stays exact; else the least number is what underflow may
-        // lose
+        // an exact zero of exact operands stays exact; otherwise underflow may lose the smallest
+        // number
         let exact = inherited == 0.0 && value == 0.0;
         let least = if exact { 0.0 } else { f64::from_bits(1) };
         Self {
@@ -190,19 +190,20 @@ impl Bounded {
         }
     }
 
-    /// Returns whether two values of one quantity differ by no more than their errors; `SLACK` is
-    /// for the second order.
+    /// Returns whether two values of one quantity differ by no more than their errors. `SLACK`
+    /// leaves room for the second order.
     pub(crate) fn agrees(self, other: Self) -> bool {
         (self.value - other.value).abs() <= SLACK * (self.error + other.error)
     }
 
-    /// Returns whether agreement says something: half of the digits at least.
+    /// Returns whether agreement of the value is significant, that is, whether at least half of its
+    /// digits are certain.
     pub(crate) fn is_sharp(self) -> bool {
         self.value.is_finite() && self.error <= 1e-8 * (1e-3 + self.value.abs())
     }
 }
 
-/// The bounds are of first order, and count the rounding of a sum once.
+/// Factor on the bounds, which are of first order and count the rounding of a sum once.
 const SLACK: f64 = 4.0;
 
 impl Number for Bounded {

@@ -1,17 +1,17 @@
-//! Descriptions of expressions, un-simplified: an oracle evaluates the description, the algebra
-//! builds it.
+//! Descriptions of expressions without simplification: an oracle evaluates the description, and the
+//! algebra builds the expression.
 
 use super::number::Number;
 use crate::algebra::expr::{Bits, Node};
 use crate::algebra::{Arena, Binary, Expr, Function, Symbol};
 
-/// All functions of one argument but the powers.
+/// All functions of one argument except powers.
 pub(crate) const FUNCTIONS: &[Function] = Function::METHODS;
 
 /// The functions of two arguments that can be written.
 pub(crate) const BINARIES: &[Binary] = Binary::METHODS;
 
-/// A way to make an expression from earlier ones; indices wrap around.
+/// A way to create an expression from earlier ones. Indices wrap around.
 #[derive(Clone, Debug)]
 pub(crate) enum Make {
     Constant(f64),
@@ -62,7 +62,7 @@ impl Make {
     }
 }
 
-/// Returns the values of all entries, the variables' own first.
+/// Returns the values of all entries; the variables come first.
 pub(crate) fn evaluate<T: Number>(recipe: &[Make], at: &[T]) -> Vec<T> {
     let mut made = at.to_vec();
     for make in recipe {
@@ -71,7 +71,7 @@ pub(crate) fn evaluate<T: Number>(recipe: &[Make], at: &[T]) -> Vec<T> {
     made
 }
 
-/// Returns the expressions of all entries, the variables first.
+/// Returns the expressions of all entries; the variables come first.
 pub(crate) fn build(recipe: &[Make], variables: &[Symbol], arena: &mut Arena) -> Vec<Expr> {
     let mut made: Vec<Expr> = variables.iter().map(|&s| arena.symbol(s)).collect();
     for make in recipe {
@@ -80,7 +80,7 @@ pub(crate) fn build(recipe: &[Make], variables: &[Symbol], arena: &mut Arena) ->
     made
 }
 
-/// Returns the values of expressions, each node of the arena evaluated as it stands.
+/// Returns the values of expressions. Each node of the arena is evaluated without rewriting.
 pub(crate) fn values<T: Number>(arena: &Arena, exprs: &[Expr], at: impl Fn(Symbol) -> T) -> Vec<T> {
     let nodes = arena.reachable(exprs, |_| true);
     let mut done = std::collections::HashMap::with_capacity(nodes.len());
@@ -122,15 +122,15 @@ impl Random {
         low + (high - low) * self.below(1 << 40) as f64 / (1_u64 << 40) as f64
     }
 
-    /// One of a list.
+    /// Returns a random element of a list.
     pub(crate) fn of<T: Copy>(&mut self, list: &[T]) -> T {
         list[self.below(list.len())]
     }
 }
 
 /// Returns a random recipe of `length` entries whose values at a point are all moderate, so that
-/// rounding and conditioning are harmless; half of the operands are among the latest entries, so
-/// that it is about as deep as long.
+/// rounding and conditioning are harmless. Half of the operands are among the latest entries, so
+/// the recipe is about as deep as long.
 pub(crate) fn grow(random: &mut Random, at: &[f64], length: usize) -> Vec<Make> {
     let mut recipe: Vec<Make> = Vec::new();
     let mut made = at.to_vec();

@@ -1,5 +1,5 @@
-//! Derivatives at places where a plain formula is 0/0, 0·∞ or overflows, as emitted code computes
-//! them; and places where there is no derivative, which must show.
+//! Derivatives, as emitted code computes them, at points where a plain formula is 0/0, 0·∞ or
+//! overflows; and points without a derivative, where the result must not be finite.
 
 use super::stable::{computed, units};
 use crate::algebra::elementary::{self as exact, Double, of};
@@ -8,8 +8,8 @@ use crate::algebra::{Arena, Binary, Expr, Function, Purpose, Symbol};
 /// An expression of two variables.
 type Formula<'a> = &'a dyn Fn(&mut Arena, Expr, Expr) -> Expr;
 
-/// Makes an expression of two variables, differentiates it in the listed ones, and computes that at
-/// a point.
+/// Builds an expression of two variables, differentiates it in the listed ones, and evaluates the
+/// derivative at a point.
 fn derivative(make: Formula<'_>, by: &[u32], at: [f64; 2]) -> f64 {
     let mut arena = Arena::new();
     let [x, y] = [0, 1].map(|i| arena.symbol(Symbol(i)));
@@ -26,7 +26,7 @@ fn close(found: f64, expected: f64) -> bool {
     (found - expected).abs() <= 4.0 * f64::EPSILON * expected.abs()
 }
 
-/// Returns `x^k` as `powf` makes it.
+/// Returns a function that builds `x^k` as `powf` does.
 fn power(k: f64) -> impl Fn(&mut Arena, Expr, Expr) -> Expr {
     move |a, x, _| {
         let k = a.constant(k);
@@ -57,7 +57,7 @@ fn constant_powers_at_zero() {
             assert_eq!(found, expected, "derivative {order} of x^{k}");
         }
     }
-    // and away from it
+    // and away from 0
     assert!(close(derivative(&power(1.5), &[0], [4.0, 0.0]), 3.0));
     assert!(close(derivative(&power(2.5), &[0, 0], [4.0, 0.0]), 7.5));
     assert!(close(
@@ -161,7 +161,7 @@ fn zero_times_anything_is_zero() {
     }
 }
 
-/// Points in all quadrants and on the axes, of all sizes whose reciprocals exist.
+/// Returns points in all quadrants and on the axes, of all sizes whose reciprocals exist.
 fn around() -> Vec<[f64; 2]> {
     let corners = [
         [3.0, 4.0],
@@ -184,7 +184,7 @@ fn hypot_and_atan2_everywhere_but_the_origin() {
     let hypot = |a: &mut Arena, x: Expr, y: Expr| a.call2(Binary::Hypot, x, y);
     let angle = |a: &mut Arena, x: Expr, y: Expr| a.call2(Binary::Atan2, y, x);
     for [x, y] in around() {
-        // by numbers of the size of 1, and the size
+        // computed from numbers of the size of 1, and the size
         let r = x.hypot(y);
         let (u, w) = (x / r, y / r);
         let second = 1.0 / r;
@@ -204,7 +204,7 @@ fn hypot_and_atan2_everywhere_but_the_origin() {
         for (at, (make, by, expected)) in table.into_iter().enumerate() {
             let found = derivative(make, by, [x, y]);
             if !expected.is_finite() {
-                // what is infinite may show as any number that is not finite
+                // an infinite derivative may show as any number that is not finite
                 assert!(!found.is_finite(), "{at}: {found} at {x}, {y}");
                 continue;
             }
@@ -221,7 +221,7 @@ fn hypot_and_atan2_everywhere_but_the_origin() {
     }
 }
 
-/// `1/√((1 − x)(1 + x))` and its like keep their digits next to ±1.
+/// `1/√((1 − x)(1 + x))` and similar forms keep their digits next to ±1.
 #[test]
 fn inverse_functions_next_to_one() {
     type Slope = fn(Double) -> Double;
@@ -246,7 +246,7 @@ fn inverse_functions_next_to_one() {
                 if function == Function::Acosh && sign < 0.0 {
                     continue;
                 }
-                // of a product: 1 − x² itself has a stable form anyway
+                // a product, since 1 − x² itself has a stable form anyway
                 let whole = |a: &mut Arena, x: Expr, y: Expr| {
                     let product = a.mul(x, y);
                     a.call(function, product)
@@ -254,7 +254,7 @@ fn inverse_functions_next_to_one() {
                 let found = derivative(&whole, &[0], [x, 1.0]);
                 let error = units(found, slope(of(x)));
                 assert!(error <= 2.0, "{function:?} at {x}: {error} units");
-                // once more: x/√(1 − x²)³ and its like
+                // differentiated once more: x/√(1 − x²)³ and similar forms
                 let again = derivative(&whole, &[0, 0], [x, 1.0]);
                 let inner = slope(of(x));
                 let expected = match function {
@@ -288,7 +288,7 @@ fn no_derivative_shows() {
     assert!(close(derivative(&cbrt, &[0], [-8.0, 0.0]), 1.0 / 12.0));
 }
 
-/// `ln cosh x` and its derivatives where cosh overflows.
+/// `ln cosh x` and its derivatives at points where cosh overflows.
 #[test]
 fn hyperbolic_quotients_do_not_overflow() {
     let potential = |a: &mut Arena, x: Expr, _: Expr| {

@@ -2,9 +2,9 @@
 //! subnormal and huge numbers.
 //!
 //! A row has the left side as plain arithmetic and the right side as the algebra builds it. The
-//! right side is equal to the left to rounding, underflow included, or it is not finite: no rule
-//! may give a wrong number. At moderate arguments it is finite where the left side is. Outside of
-//! the domain of the left side it is not a number, but for the rules marked as wider.
+//! right side equals the left side to rounding, underflow included, or it is not finite: no rule
+//! may give a wrong number. At moderate arguments it is finite if the left side is. Outside of the
+//! domain of the left side it is not a number, except for the rules marked as wider.
 
 use super::number::{Bounded, Number};
 use super::recipe::{Random, values};
@@ -16,7 +16,7 @@ struct Rule {
     name: &'static str,
     left: fn([X; 3]) -> X,
     right: fn(&mut Arena, [Expr; 3]) -> Expr,
-    /// True if the right side is defined in more places.
+    /// True if the right side is defined at more points.
     wider: bool,
 }
 
@@ -279,7 +279,7 @@ const RULES: &[Rule] = &[
     ),
 ];
 
-/// Signs, zeros, the ends of the range, powers of two and others between.
+/// Returns a random number: signed, zero, at the ends of the range, a power of two, or any other.
 fn number(random: &mut Random) -> f64 {
     let special = [
         0.0,
@@ -347,7 +347,8 @@ fn hold_over_signs_zeros_and_ranges() {
     }
 }
 
-/// Even and odd functions take signs out: exactly those, and of all sizes.
+/// Even and odd functions take signs out of their arguments of all sizes, and other functions do
+/// not.
 #[test]
 fn parity_over_signs_zeros_and_ranges() {
     let random = &mut Random(5);
@@ -358,14 +359,14 @@ fn parity_over_signs_zeros_and_ranges() {
         let mirrored = arena.call(function, minus);
         for _ in 0..1000 {
             let at = number(random);
-            // not every odd function of the standard library is odd: next to a singularity its
-            // value is that of an argument which is rounded otherwise
+            // Not every odd function of the standard library is odd: next to a singularity its
+            // value may belong to an argument that is rounded differently.
             let mut argument = X::of(-at);
             argument.error = f64::EPSILON * at.abs();
             let left = argument.call(function);
             let found = values(&arena, &[mirrored], |_| X::of(at))[0];
             if left.value.is_finite() {
-                // at the end of a domain the slope is infinite, and the value what it is
+                // at the end of a domain the slope is infinite, so the values must be equal
                 let agrees = found.agrees(left) || found.value == left.value;
                 assert!(agrees, "{function:?}: {found:?} {left:?} at {at}");
             } else {

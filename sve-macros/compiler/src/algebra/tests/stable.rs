@@ -1,7 +1,7 @@
-//! The stable forms: every rule against numbers of 106 bits, as what is emitted computes it.
+//! The stable forms: every rule, computed as emitted code does, against numbers of 106 bits.
 //!
-//! A form may be less exact than the plain expression by two units in the last place at most, three
-//! with hypot, anywhere, and has to be exact to a few where the plain one cancels.
+//! A form may be less accurate than the plain expression by at most two units in the last place, or
+//! three with hypot. It must be accurate to a few units if the plain expression cancels.
 
 use std::collections::HashMap;
 
@@ -13,15 +13,15 @@ use crate::algebra::{Arena, Expr, Function, Node, Purpose, Symbol};
 use crate::program::Scheduler;
 use crate::program::tests::{run, symbols};
 
-/// Returns `c (a f − value a)` with `a` a product of powers of the two symbols, in the expanded
-/// form.
+/// Returns `c (a f − value a)` in the expanded form, where `a` is a product of powers of the two
+/// symbols.
 fn difference(arena: &mut Arena, (f, value): (Expr, f64), c: f64, common: &[(Expr, i32)]) -> Expr {
     let common = arena.product(common);
     let product = arena.mul(common, f);
     arena.sum(0.0, &[(c, product), (-c * value, common)])
 }
 
-/// What is emitted for an expression, computed.
+/// Returns the value of an expression as emitted code computes it.
 pub(super) fn computed(arena: &Arena, expr: Expr, at: &[f64; 4]) -> f64 {
     let (table, inputs) = symbols();
     let mut scheduler = Scheduler::new(arena, &table, HashMap::new(), &[expr]);
@@ -36,8 +36,8 @@ pub(super) fn computed(arena: &Arena, expr: Expr, at: &[f64; 4]) -> f64 {
     run(&program, &at)[&value]
 }
 
-/// Tiny, usual and large arguments of both signs, and, so marked, some next to where plain forms
-/// cancel.
+/// Returns tiny, usual and large arguments of both signs, and marked ones next to points where
+/// plain forms cancel.
 fn arguments(random: &mut Random, cancels: &[(f64, f64)]) -> Vec<(f64, f64, bool)> {
     let mut found = vec![(0.0, 1.0, false), (-0.0, 1.0, false)];
     for k in 0..220 {
@@ -58,7 +58,7 @@ fn arguments(random: &mut Random, cancels: &[(f64, f64)]) -> Vec<(f64, f64, bool
     for &(x, y) in cancels {
         for k in 0..24 {
             let by = 2f64.powi(-2 * k - 2) * random.uniform(0.7, 1.4) * random.of(&[1.0, -1.0]);
-            // where y is to vanish it is y that comes near
+            // if y is 0 at the point, y approaches the point, otherwise x does
             let (x, y) = if y == 0.0 { (x, by) } else { (x + by, y) };
             found.push((x, y, true));
         }
@@ -97,7 +97,7 @@ fn no_worse_anywhere_and_exact_where_plain_forms_cancel() {
                 let (before, after) = (computed(&arena, plain, &at), computed(&arena, form, &at));
                 let size = exact.nearest();
                 if !size.is_finite() || size.abs() < 1e-290 {
-                    // outside of a function's domain, or less than what keeps its digits
+                    // outside of a function's domain, or too small to keep its digits
                     assert!(
                         size.is_nan() || after.abs() < 1e-289 || !before.is_finite(),
                         "{}: {after} for {size} at {at:?}",
@@ -106,7 +106,7 @@ fn no_worse_anywhere_and_exact_where_plain_forms_cancel() {
                     continue;
                 }
                 let (before, after) = (units(before, exact), units(after, exact));
-                // the library's hypot is good to a unit only, and enters twice
+                // the library's hypot is accurate to one unit only, and enters twice
                 let more = if rule.name.contains("hypot") {
                     3.0
                 } else {
@@ -134,8 +134,8 @@ fn no_worse_anywhere_and_exact_where_plain_forms_cancel() {
     }
 }
 
-/// All differences at once, whose constants are one: `2 − cos x − cos y`, and with a constant that
-/// is rounded.
+/// Several differences share one constant: `2 − cos x − cos y`; also with a constant that is
+/// rounded.
 #[test]
 fn several_differences_in_one_sum() {
     for (c, d) in [(1.0, 1.0), (9.8, 9.8), (0.1, 0.2), (0.7, 0.1)] {
@@ -147,7 +147,7 @@ fn several_differences_in_one_sum() {
         let found = computed(&arena, sum, &[1e-9, 3e-9, 0.0, 0.0]);
         let expected = (c + 9.0 * d) * 0.5e-18;
         assert!((found / expected - 1.0).abs() < 1e-15, "{found} {expected}");
-        // not where the constants differ
+        // no difference cancels if the constants do not add up
         let mut other = arena.sum(c + d + 1e-9, &[(-c, cx), (-d, cy)]);
         let before = other;
         arena.stabilise(Purpose::Values, vec![&mut other]);
@@ -155,7 +155,7 @@ fn several_differences_in_one_sum() {
     }
 }
 
-/// Forms are the same functions: random expressions, with differences among them.
+/// Stable forms are equal to the plain functions, for random expressions that contain differences.
 #[test]
 fn are_the_same_functions() {
     let mut changed = 0;
@@ -208,7 +208,7 @@ fn are_the_same_functions() {
     assert!(changed > 300, "{changed}");
 }
 
-/// Calls of functions, but those of angles.
+/// Returns the number of calls of functions, except functions of angles.
 fn calls(arena: &Arena, exprs: &[Expr]) -> usize {
     let counts = |&e: &Expr| match arena.node(e) {
         Node::Call(function, _) => !matches!(function, Function::Sin | Function::Cos),
@@ -222,7 +222,7 @@ fn calls(arena: &Arena, exprs: &[Expr]) -> usize {
         .count()
 }
 
-/// In a step an exponential that is needed anyway serves for its difference from one, too.
+/// In a step, an exponential that is needed anyway is also used for its difference from one.
 #[test]
 fn steps_call_nothing_new() {
     let mut arena = Arena::new();

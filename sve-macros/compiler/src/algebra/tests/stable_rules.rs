@@ -6,7 +6,7 @@ use crate::algebra::{Arena, Binary, Expr, Function};
 /// An expression in x and y with its value.
 pub(super) struct Rule {
     pub(super) name: &'static str,
-    /// `f` and `value` of a difference `f − value`; a value of 0 stands for a whole expression.
+    /// `f` and `value` of a difference `f − value`. If `value` is 0, `f` is the whole expression.
     pub(super) plain: fn(&mut Arena, Expr, Expr) -> (Expr, f64),
     pub(super) exact: fn(Double, Double) -> Double,
     /// Points next to which the plain expression cancels.

@@ -24,7 +24,7 @@ const ARGUMENTS: [&str; 14] = [
     "0.0, |a, b| a + b",
 ];
 
-/// Returns whether a body has no mistake but its last line.
+/// Returns whether a body has no mistake except in its last line.
 fn is_understood(body: &str) -> bool {
     let item = format!(
         "impl P {{ fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {{

@@ -1,5 +1,5 @@
-//! `Σ_a K_a` against Poisson brackets of the Hamiltonian as a function of q and p, where the algebra can write it down; which systems need no term, and
-//! which rules take one.
+//! `Σ_a K_a` against Poisson brackets of the Hamiltonian as a function of q and p, for systems
+//! whose Hamiltonian is a formula; systems that need no term; and the rules that take a term.
 
 use proc_macro2::TokenStream;
 
@@ -14,7 +14,7 @@ use crate::system::classify::{Classified, classify};
 use crate::system::inverse_mass::NoFormula;
 use crate::system::size::{Budget, WORK};
 
-/// The model of a block.
+/// Returns the model of a block.
 fn read(members: &str) -> (Classified, Arena) {
     let tokens = |text: &str| -> TokenStream { text.parse().expect("tokens") };
     let item = syn::parse2(tokens(&format!("impl P {{ {members} }}"))).expect("a block");
@@ -27,7 +27,7 @@ fn read(members: &str) -> (Classified, Arena) {
     (system, arena)
 }
 
-/// {f, g}.
+/// Returns {f, g}.
 fn bracket(f: Expr, g: Expr, model: &Model, arena: &mut Arena) -> Expr {
     let mut terms = Vec::new();
     for (&q, &p) in model.q.iter().zip(&model.p) {
@@ -39,7 +39,8 @@ fn bracket(f: Expr, g: Expr, model: &Model, arena: &mut Arena) -> Expr {
     arena.sum(0.0, &terms)
 }
 
-/// `L = ½v₀²m + ½v₁²(2 + q₀q₁) + a v₀ q₁ − V`, whose Hamiltonian is `½(p₀ − a q₁)²/m + ½p₁²/(2 + q₀q₁) + V`.
+/// `L = ½v₀²m + ½v₁²(2 + q₀q₁) + a v₀ q₁ − V`, whose Hamiltonian is
+/// `½(p₀ − a q₁)²/m + ½p₁²/(2 + q₀q₁) + V`.
 const LAGRANGIAN: &str = "fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
     let v0 = v[0] * v[0] * (1.0 + q[1] * q[1]);
     0.5 * v0 + 0.5 * v[1] * v[1] * (2.0 + q[0] * q[1]) + self.a * v[0] * q[1] - q[0].cos() * q[1] - t * q[0]

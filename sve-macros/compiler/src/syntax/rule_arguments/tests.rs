@@ -1,5 +1,5 @@
-//! Attributes that name rules with arguments: what they mean, and what messages say of their mistakes. A family of rules and two rules with options stand
-//! for rules of every kind.
+//! Attributes that name rules with arguments: their meanings, and the messages about their
+//! mistakes. A family of rules and two rules with options represent all kinds of rules.
 
 use proc_macro2::TokenStream;
 
@@ -41,7 +41,7 @@ static MIDDLE: Entry = entry("middle", Nodes::One { c: 0.5 }, &[RuleOption::Weak
 static BARE: [Entry; 2] = [bare(2), bare(3)];
 static FAMILY: [Entry; 4] = [member(2), member(3), member(4), member(5)];
 
-/// The rules that an attribute names, or the first error with the columns of its token.
+/// Returns the rules that an attribute names, or the first error with the columns of its token.
 fn read(attribute: &str) -> Result<Vec<String>, (String, usize, usize)> {
     let family = FAMILY.iter().chain(&BARE).map(Rule::plain);
     let all: Vec<Rule> = [Rule::plain(&START), Rule::plain(&MIDDLE)]

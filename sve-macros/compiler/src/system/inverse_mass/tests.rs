@@ -3,7 +3,7 @@
 use super::{NoFormula, solve};
 use crate::algebra::{Arena, Expr, Symbol};
 
-/// Uniform in [−1, 1): the finaliser of splitmix64.
+/// Returns a uniform number in [−1, 1), by the finaliser of splitmix64.
 fn uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
@@ -12,7 +12,8 @@ fn uniform(state: &mut u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// A symmetric matrix with blocks of these sizes, whose coordinates are mixed, and a right-hand side; entries are symbols or numbers.
+/// Returns a symmetric matrix with blocks of these sizes, and a right-hand side. The coordinates of
+/// the blocks are mixed; entries are symbols or numbers.
 fn system(
     sizes: &[usize],
     is_symbol: bool,
@@ -25,7 +26,7 @@ fn system(
         .enumerate()
         .flat_map(|(k, &size)| vec![k; size])
         .collect();
-    // 7 is prime to all n in the test
+    // 7 is coprime to all n in the test
     let block = |i: usize| blocks[i * 7 % n];
     let zero = arena.constant(0.0);
     let mut next = 0;
@@ -90,7 +91,7 @@ fn large_blocks_must_not_depend_on_the_configuration() {
         let (mut matrix, mut b) = system(&[size], false, &mut 5, &mut arena);
         matrix[0][0] = arena.symbol(q);
         assert_eq!(solve(&matrix, &b, &[q], &mut arena).err(), refused);
-        // what no force acts on is not solved for
+        // a coordinate without force is not solved for
         b.fill(arena.constant(0.0));
         assert_eq!(solve(&matrix, &b, &[q], &mut arena), Ok(b.clone()));
     }

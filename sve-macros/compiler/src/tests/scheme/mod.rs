@@ -1,5 +1,6 @@
-//! From Lagrangian and noises to the instructions of a step, on random systems: equations, residuals, Jacobians, momenta and
-//! solutions against evaluation of the plain descriptions; and sharing of subexpressions on against off.
+//! From Lagrangian and noises to the instructions of a step, on random systems: equations,
+//! residuals, Jacobians, momenta and solutions against evaluation of the plain descriptions; and
+//! programs with and without sharing of subexpressions.
 //!
 //! The tests evaluate the scheduled programs. A back end prints each instruction as one statement.
 
@@ -34,7 +35,7 @@ struct Case {
 impl Case {
     fn new(seed: u64, momenta: bool) -> Self {
         let random = &mut Random(seed);
-        // the equations of stages are those of the runtime
+        // the runtime has the equations of stages
         let mut rules = Rule::all();
         rules.retain(|rule| rule.stages().is_none());
         let rule = rules[seed as usize % rules.len()];
@@ -64,7 +65,8 @@ impl Case {
         scheme.unwrap_or_else(|_| panic!("{:?} is degenerate", self.system))
     }
 
-    /// The value of a symbol at the point; unknowns that the scheme names go by what they are of.
+    /// Returns the value of a symbol at the point. A symbol of the solution has the value of its
+    /// unknown.
     fn value(&self, symbol: Symbol) -> f64 {
         let point = &self.point;
         match self.symbols.meaning(symbol) {
@@ -95,7 +97,7 @@ impl Case {
     }
 }
 
-/// The values of expressions by one program, in any kind of number.
+/// Returns the values of expressions, computed by one program in any type of number.
 fn program<T: Number>(
     case: &Case,
     tiers: Tiers,
@@ -171,7 +173,8 @@ fn equations_are_derivatives_of_the_action() {
     assert!(10 * sharp > 9 * compared, "{sharp} of {compared}");
 }
 
-/// All expressions of a scheme, and when its unknowns are known, as the emitter has it.
+/// Returns all expressions of a scheme, and the order in which its unknowns become known, as the
+/// emitter sees them.
 fn contents(scheme: &Scheme<Expr>) -> (Vec<Expr>, Tiers) {
     let mut tiers = Tiers::new();
     let mut all: Vec<Expr> = [&scheme.dq[..], &scheme.dp].concat();
@@ -200,7 +203,8 @@ fn contents(scheme: &Scheme<Expr>) -> (Vec<Expr>, Tiers) {
     (all, tiers)
 }
 
-/// One program for all, a program for each, and evaluation of the arena's nodes as they stand.
+/// One program for all expressions, a program for each, and evaluation of the unscheduled nodes
+/// agree.
 #[test]
 fn sharing_changes_nothing() {
     let (mut sharp, mut compared) = (0, 0);
@@ -230,7 +234,7 @@ fn sharing_changes_nothing() {
     assert!(10 * sharp > 8 * compared, "{sharp} of {compared}");
 }
 
-/// The iterations of a scheme.
+/// Returns the iterations of a scheme.
 fn iterations(scheme: &Scheme<Expr>) -> impl Iterator<Item = &Iteration<Expr>> {
     scheme
         .blocks
@@ -241,8 +245,8 @@ fn iterations(scheme: &Scheme<Expr>) -> impl Iterator<Item = &Iteration<Expr>> {
         })
 }
 
-/// The emitted Jacobian is the derivative of the emitted residual, and the curvature that of the Jacobian: both are
-/// differentiated instruction by instruction.
+/// The emitted Jacobian is the derivative of the emitted residual, and the curvature is the
+/// derivative of the Jacobian; both are differentiated instruction by instruction.
 #[test]
 fn jacobians_are_derivatives_of_residuals() {
     let (mut entries, mut curvatures, mut sharp) = (0, 0, 0);
@@ -293,7 +297,8 @@ fn jacobians_are_derivatives_of_residuals() {
     );
 }
 
-/// Where noise moves momenta alone, the displacement is `h v`, and `p₀ + (1 − c) ∂S/∂q̄ − ∂L/∂v` is left of the equations.
+/// If noise moves momenta alone, the displacement is `h v`, and the equation
+/// `p₀ + (1 − c) ∂S/∂q̄ − ∂L/∂v` remains.
 #[test]
 fn residuals_in_the_velocity() {
     let mut compared = 0;
@@ -330,7 +335,7 @@ fn residuals_in_the_velocity() {
                 momentum.plus(end).minus(kick).minus(p0)
             })
             .collect();
-        // which equation the momentum was eliminated from decides on their order
+        // the order depends on the equation from which the momentum was eliminated
         let agree = |order: &[usize]| (0..n).all(|i| found[i].agrees(expected[order[i]]));
         assert!(
             agree(&[0, 1]) || n == 2 && agree(&[1, 0]),
@@ -353,7 +358,7 @@ fn solutions_satisfy_the_discrete_equations() {
             "initial_point" => 0.0,
             "midpoint" => 0.5,
             "endpoint" => 1.0,
-            // of rules with more nodes the momentum is no such part of its change
+            // in rules with more nodes the momentum is not such a part of its change
             _ => continue,
         };
         tried += 1;
@@ -373,12 +378,12 @@ fn solutions_satisfy_the_discrete_equations() {
             continue;
         };
         solved += 1;
-        // all quantities are of the size of 1, and so are derivatives of the equations
+        // all quantities have the size of 1, and so do the derivatives of the equations
         assert!(worst < 1e-11, "seed {seed}, {:?}: {worst:e}", case.rule);
     }
     println!("{solved} of {tried} steps");
     assert!(10 * solved > 9 * tried, "{solved} of {tried}");
 }
 
-/// Symbols with values of their own.
+/// Symbols with their values.
 type Known = HashMap<Symbol, f64>;

@@ -1,4 +1,5 @@
-//! Schemes solved by an interpreter of their programs, and the residuals of the discrete equations at the solution.
+//! Schemes solved by an interpreter of their programs, and the residuals of the discrete equations
+//! at the solution.
 
 use super::system::{Point, System, gradient};
 use super::{Case, Known};
@@ -9,7 +10,7 @@ use crate::program::tests::run;
 use crate::program::{Scheduler, Tiers};
 use crate::structure::{Linear, Matrix, Returns, Scheme, Solution};
 
-/// The solution of a small linear system.
+/// Returns the solution of a small linear system.
 fn linear(mut matrix: Vec<Vec<f64>>, mut rhs: Vec<f64>) -> Option<Vec<f64>> {
     let n = rhs.len();
     for k in 0..n {
@@ -31,7 +32,8 @@ fn linear(mut matrix: Vec<Vec<f64>>, mut rhs: Vec<f64>) -> Option<Vec<f64>> {
     solution.iter().all(|x| x.is_finite()).then_some(solution)
 }
 
-/// `q₁ − q₀` and `p₁ − p₀`, block by block as the emitted step finds them; nothing where an iteration does not converge.
+/// Returns `q₁ − q₀` and `p₁ − p₀`, block by block as in the emitted step; `None` if an iteration
+/// does not converge.
 pub(super) fn solution(
     case: &Case,
     scheme: &Scheme<Expr>,
@@ -70,7 +72,8 @@ pub(super) fn solution(
             }
             Solution::Iteration(iteration) => {
                 let guess = &iteration.guess;
-                // where the limit that the guess comes from is not defined, from somewhere
+                // if the limit of the guess is undefined, the iteration starts from arbitrary
+                // values
                 let anywhere = || iteration.iterates.iter().map(|&s| given(s)).collect();
                 let explicit = solve(&known, &guess.matrix, &guess.rhs);
                 let mut x: Vec<f64> = explicit.unwrap_or_else(anywhere);
@@ -105,15 +108,16 @@ pub(super) fn solution(
     finite.then_some((dq, dp))
 }
 
-/// The largest residual of the discrete equations of a rule with one node, at given increments, with the velocity that belongs
-/// to the momentum: found by Newton's method on `∂S/∂v = 0`, whose derivatives are differences of exact ones.
+/// Returns the largest residual of the discrete equations of a rule with one node, at given
+/// increments. The velocity belongs to the momentum: Newton's method solves `∂S/∂v = 0` with
+/// derivatives that are differences of exact ones.
 pub(super) fn residual(system: &System, rule: Rule, point: &mut Point, dp: &[f64]) -> Option<f64> {
     let n = system.n;
     let one = Bounded::of(1.0);
     for i in 0..n {
         point.internal[i] = point.d[i] / point.h;
     }
-    // the velocity of the step: several may belong to a momentum
+    // starts near the velocity of the step, since several velocities may have the same momentum
     let constraint = |point: &Point, i: usize| {
         gradient(system, rule, point, |x| x.internal[n + i].slope = one).value
     };

@@ -1,5 +1,5 @@
-//! Random systems as plain descriptions, and their discrete actions by forward-mode evaluation of these: the oracle of
-//! equations and schemes, without the algebra.
+//! Random systems as plain descriptions. Forward-mode evaluation of their discrete actions is the
+//! oracle of equations and schemes; it does not use the algebra.
 
 use quote::quote;
 
@@ -10,17 +10,17 @@ use crate::catalogue::Rule;
 use crate::model::configuration::{Configuration, Factor};
 use crate::model::{CoordinateNames, Meaning, Model, NoiseTerm, Symbols};
 
-/// `L = Σ v_i² m/2 + a part of any form`, and noises of any form.
+/// `L = Σ v_i² m/2 + a part of any form`, with noises of any form.
 #[derive(Debug)]
 pub(super) struct System {
     pub(super) n: usize,
-    /// In t, m, q, v.
+    /// A function of t, m, q and v.
     lagrangian: Vec<Make>,
-    /// In t, m, q and, if so marked, p; the unmarked ones are γ.
+    /// Functions of t, m, q and, if marked, p. The unmarked ones are γ's.
     noises: Vec<(bool, Vec<Make>)>,
 }
 
-/// Values of all that a step's equations contain.
+/// Values of all variables in the equations of a step.
 #[derive(Clone, Debug)]
 pub(super) struct Point {
     pub(super) t: f64,
@@ -34,11 +34,12 @@ pub(super) struct Point {
     pub(super) internal: Vec<f64>,
 }
 
-/// The part of any form is small, so that masses stay positive and steps have solutions.
+/// Factor of the part of any form. It is small, so that masses stay positive and steps have
+/// solutions.
 const PART: f64 = 0.05;
 
 impl System {
-    /// A random system with a point where all its functions are moderate.
+    /// Returns a random system with a point where all its functions are moderate.
     pub(super) fn random(random: &mut Random, momenta: bool) -> (Self, Point) {
         let n = 1 + random.below(2);
         let list = |random: &mut Random, count: usize, low: f64, high: f64| -> Vec<f64> {
@@ -73,7 +74,7 @@ impl System {
         (system, point)
     }
 
-    /// The model that the macro makes of it.
+    /// Returns the model that the macro derives from the system.
     pub(super) fn model(&self, arena: &mut Arena) -> Model {
         let mut symbols = Symbols::default();
         symbols.configuration = Configuration::new(vec![Factor::Vector(self.n)]);
@@ -134,7 +135,7 @@ impl System {
         })
     }
 
-    /// `Σ G_a ΔW_a`.
+    /// Returns `Σ G_a ΔW_a`.
     fn noise<T: Number>(&self, t: T, m: T, q: &[T], p: &[T], dw: &[T]) -> T {
         let terms = self.noises.iter().zip(dw).map(|((momenta, recipe), dw)| {
             let (with, sign) = if *momenta { (p, 1.0) } else { (&[][..], -1.0) };
@@ -145,7 +146,7 @@ impl System {
         terms.fold(T::of(0.0), T::plus)
     }
 
-    /// The discrete action (`docs/mathematics.md`, section 2).
+    /// Returns the discrete action (`docs/mathematics.md`, section 2).
     pub(super) fn action<T: Number>(&self, rule: Rule, x: &Variables<T>) -> T {
         match rule.attribute_name {
             "initial_point" => self.one_node(0.0, x),
@@ -216,7 +217,7 @@ impl System {
             let half = h.times(h).scale(0.5);
             let constraint = x.d[i].minus(h.times(v[i])).minus(half.times(a[i]));
             action = action.plus(mu[i].times(constraint));
-            // d/dt ∂L/∂v_i along the flow, less ∂L/∂q_i
+            // d/dt ∂L/∂v_i along the flow, minus ∂L/∂q_i
             let flow = |value: T, rate: T, by: f64| Dual {
                 value: Dual { value, slope: rate },
                 slope: Dual::of(by),
@@ -238,7 +239,7 @@ impl System {
     }
 }
 
-/// A point in some kind of number.
+/// A point whose coordinates are numbers of any type.
 pub(super) struct Variables<T> {
     t: T,
     m: T,
@@ -249,7 +250,7 @@ pub(super) struct Variables<T> {
     pub(super) internal: Vec<T>,
 }
 
-/// A derivative of the action, with a bound of its error.
+/// Returns a derivative of the action, with a bound of its error.
 pub(super) fn gradient(
     system: &System,
     rule: Rule,

@@ -1,5 +1,5 @@
-//! Vectors and matrices of nalgebra: a body with vectors has the same expressions as a body with arrays, and mistakes are reported at
-//! their tokens.
+//! Vectors and matrices of nalgebra: a body with vectors has the same expressions as a body with
+//! arrays, and mistakes are reported at their tokens.
 
 mod mistakes;
 mod operations;
@@ -18,7 +18,8 @@ fn tokens(text: &str) -> TokenStream {
     text.parse().expect("tokens")
 }
 
-/// Returns the model of a block, or its mistakes: the source text at which each is reported, and the message.
+/// Returns the model of a block, or its mistakes: the source text at which each is reported, and
+/// the message.
 pub(super) fn model(members: &str, arena: &mut Arena) -> Result<Model, Vec<(String, String)>> {
     let text = format!("impl P {{ {members} }}");
     let block = syn::parse2(tokens(&text)).expect("a block");

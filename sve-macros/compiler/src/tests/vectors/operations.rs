@@ -1,4 +1,5 @@
-//! Every operation on vectors, matrices and rotations has the expressions of its entries written out.
+//! Every operation on vectors, matrices and rotations has the expressions of its entries written
+//! out.
 
 use crate::algebra::{Arena, Expr};
 use crate::model::Model;
@@ -35,7 +36,8 @@ fn assert_same(vectors: &str, arrays: &str) {
     }
 }
 
-/// Expressions of two vectors a and b of length 3, a matrix m, and numbers x and y; and the equal expressions with arrays.
+/// Expressions of two vectors a and b of length 3, a matrix m, and numbers x and y; and the equal
+/// expressions with arrays.
 const OPERATIONS: &str = r"
 a.dot(&b) → a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 (&a + &b).norm_squared() → (a[0] + b[0]).powi(2) + (a[1] + b[1]).powi(2) + (a[2] + b[2]).powi(2)

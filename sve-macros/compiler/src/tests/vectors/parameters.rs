@@ -1,4 +1,5 @@
-//! The macro does not see the types of fields: types of nalgebra follow from how a body uses a field.
+//! The macro does not see the types of fields: types of nalgebra follow from how a body uses a
+//! field.
 
 use crate::algebra::Arena;
 use crate::model::Meaning;
