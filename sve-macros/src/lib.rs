@@ -85,7 +85,8 @@ use sve_compiler::Settings;
 /// vanish:
 ///
 /// ```text
-/// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂γ/∂q, ξ⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0     ⟨F, ξ⟩ = 0     ⟨∂φ/∂q, ξ⟩ = 0
+/// ⟨∂L/∂q, ξ⟩ + ⟨∂L/∂v, Dξ v⟩ = 0     ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩ = 0
+/// ⟨∂γ/∂q, ξ⟩ = 0     ⟨F, ξ⟩ = 0     ⟨∂φ/∂q, ξ⟩ = 0
 /// ```
 ///
 /// Then ⟨p, ξ⟩ is conserved by the motion, also with noise, and by the steps if ξ is affine in q.

@@ -7,8 +7,13 @@
 //!
 //! ```
 //! let attribute = "midpoint".parse().expect("tokens");
-//! let block = "impl P { fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() } }";
-//! let expansion = sve_compiler::expand(&attribute, &block.parse().expect("tokens"), sve_compiler::Settings::default());
+//! let block =
+//!     "impl P { fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() } }";
+//! let expansion = sve_compiler::expand(
+//!     &attribute,
+//!     &block.parse().expect("tokens"),
+//!     sve_compiler::Settings::default(),
+//! );
 //! assert!(expansion.to_string().contains("StepEquations"));
 //! ```
 

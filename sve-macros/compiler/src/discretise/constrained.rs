@@ -5,7 +5,8 @@
 //! equation to leading order in the step size. The first guess solves these:
 //!
 //! ```text
-//! p − (kicks of the noise at q₀, p₀) − p₀ − Dφ(q₀)ᵀ λ = 0      d − h v − Σ ∂G/∂p(q₀,p₀) ΔW = 0      ∂φ/∂t + Dφ(q₀) v = 0
+//! p − (kicks of the noise at q₀, p₀) − p₀ − Dφ(q₀)ᵀ λ = 0
+//! d − h v − Σ ∂G/∂p(q₀,p₀) ΔW = 0      ∂φ/∂t + Dφ(q₀) v = 0
 //! ```
 //!
 //! The guess contains the noise: without it a large increment leads Newton's method to another

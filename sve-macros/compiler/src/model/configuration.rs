@@ -12,7 +12,8 @@
 //! cay(y). If the start turns by ε₀ and the end by ε₁,
 //!
 //! ```text
-//! δx = (1 + ½ x̂ + ¼ x xᵀ) ε₁ − (1 − ½ x̂ + ¼ x xᵀ) ε₀        (R̄ᵀδR̄)^∨ = ½ (1 + ½ ŷ) ε₁ + ½ (1 − ½ ŷ) ε₀
+//! δx = (1 + ½ x̂ + ¼ x xᵀ) ε₁ − (1 − ½ x̂ + ¼ x xᵀ) ε₀
+//! (R̄ᵀδR̄)^∨ = ½ (1 + ½ ŷ) ε₁ + ½ (1 − ½ ŷ) ε₀
 //! ```
 //!
 //! so that with g = ∂S/∂x and the left-trivialised derivative τ of S in R̄ the momenta −∂S/∂ε₀ and

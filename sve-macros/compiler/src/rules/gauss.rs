@@ -2,7 +2,8 @@
 //! weights b, positions by polynomials of degree S,
 //!
 //! ```text
-//! S_d = Σ_i { h b_i [L(t_i, Q_i, V_i) + ⟨P_i, U_i − V_i⟩] − Σ_a G_a(t_i, Q_i, P_i) b_i ΔW_a } + ⟨λ, d − h Σ_j b_j U_j⟩
+//! S_d = Σ_i { h b_i [L(t_i, Q_i, V_i) + ⟨P_i, U_i − V_i⟩] − Σ_a G_a(t_i, Q_i, P_i) b_i ΔW_a }
+//!       + ⟨λ, d − h Σ_j b_j U_j⟩
 //! Q_i = q₀ + h Σ_j a_ij U_j        t_i = t₀ + c_i h
 //! ```
 //!

@@ -1,7 +1,8 @@
 //! The rules with one node, at `q̄ = q₀ + c d`, `t̄ = t₀ + c h`:
 //!
 //! ```text
-//! S_d = h L(t̄,q̄,v) + ⟨p, d − h v⟩ − Σ G_a(t̄,q̄,p) ΔW_a + (c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b
+//! S_d = h L(t̄,q̄,v) + ⟨p, d − h v⟩ − Σ G_a(t̄,q̄,p) ΔW_a
+//!       + (c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b
 //! ```
 //!
 //! The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`.

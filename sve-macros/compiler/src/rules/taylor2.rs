@@ -2,7 +2,8 @@
 //! velocity `v` and the acceleration `a` of the Euler–Lagrange flow at `(q₀, v)`,
 //!
 //! ```text
-//! S_d = ½h [ L(q₀,v) + L(q₀+hv, v+ha) ] + ⟨μ, d − hv − ½h²a⟩ + ½h² ⟨ν, L_vv a + L_vq v + L_vt − L_q⟩
+//! S_d = ½h [ L(q₀,v) + L(q₀+hv, v+ha) ] + ⟨μ, d − hv − ½h²a⟩
+//!       + ½h² ⟨ν, L_vv a + L_vq v + L_vt − L_q⟩
 //! ```
 //!
 //! `v` and `a` are defined by equations, so the action contains them with the multipliers μ and ν.

@@ -5,7 +5,8 @@
 //! with weights `bᵢ` of its nodes is
 //!
 //! ```text
-//! S_d −= ½ κ h |h| Σᵢ bᵢ Σ_a K_a(node i)        K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
+//! S_d −= ½ κ h |h| Σᵢ bᵢ Σ_a K_a(node i)
+//! K_a = {G_a, {G_a, H} + ∂G_a/∂t}        {f, g} = ⟨f_q, g_p⟩ − ⟨f_p, g_q⟩
 //! ```
 //!
 //! so L becomes `L − ½ κ |h| Σ_a K_a` at each node. The variance of an increment is `|h|`, so a

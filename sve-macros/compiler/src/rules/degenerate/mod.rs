@@ -3,7 +3,8 @@
 //! velocities of massless coordinates⟩.
 //!
 //! ```text
-//! S_d = h L₀(t̄,q*,v) + ⟨p, d − h v⟩ + ⟨α(q*), d⟩ − Σ G_a(t̄,q*,p) ΔW_a + ⟨λ, α(q₀) − α(q₁)⟩        q* = q₀ + c d + λ
+//! S_d = h L₀(t̄,q*,v) + ⟨p, d − h v⟩ + ⟨α(q*), d⟩ − Σ G_a(t̄,q*,p) ΔW_a
+//!       + ⟨λ, α(q₀) − α(q₁)⟩        q* = q₀ + c d + λ
 //! ```
 //!
 //! v and p belong to the massive coordinates and are internal. The action is not stationary in λ,
