@@ -178,6 +178,9 @@ pub trait OneStepMethod {
     }
 }
 
+/// A method whose steps can be differentiated by their start and the parameters: every
+/// [`Integrator`](crate::Integrator).
+///
 /// Gradients along paths require it: [`Ensemble::gradient`](crate::ensemble::Ensemble::gradient),
 /// [`Trajectory::gradient`](crate::Trajectory::gradient).
 #[diagnostic::on_unimplemented(

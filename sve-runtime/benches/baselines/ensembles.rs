@@ -1,4 +1,5 @@
-//! Baselines in ensembles: nanoseconds a step of one trajectory on one thread, beside those of single trajectories.
+//! Baselines in ensembles: nanoseconds a step of one trajectory on one thread, beside single
+//! trajectories.
 
 use std::time::Instant;
 
@@ -12,7 +13,7 @@ use crate::{H, median};
 
 const PATHS: u64 = 1024;
 const STEPS: u64 = 200;
-/// Alternating runs of each side.
+/// Number of alternating runs of each side.
 const RUNS: usize = 11;
 
 fn compare<I, S, const N: usize, const M: usize>(name: &str, method: &I, start: State<[f64; N]>)

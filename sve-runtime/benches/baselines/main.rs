@@ -1,7 +1,9 @@
 //! Baselines against loops written by hand: `cargo bench -p sve-runtime --bench baselines`.
 //!
-//! Both sides make the same steps with the same increments. The table has the medians of runs that alternate between the two sides. A work–precision figure is fair to the
-//! baselines if the ratios are near 1. With the feature `ensemble` a second table compares ensembles with single trajectories.
+//! Both sides make the same steps with the same increments. The table has the medians of runs that
+//! alternate between the two sides. A work–precision figure is fair to the baselines if the ratios
+//! are near 1. With the feature `ensemble` a second table compares ensembles with single
+//! trajectories.
 
 #[cfg(feature = "ensemble")]
 mod ensembles;
@@ -22,7 +24,7 @@ use systems::{
 
 const STEPS: usize = 2000;
 const H: f64 = 0.01;
-/// Alternating runs of each side.
+/// Number of alternating runs of each side.
 const RUNS: usize = 61;
 
 #[inline(always)]

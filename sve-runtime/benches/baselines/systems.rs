@@ -2,11 +2,11 @@
 
 use sve_runtime::prelude::*;
 
-/// The field of a system by hand, for an increment of time and one of the noise.
+/// The field of a system written by hand, for an increment of time and one of the noise.
 pub(crate) trait Field<const D: usize>: Copy {
-    /// h f(z) + g(z) ΔW, in the sense of Stratonovich.
+    /// Returns h f(z) + g(z) ΔW, in the sense of Stratonovich.
     fn euler(self, z: [f64; D], h: f64, dw: f64) -> [f64; D];
-    /// The Itô correction, times h.
+    /// Returns the Itô correction, times h.
     #[inline(always)]
     fn correction(self, _z: [f64; D], _h: f64) -> [f64; D] {
         [0.0; D]
@@ -217,7 +217,7 @@ impl Polar {
 
 #[derive(Clone, Copy)]
 pub(crate) struct PolarByHand {
-    /// 1/m.
+    /// The inverse mass 1/m.
     pub(crate) inverse: f64,
     pub(crate) k: f64,
     pub(crate) sigma: f64,

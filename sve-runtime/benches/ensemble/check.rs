@@ -1,6 +1,8 @@
-//! What is written by hand does what it says: compared with the library's functions and with plain scalar steps.
+//! Checks of the code written by hand: it is compared with the library's functions and with plain
+//! scalar steps.
 //!
-//! Every function panics where something differs: a limit that is wrong is none.
+//! Every function panics if the results differ, since a limit by a wrong computation has no
+//! meaning.
 
 use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
@@ -10,7 +12,7 @@ use crate::wide::dispatch;
 use crate::words::{self, Words, Xoshiro};
 use crate::{PATHS, STEPS, derived, limits, scalar};
 
-/// Everything.
+/// Makes all checks.
 pub(crate) fn all() {
     words::check();
     normals();
@@ -24,7 +26,7 @@ pub(crate) fn all() {
     tasks();
 }
 
-/// Box and Muller's pair with the functions of the standard library.
+/// Returns the pair of Box and Muller, computed with the functions of the standard library.
 fn pair(radius: u64, angle: u64) -> [f64; 2] {
     let u = (radius as f64 + 0.5) / 18_446_744_073_709_551_616.0;
     let r = (-2.0 * u.ln()).sqrt();
@@ -47,7 +49,7 @@ fn normals() {
         let r = expected[0].hypot(expected[1]);
         let z = hand::pair::<false>(radius, angle);
         for i in 0..2 {
-            // near u = 1 a rounding of u, ε/2, becomes ε/(2r) of r
+            // Near u = 1 a rounding error of u, ε/2, becomes an error of r of ε/(2r).
             let allowed = 1e-14 * r + f64::EPSILON / r;
             assert!(
                 (z[i] - expected[i]).abs() <= allowed,
@@ -57,7 +59,7 @@ fn normals() {
     }
 }
 
-/// Mean, variance and fourth moment of 10⁶ normals, within five standard errors.
+/// Checks mean, variance and fourth moment of 10⁶ normals, within five standard errors.
 fn moments<G: Words<W>>(name: &str, mut words: G) {
     let mut rows = vec![[[0.0; W]; 4]; 1_000_000 / (4 * W)];
     dispatch(Fill(&mut words, &mut rows));
@@ -76,7 +78,7 @@ fn moments<G: Words<W>>(name: &str, mut words: G) {
     }
 }
 
-/// The fused rows are those of [`hand::pair`].
+/// Checks that the fused rows equal the results of [`hand::pair`].
 fn stream() {
     let mut rows = [[[0.0; W]; 2]; 8];
     dispatch(Stream(&mut Xoshiro::new(7), &mut rows));
@@ -95,7 +97,8 @@ fn stream() {
     }
 }
 
-/// Steps every lane of one tile by a scalar step, with the same words; the sums after [`RECORD`] steps.
+/// Steps every lane of one tile by a scalar step, with the same words. Returns the sums after
+/// [`RECORD`] steps.
 fn by_scalars(
     step: impl Fn(&mut [f64; 2], f64),
     observable: impl Fn(&[f64; 2]) -> f64,
@@ -175,13 +178,14 @@ fn pendulums() {
         for _ in 0..100 {
             scalar::pendulum_naive(&mut z, h, g);
         }
-        // Both iterations end within 1e-13; neighbouring orbits part linearly, fastest near the separatrix.
+        // Both iterations end within 1e-13; neighbouring orbits separate linearly, fastest near the
+        // separatrix.
         let difference = (z[0] - q[0][lane]).abs().max((z[1] - p[0][lane]).abs());
         assert!(difference < 1e-9, "pendulum {lane}: off by {difference}");
     }
 }
 
-/// All sides of a task do the same: their means agree.
+/// Checks that all sides of a task compute the same: their means agree.
 fn tasks() {
     let near = |what: &str, mean: f64, expected: f64, allowed: f64| {
         assert!(
@@ -190,7 +194,8 @@ fn tasks() {
         );
     };
     assert_eq!(STEPS, 1000, "the expectations below are those of t = 100");
-    // by the recursion of the moments; an energy is distributed nearly exponentially
+    // The expected value follows from the recursion of the moments; an energy is distributed nearly
+    // exponentially.
     let (energy, error) = (50.599_043_290_997_86, 50.6 / (PATHS as f64).sqrt());
     near(
         "oscillators",
@@ -204,7 +209,7 @@ fn tasks() {
         energy,
         5.0 * error,
     );
-    // the phase is as good as uniform
+    // The phase is practically uniform.
     let error = (0.5 / PATHS as f64).sqrt();
     near("Kubo oscillators", limits::kubos(true), 0.0, 5.0 * error);
     near(
@@ -213,7 +218,8 @@ fn tasks() {
         0.0,
         5.0 * error,
     );
-    // without noise they are the same up to roundings, which grow linearly, and those of the double pendulum hardly in t = 2
+    // Without noise the means are equal up to rounding errors. These grow linearly, and for the
+    // double pendulum hardly at all in t = 2.
     near(
         "pendulums",
         limits::pendulums(true),

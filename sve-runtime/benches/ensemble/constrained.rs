@@ -1,4 +1,5 @@
-//! Ensembles of systems with constraints: steps in lanes against the same ensemble with steps of single paths.
+//! Ensembles of systems with constraints: steps in lanes against the same ensemble with steps of
+//! single paths.
 
 use std::hint::black_box;
 
@@ -120,7 +121,7 @@ impl<I: OneStepMethod> OneStepMethod for OneByOne<I> {
     }
 }
 
-/// The mean of a component of p at the end of the paths.
+/// Returns the mean of a component of p at the end of the paths.
 fn run<I, Q, const N: usize, const M: usize>(method: &I, start: State<Q>) -> f64
 where
     I: OneStepMethod<Increments = [f64; M], Prepared: Sync> + Sync,

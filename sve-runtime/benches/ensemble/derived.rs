@@ -1,5 +1,5 @@
-//! Runs of derived steps in ensembles: the same tasks as [`limits`](crate::limits), by what users call, on the threads of the
-//! surrounding pool.
+//! Runs of derived steps in ensembles: the same tasks as [`limits`](crate::limits), by the
+//! functions that users call, on the threads of the surrounding pool.
 
 use std::hint::black_box;
 
@@ -10,7 +10,7 @@ use crate::hand::{self, LONG, RECORD};
 use crate::systems::{DoublePendulum, Kubo, Oscillator, Pendulum};
 use crate::{DOUBLE, DOUBLE_STEPS, PATHS, STEPS};
 
-/// The mean of the only observable at the end.
+/// Returns the mean of the only observable at the end.
 fn end(summary: &Summary) -> f64 {
     assert_eq!(summary.failed(), 0, "no path fails");
     let means = summary.statistics()[0].mean();
@@ -63,13 +63,13 @@ fn double_pendulum() -> Integrator<DoublePendulum, Midpoint> {
     Integrator::new(DoublePendulum { m, l, g }, Midpoint)
 }
 
-/// Starts that differ from path to path.
+/// Returns starts that differ from path to path.
 fn double_start(path: u64) -> State<[f64; 2]> {
     let at = path as f64 / DOUBLE as f64;
     State::new([1.0 + at, 0.5 - at], [0.3, -0.2])
 }
 
-/// One after the other, by the step of one state.
+/// Steps the double pendulums one after the other, by the step of one state.
 pub(crate) fn double_pendulums_singly() -> f64 {
     let integrator = double_pendulum();
     let mut sum = 0.0;
@@ -92,7 +92,8 @@ pub(crate) fn double_pendulums() -> f64 {
     end(&summary.expect("a run"))
 }
 
-/// The cheapest step there is, which adds the increment to q: what an ensemble costs besides its steps.
+/// The cheapest possible step, which adds the increment to q. It shows the cost of an ensemble
+/// besides its steps.
 struct Walk(Oscillator);
 
 impl OneStepMethod for Walk {

@@ -1,21 +1,23 @@
-//! What a machine allows: ensembles written by hand for one system each, with nothing but the arithmetic.
+//! The limits of a machine: ensembles written by hand for one system each, with nothing but the
+//! arithmetic.
 //!
-//! Input: streams of words. Output: normals, or sums of observables every [`RECORD`] steps. Loops over [`W`] lanes are fused around
-//! the whole step; noise never leaves the registers.
+//! Input: streams of words. Output: normals, or sums of observables every [`RECORD`] steps. Loops
+//! over [`W`] lanes are fused around the whole step; noise never leaves the registers.
 //!
-//! Sources: Box, Muller (1958); sine and cosine on (−π/4, π/4) with the coefficients of fdlibm. ln(1 + f) has no division, for one
-//! of 512 bits takes as long as 16 multiplications: its polynomial is the Chebyshev interpolant of (ln(1 + f) − f + f²/2)/f³
-//! on (√½ − 1, √2 − 1), within 2.2·10⁻¹⁵.
+//! Sources: Box, Muller (1958); sine and cosine on (−π/4, π/4) with the coefficients of fdlibm.
+//! ln(1 + f) has no division, since a division of 512 bits takes as long as 16 multiplications: its
+//! polynomial is the Chebyshev interpolant of (ln(1 + f) − f + f²/2)/f³ on (√½ − 1, √2 − 1), within
+//! 2.2·10⁻¹⁵.
 
 use crate::wide::{Kernel, fma};
 use crate::words::{Words, Xoshiro};
 
-/// Lanes of what keeps its streams in registers.
+/// Number of lanes of kernels that keep their streams in registers.
 pub(crate) const W: usize = 8;
-/// Steps between two records.
+/// Number of steps between two records.
 pub(crate) const RECORD: usize = 100;
 
-/// ln u for 0 < u ≤ 1.
+/// Returns ln u for 0 < u ≤ 1.
 #[inline(always)]
 fn ln<const F: bool>(u: f64) -> f64 {
     const C: [f64; 18] = [
@@ -38,7 +40,7 @@ fn ln<const F: bool>(u: f64) -> f64 {
         0.062_776_731_412_576_32,
         -0.029_269_770_657_022_43,
     ];
-    // 2⁵² + 2⁵¹: an integer added to its bits is added to it
+    // 2⁵² + 2⁵¹. An integer added to the bits of this number is added to the number.
     const MAGIC: f64 = 6_755_399_441_055_744.0;
     let exponent = (u
         .to_bits()
@@ -58,7 +60,7 @@ fn ln<const F: bool>(u: f64) -> f64 {
     fma::<F>(exponent, core::f64::consts::LN_2, one)
 }
 
-/// Sine and cosine for |x| ≤ π/4.
+/// Returns sine and cosine for |x| ≤ π/4.
 #[inline(always)]
 fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     const S: [f64; 6] = [
@@ -88,7 +90,8 @@ fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     (s, c)
 }
 
-/// Two normals from two words, by Box and Muller: all bits of the first, 54 of the second.
+/// Returns two normals from two words, by Box and Muller, with all bits of the first word and 54
+/// bits of the second.
 #[inline(always)]
 pub(crate) fn pair<const F: bool>(radius: u64, angle: u64) -> [f64; 2] {
     const CELL: f64 = 1.0 / 18_446_744_073_709_551_616.0;
@@ -103,7 +106,7 @@ pub(crate) fn pair<const F: bool>(radius: u64, angle: u64) -> [f64; 2] {
     [f64::from_bits(x ^ swapped), f64::from_bits(y ^ swapped)]
 }
 
-/// Rows of words.
+/// A fill of rows with words.
 pub(crate) struct Fill<'a, G, T, const W: usize>(
     pub(crate) &'a mut G,
     pub(crate) &'a mut [[[T; W]; 4]],
@@ -126,13 +129,13 @@ impl<G: Words<W>, const W: usize> Kernel for Fill<'_, G, u64, W> {
     }
 }
 
-/// Rows of normals.
+/// Fills rows with normals.
 impl<G: Words<W>, const W: usize> Kernel for Fill<'_, G, f64, W> {
     #[inline(always)]
     fn run<const F: bool>(self) {
         let mut words = *self.0;
         for rows in self.1 {
-            // in two passes: the words of a counter take all registers
+            // There are two passes, since the words of a counter take all registers.
             let mut block = [[0; W]; 4];
             for lane in 0..W {
                 let four = words.four(lane);
@@ -153,7 +156,7 @@ impl<G: Words<W>, const W: usize> Kernel for Fill<'_, G, f64, W> {
     }
 }
 
-/// Rows of normals from streams that stay in registers.
+/// A fill of rows with normals from streams that stay in registers.
 pub(crate) struct Stream<'a>(
     pub(crate) &'a mut Xoshiro<W>,
     pub(crate) &'a mut [[[f64; W]; 2]],
@@ -173,7 +176,7 @@ impl Kernel for Stream<'_> {
     }
 }
 
-/// Sums over paths of an observable and its square, a pair a record.
+/// Sums over paths of an observable and its square, one pair for each record.
 pub(crate) type Sums = Vec<[f64; 2]>;
 
 /// Task A: the linear oscillator by the endpoint rule from (1, 0), its energy.
@@ -258,7 +261,7 @@ fn record(sums: &mut [f64; 2], q: &[f64; W], p: &[f64; W], f: impl Fn(f64, f64) 
     }
 }
 
-/// Lanes of the pendulum, whose iterations are long chains.
+/// Number of lanes of the pendulum, whose iterations are long chains.
 pub(crate) const LONG: usize = 32;
 
 /// Pendulums by the midpoint rule, L = v²/2 + g cos q.
@@ -271,8 +274,9 @@ pub(crate) struct Pendulums<'a> {
 }
 
 impl Kernel for Pendulums<'_> {
-    /// One unknown, the velocity at the midpoint. The kick is extrapolated from the last two, so that two iterations
-    /// reach rounding at h = 0.1; the second turns sine and cosine and improves the reciprocal of the first.
+    /// Makes steps with one unknown, the velocity at the midpoint. The kick is extrapolated from
+    /// the last two kicks, so that two iterations reach rounding at h = 0.1. The second iteration
+    /// turns sine and cosine, and improves the reciprocal of the first.
     #[inline(always)]
     fn run<const F: bool>(self) {
         let (h, half, kick) = (self.h, 0.5 * self.h, 0.5 * self.h * self.g);
@@ -308,7 +312,8 @@ impl Kernel for Pendulums<'_> {
     }
 }
 
-/// Starts of `count` pendulums, a multiple of [`LONG`]: all librations, from small ones to three quarters of the way up.
+/// Returns starts of `count` pendulums, a multiple of [`LONG`]: all librations, from small ones to
+/// three quarters of the way up.
 pub(crate) fn pendulum_starts(count: usize) -> (Vec<[f64; LONG]>, Vec<[f64; LONG]>) {
     let q = |k: usize| 0.1 + 2.2 * k as f64 / count as f64;
     let rows = |f: &dyn Fn(usize) -> f64| {
@@ -319,7 +324,8 @@ pub(crate) fn pendulum_starts(count: usize) -> (Vec<[f64; LONG]>, Vec<[f64; LONG
     (rows(&q), rows(&|_| 0.3))
 }
 
-/// Sine and cosine where |x| is far below 2⁵¹ rounding errors: reduced by two parts of π/2.
+/// Returns sine and cosine where |x| is far below 2⁵¹ rounding errors. Reduces x by two parts of
+/// π/2.
 #[inline(always)]
 fn any_sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     const MAGIC: f64 = 6_755_399_441_055_744.0;

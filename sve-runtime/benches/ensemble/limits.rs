@@ -1,4 +1,5 @@
-//! Runs of what is written by hand: every function does a whole task. Those of systems return the mean of the observable at the end.
+//! Runs of the code written by hand: every function does a whole task. The functions of systems
+//! return the mean of the observable at the end.
 
 use std::hint::black_box;
 
@@ -7,12 +8,12 @@ use crate::wide::{Kernel, Plain, dispatch};
 use crate::words::{Words, Xoshiro};
 use crate::{PATHS, STEPS};
 
-/// Rows of four that stay in the first cache.
+/// Number of rows of four that stay in the first cache.
 const ROWS: usize = 16;
-/// Lanes of what goes through memory.
+/// Number of lanes of kernels that go through memory.
 const WIDE: usize = 16;
 
-/// Runs a kernel as it is, or without contraction.
+/// Runs a kernel with contraction, or without it.
 fn run<K: Kernel>(fused: bool, kernel: K) {
     if fused {
         dispatch(kernel);
@@ -49,7 +50,8 @@ pub(crate) fn xoshiro_normals(fused: bool) -> f64 {
     rows[0][0][0]
 }
 
-/// Runs a task of all paths on the threads of the surrounding pool, which differ in their seeds; from the sums the mean.
+/// Runs a task of all paths on the threads of the surrounding pool, each with its own seed. Returns
+/// the mean.
 fn on_all_threads(part: impl Fn(u64, usize) -> f64 + Sync) -> f64 {
     let threads = rayon::current_num_threads();
     let parts = rayon::broadcast(|context| part(context.index() as u64, PATHS / W / threads));

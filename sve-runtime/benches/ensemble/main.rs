@@ -1,11 +1,13 @@
-//! Ensembles against what is written by hand for one system: `cargo bench -p sve-runtime --features ensemble --bench ensemble`,
-//! with `-- normals` only the tasks whose names contain that.
+//! Ensembles against code written by hand for one system: `cargo bench -p sve-runtime --features
+//! ensemble --bench ensemble`. `-- normals` selects the tasks whose names contain `normals`.
 //!
-//! Prints a table: nanoseconds a normal or a trajectory-step, medians of runs that alternate between all sides of a task so that a
-//! noisy machine hits them alike, and the best run; the ratio to the median of the first side; and the ratio that is wanted, which
-//! was set where the limits were 0.475 ns (noise), 0.50 (A), 0.77 (B) and 1.5 (pendulum) by portable code. A run takes about a
-//! millisecond: short beside what the system gives a program at a time, long beside waking a thread. What is called plain does not
-//! contract products and sums, which the library may not either, since its bits are the same on every machine.
+//! Prints a table: nanoseconds a normal or a trajectory-step, medians of runs that alternate
+//! between all sides of a task so that a noisy machine hits them alike, and the best run; the ratio
+//! to the median of the first side; and the wanted ratio. The wanted ratios were set on a machine
+//! where the limits were 0.475 ns (noise), 0.50 (A), 0.77 (B) and 1.5 (pendulum) by portable code.
+//! A run takes about a millisecond: short compared with a time slice of the system, long compared
+//! with waking a thread. Sides called plain do not contract products and sums. The library may not
+//! contract them either, since its bits are the same on every machine.
 
 mod check;
 mod constrained;
@@ -13,7 +15,7 @@ mod derived;
 mod hand;
 mod limits;
 #[path = "../steps/hand.rs"]
-#[allow(dead_code)] // has more steps than are compared here
+#[allow(dead_code)] // the module has more steps than are compared here
 mod scalar;
 mod systems;
 mod wide;
@@ -26,31 +28,31 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use words::{Philox, Threefry};
 
-/// Paths of a task.
+/// Number of paths of a task.
 const PATHS: usize = 1024;
-/// Steps of a path.
+/// Number of steps of a path.
 const STEPS: usize = 1000;
-/// Double pendulums, whose steps take a hundred times as long.
+/// Number of double pendulums, whose steps take a hundred times as long.
 const DOUBLE: usize = 64;
-/// Their steps.
+/// Number of steps of the double pendulums.
 const DOUBLE_STEPS: usize = 200;
-/// Alternating runs of a task.
+/// Number of alternating runs of a task.
 const ROUNDS: usize = 201;
 
 /// One way of doing a task.
 struct Side<'a> {
     name: &'static str,
     run: Box<dyn Fn() -> f64 + Sync + 'a>,
-    /// Threads that it runs on.
+    /// Number of threads of the side.
     threads: usize,
-    /// Largest ratio to the first side that is wanted.
+    /// Largest wanted ratio to the first side.
     wanted: Option<f64>,
 }
 
-/// What all sides do.
+/// A task that all sides do.
 struct Task<'a> {
     name: &'static str,
-    /// Normals or trajectory-steps of a run.
+    /// Number of normals or trajectory-steps of a run.
     count: usize,
     sides: Vec<Side<'a>>,
 }
@@ -176,7 +178,7 @@ fn pendulums() -> [Task<'static>; 2] {
     ]
 }
 
-/// Threads that are there before a run begins.
+/// Returns a pool whose threads exist before a run begins.
 fn pool(threads: usize) -> ThreadPool {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     pool.expect("threads")

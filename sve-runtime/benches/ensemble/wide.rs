@@ -1,15 +1,16 @@
-//! Kernels compiled for the vectors of the machine, for what is written by hand.
+//! Kernels compiled for the vectors of the machine, for the code written by hand.
 //!
-//! Unlike the library's, these may contract a product and a sum into one operation: they are limits, and need not have the same bits
-//! elsewhere. A kernel's `FUSED` says whether it may.
+//! Unlike the library's kernels, these may contract a product and a sum into one operation: they
+//! are limits, and need not have the same bits on other machines. A kernel's `FUSED` is true if it
+//! may contract.
 
 /// Work compiled for several widths of vectors.
 pub(crate) trait Kernel {
-    /// Does it.
+    /// Does the work.
     fn run<const FUSED: bool>(self);
 }
 
-/// A kernel that may not contract, as the library's may not.
+/// A kernel that may not contract, like the kernels of the library.
 pub(crate) struct Plain<K>(pub(crate) K);
 
 impl<K: Kernel> Kernel for Plain<K> {
@@ -26,7 +27,7 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) {
         use std::arch::is_x86_feature_detected as has;
         let wide = has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw");
         if wide && has!("fma") {
-            // Safety: the machine has what the function is compiled for.
+            // Safety: the machine has the instructions that the function is compiled for.
             #[allow(unsafe_code)]
             return unsafe { avx512(kernel) };
         }
@@ -39,7 +40,7 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) {
     kernel.run::<false>();
 }
 
-/// What [`dispatch`] takes.
+/// Returns the name of the vectors that [`dispatch`] uses.
 pub(crate) fn name() -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
@@ -67,7 +68,7 @@ fn avx2<K: Kernel>(kernel: K) {
     kernel.run::<true>();
 }
 
-/// `a b + c`, in one operation where `FUSED`.
+/// Returns `a b + c`, in one operation if `FUSED`.
 #[inline(always)]
 pub(crate) fn fma<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }

@@ -1,27 +1,31 @@
-//! Random words in lanes: one sequential generator, two that are functions of a counter.
+//! Random words in lanes: one sequential generator, and two generators that are functions of a
+//! counter.
 //!
-//! Output: words as good as random, each lane its own stream. [`check`] compares them with the known answers of their authors.
+//! Output: words as good as random, with a separate stream in each lane. [`check`] compares them
+//! with the known answers of their authors.
 //!
-//! Sources: Blackman, Vigna, *Scrambled linear pseudorandom number generators* (2021) for xoshiro256++; Salmon, Moraes, Dror, Shaw,
-//! *Parallel random numbers: as easy as 1, 2, 3*, SC '11 (2011) for the others.
+//! Sources: Blackman, Vigna, *Scrambled linear pseudorandom number generators* (2021) for
+//! xoshiro256++; Salmon, Moraes, Dror, Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC '11
+//! (2011) for the others.
 
 use std::array::from_fn;
 
-/// Streams of words, one a lane.
+/// Streams of words, one for each lane.
 pub(crate) trait Words<const W: usize>: Copy {
-    /// The next four words of a lane. All lanes are to be asked before [`advance`](Self::advance).
+    /// Returns the next four words of a lane. All lanes have to be asked before
+    /// [`advance`](Self::advance).
     fn four(&mut self, lane: usize) -> [u64; 4];
-    /// Goes on to the next words.
+    /// Continues with the next words.
     fn advance(&mut self) {}
 }
 
-/// xoshiro256++, a state a lane.
+/// xoshiro256++, with one state for each lane.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Xoshiro<const W: usize>([[u64; W]; 4]);
 
 impl<const W: usize> Xoshiro<W> {
-    /// States from the words of `SplitMix64`, as the authors advise.
+    /// Returns states from the words of `SplitMix64`, as the authors advise.
     pub(crate) fn new(seed: u64) -> Self {
         let mut x = seed;
         let mut next = || {
@@ -33,7 +37,7 @@ impl<const W: usize> Xoshiro<W> {
         Self(from_fn(|_| from_fn(|_| next())))
     }
 
-    /// The next word of a lane.
+    /// Returns the next word of a lane.
     #[inline(always)]
     pub(crate) fn next(&mut self, lane: usize) -> u64 {
         let [a, b, c, d] = &mut self.0;
@@ -64,14 +68,14 @@ impl<const W: usize> Words<W> for Xoshiro<W> {
     }
 }
 
-/// Philox4x32-10; the path is lane and key, the counter the block.
+/// Philox4x32-10. Lane and key give the path, the counter gives the block.
 #[derive(Clone, Copy)]
 pub(crate) struct Philox {
     pub(crate) seed: u64,
     pub(crate) block: u64,
 }
 
-/// Ten rounds. Words of 32 bits stand in words of 64, which is what vectors multiply.
+/// Makes ten rounds. Words of 32 bits stand in words of 64 bits, which vectors can multiply.
 #[inline(always)]
 fn philox(mut x: [u64; 4], [mut k0, mut k1]: [u64; 2]) -> [u64; 4] {
     const LOW: u64 = 0xffff_ffff;
@@ -94,7 +98,7 @@ impl<const W: usize> Words<W> for Philox {
     fn four(&mut self, lane: usize) -> [u64; 4] {
         let key = [self.seed & 0xffff_ffff, self.seed >> 32];
         let (low, high) = (self.block & 0xffff_ffff, self.block >> 32);
-        // a block has two words of 64 bits
+        // A block has two words of 64 bits.
         let a = philox([low, high, lane as u64, 0], key);
         let b = philox([low, high, lane as u64, 1], key);
         let word = |x: [u64; 4], i: usize| x[i] | x[i + 1] << 32;
@@ -107,14 +111,15 @@ impl<const W: usize> Words<W> for Philox {
     }
 }
 
-/// Threefry4x64-13; the path is part of the key, the counter the block.
+/// Threefry4x64-13. The path is part of the key, and the counter gives the block.
 #[derive(Clone, Copy)]
 pub(crate) struct Threefry {
     pub(crate) seed: u64,
     pub(crate) block: u64,
 }
 
-/// Thirteen rounds, written out: a loop over them is not unrolled before lanes are made vectors.
+/// Makes thirteen rounds, written out: the compiler does not unroll a loop over them before it
+/// turns lanes into vectors.
 #[inline(always)]
 fn threefry(mut x: [u64; 4], key: [u64; 4]) -> [u64; 4] {
     let [k0, k1, k2, k3] = key;
@@ -172,7 +177,7 @@ impl<const W: usize> Words<W> for Threefry {
 /// Compares each generator with the known answers that its authors publish.
 ///
 /// # Panics
-/// Where one differs.
+/// If a result differs.
 pub(crate) fn check() {
     let mut sequence = Xoshiro([[1], [2], [3], [4]]);
     let first: [u64; 5] = from_fn(|_| sequence.next(0));

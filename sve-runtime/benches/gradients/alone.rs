@@ -1,4 +1,4 @@
-//! A method whose tangent vectors are carried along one state after the other.
+//! A method that carries tangent vectors along one state after the other.
 
 use sve_runtime::__private::lane::{LaneDirections, TangentLanesOf};
 use sve_runtime::__private::{Covector, Directions};
@@ -7,7 +7,7 @@ use sve_runtime::{
     VectorOf,
 };
 
-/// The steps of a method, in lanes, with tangent vectors that are not.
+/// The steps of a method, in lanes, with tangent vectors of single states.
 #[derive(Debug)]
 pub(crate) struct Alone<I>(pub(crate) I);
 

@@ -1,7 +1,10 @@
-//! Gradients of means beside plain ensembles: `cargo bench -p sve-runtime --features ensemble --bench gradients`, with `-- kubo` only the systems whose names contain that.
+//! Gradients of means beside plain ensembles: `cargo bench -p sve-runtime --features
+//! ensemble --bench gradients`. `-- kubo` selects the systems whose names contain `kubo`.
 //!
-//! Prints nanoseconds a trajectory-step of a plain ensemble, and the times of the same ensemble with gradients by one, two and four quantities as multiples of it: with
-//! tangent vectors in lanes, and with those of one state after the other. All are medians of runs that alternate between the sides.
+//! Prints nanoseconds a trajectory-step of a plain ensemble, and the times of the same ensemble
+//! with gradients by one, two and four quantities as multiples of it: with tangent vectors in
+//! lanes, and with tangent vectors of one state after the other. All are medians of runs that
+//! alternate between the sides.
 
 mod alone;
 
@@ -13,13 +16,13 @@ use sve_runtime::prelude::*;
 
 use alone::Alone;
 
-/// Paths of a run.
+/// Number of paths of a run.
 const PATHS: u64 = 1024;
-/// Steps of a path.
+/// Number of steps of a path.
 const STEPS: u64 = 500;
 /// Step size.
 const H: f64 = 0.05;
-/// Alternating runs.
+/// Number of alternating runs.
 const ROUNDS: usize = 15;
 
 #[derive(Debug)]
@@ -94,7 +97,7 @@ impl Double {
     }
 }
 
-/// Runs an ensemble with gradients by some quantities, or with none.
+/// Runs an ensemble with gradients by some quantities, or without gradients.
 macro_rules! run {
     ($method:expr, $start:expr, $by:expr) => {{
         let ensemble = Ensemble::new($method)

@@ -1,13 +1,15 @@
-//! The steps that a careful user would write by hand, and those that a hurried one would.
+//! The steps that a careful user would write by hand, and the steps that a hurried user would
+//! write.
 
-/// Linear oscillator, endpoint rule: the three-line loop.
+/// Makes a step of the linear oscillator by the endpoint rule: the three-line loop.
 #[inline]
 pub(crate) fn oscillator_endpoint(z: &mut [f64; 2], h: f64, sigma: f64, dw: f64) {
     z[0] += h * z[1];
     z[1] = z[1] - h * z[0] + sigma * dw;
 }
 
-/// Kubo oscillator, midpoint rule in its Cayley form: a rotation with `tan(θ/2) = x/2`.
+/// Makes a step of the Kubo oscillator by the midpoint rule in its Cayley form: a rotation with
+/// `tan(θ/2) = x/2`.
 #[inline]
 pub(crate) fn kubo_cayley(z: &mut [f64; 2], h: f64, a: f64, sigma: f64, dw: f64) {
     let half = 0.5 * (a * h + sigma * dw);
@@ -16,7 +18,8 @@ pub(crate) fn kubo_cayley(z: &mut [f64; 2], h: f64, a: f64, sigma: f64, dw: f64)
     *z = [c * z[0] + s * z[1], c * z[1] - s * z[0]];
 }
 
-/// Pendulum, midpoint rule: Newton's method on `(q₁, p₁)` from the old state, until the update is at rounding.
+/// Makes a step of the pendulum by the midpoint rule: Newton's method on `(q₁, p₁)` from the old
+/// state, until the update is at rounding.
 #[inline]
 pub(crate) fn pendulum_naive(z: &mut [f64; 2], h: f64, g: f64) {
     let [q0, p0] = *z;
@@ -36,7 +39,8 @@ pub(crate) fn pendulum_naive(z: &mut [f64; 2], h: f64, g: f64) {
     *z = [q1, p1];
 }
 
-/// Pendulum, midpoint rule: one unknown, a guess extrapolated from the step before, no iteration to confirm.
+/// Makes a step of the pendulum by the midpoint rule: one unknown, a guess extrapolated from the
+/// step before, no confirming iteration.
 #[inline]
 pub(crate) fn pendulum_best(z: &mut [f64; 2], last: &mut f64, h: f64, g: f64) {
     let [q0, p0] = *z;
@@ -62,8 +66,9 @@ pub(crate) struct Double {
     pub(crate) g: f64,
 }
 
-/// Double pendulum, midpoint rule: Newton's method on the velocity at the midpoint with a hand-derived Jacobian, from
-/// the explicit velocity, until the update is at rounding.
+/// Makes a step of the double pendulum by the midpoint rule: Newton's method on the velocity at the
+/// midpoint with a hand-derived Jacobian, from the explicit velocity, until the update is at
+/// rounding.
 #[inline]
 pub(crate) fn double_naive(q: &mut [f64; 2], p: &mut [f64; 2], h: f64, s: &Double) {
     let (m11, m22) = (
@@ -112,8 +117,9 @@ pub(crate) fn double_naive(q: &mut [f64; 2], p: &mut [f64; 2], h: f64, s: &Doubl
     *p = [2.0 * pm[0] - p[0], 2.0 * pm[1] - p[1]];
 }
 
-/// Free rigid body, variational Cayley step: Newton's method with the analytic Jacobian for the body velocity, from the velocity at the start,
-/// until the update is at rounding; then the quaternion and the momentum.
+/// Makes a variational Cayley step of the free rigid body: Newton's method with the analytic
+/// Jacobian for the body velocity, from the velocity at the start, until the update is at rounding;
+/// then updates the quaternion and the momentum.
 #[inline]
 pub(crate) fn rigid_body_cayley(q: &mut [f64; 4], p: &mut [f64; 3], h: f64, i: &[f64; 3]) {
     let cross = |a: [f64; 3], b: [f64; 3]| {

@@ -1,7 +1,8 @@
 //! Derived steps against hand-written ones: `cargo bench -p sve-runtime`.
 //!
-//! Each benchmark makes [`STEPS`] steps of one trajectory with given Wiener increments. After criterion's report a table of
-//! ratios is printed, medians of runs that alternate between the two sides, so that a noisy machine hits both alike.
+//! Each benchmark makes [`STEPS`] steps of one trajectory with given Wiener increments. After
+//! criterion's report a table of ratios is printed, medians of runs that alternate between the two
+//! sides, so that a noisy machine hits both alike.
 
 mod hand;
 
@@ -124,7 +125,8 @@ fn increments() -> Vec<f64> {
         .collect()
 }
 
-/// A side of a comparison: makes all steps from a fixed start and returns something that depends on them.
+/// A side of a comparison: makes all steps from a fixed start and returns something that depends on
+/// them.
 type Side<'a> = (&'static str, Box<dyn Fn() -> f64 + 'a>);
 
 struct Comparison<'a> {
@@ -132,12 +134,12 @@ struct Comparison<'a> {
     sides: Vec<Side<'a>>,
 }
 
-/// A side with a name.
+/// Returns a side with a name.
 fn side<'a>(name: &'static str, run: impl Fn() -> f64 + 'a) -> Side<'a> {
     (name, Box::new(run))
 }
 
-/// All steps of a derived integrator, one for each entry of `dw`.
+/// Makes all steps of a derived integrator, one for each entry of `dw`.
 fn derived<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: State<[f64; N]>,
@@ -155,7 +157,7 @@ where
     state.q[0] + state.p[N - 1]
 }
 
-/// The same steps by a trajectory, which keeps what depends on the step size alone.
+/// Makes the same steps by a trajectory, which keeps the values that depend on the step size alone.
 fn along<S, R, const N: usize>(integrator: &Integrator<S, R>, start: State<[f64; N]>, h: f64) -> f64
 where
     S: Variational<R> + System<Dims = Dims<N, 0>>,
@@ -165,7 +167,7 @@ where
     last.q[0] + last.p[N - 1]
 }
 
-/// Increments of no process.
+/// Returns increments for a system without processes.
 fn quiet() -> impl Iterator<Item = [f64; 0]> {
     std::iter::repeat_n([], STEPS)
 }
@@ -298,7 +300,7 @@ fn rigid_body() -> Comparison<'static> {
     }
 }
 
-/// The double pendulum in angles and with constraints, from the same start.
+/// Compares the double pendulum in angles and with constraints, from the same start.
 fn rods() -> Comparison<'static> {
     let (m, l, g) = ([1.0, 0.5], [1.0, 0.7], 9.8);
     let angles = Integrator::new(DoublePendulum { m, l, g }, Midpoint);
@@ -325,7 +327,7 @@ fn rods() -> Comparison<'static> {
     }
 }
 
-/// Alternating runs of a comparison.
+/// Number of alternating runs of a comparison.
 const ROUNDS: usize = 401;
 
 /// Prints medians of alternating runs and their ratios to the first side.

@@ -1,17 +1,19 @@
 //! The rate of escape from a double well, on any number of ranks.
 //!
-//! Langevin dynamics in V = (q² − 1)² with friction ν = 2 and a barrier of 4 kT. Paths start in the left well. The difference of the populations
-//! of the wells, d(t) = P(q < 0) − P(q > 0), ends up as exp(−λt). Rank 0 prints λ with its standard error beside the smallest eigenvalue above
-//! 0 of the Fokker–Planck operator, and exits with status 1 if they differ by more than they may.
+//! Langevin dynamics in V = (q² − 1)² with friction ν = 2 and a barrier of 4 kT. Paths start in the
+//! left well. The difference of the populations of the wells, d(t) = P(q < 0) − P(q > 0), finally
+//! decays as exp(−λt). Rank 0 prints λ with its standard error beside the smallest eigenvalue above
+//! 0 of the Fokker–Planck operator, and exits with status 1 if they differ by more than the
+//! tolerance.
 //!
 //! ```sh
 //! mpirun -n 4 cargo run --release --example escape
 //! mpirun -n 4 cargo run --release --example escape -- --paths 100000000 --checkpoint escape.sve
 //! ```
 //!
-//! 10⁵ paths take about 3 core-seconds and give λ to 1 %. 10⁸ paths take a core-hour and give it to 0.03 %, less than the error of the step
-//! size, which is up to 0.2 %.
-//! `escape.slurm` in the same folder is a batch script.
+//! 10⁵ paths take about 3 core-seconds and give λ to 1 %. 10⁸ paths take a core-hour and give it to
+//! 0.03 %, less than the error of the step size, which is up to 0.2 %. `escape.slurm` in the same
+//! folder is a batch script.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -75,7 +77,8 @@ const WELL: Well = Well {
     kt: 0.25,
 };
 
-/// λ of this well, computed by the example `ensemble` of sve from a continued fraction (Risken, *The Fokker–Planck Equation*, chapter 10).
+/// λ of this well, computed by the example `ensemble` of sve from a continued fraction (Risken,
+/// *The Fokker–Planck Equation*, chapter 10).
 const LAMBDA: f64 = 9.688_884_559_620e-3;
 
 const H: f64 = 0.05;
@@ -89,7 +92,7 @@ const REST: usize = 20;
 /// Records until d has fallen to about 1/e.
 const RECORDS: u64 = 123;
 
-/// Standard errors by which a correct result may be off.
+/// Largest difference from the exact result, in standard errors.
 const STANDARD_ERRORS: f64 = 4.0;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -133,7 +136,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         world.size()
     );
     let (lambda, error) = decay(&summary);
-    // frequencies of the step are off by (ωh)²/12, with that of the well, ω² = 8
+    // The relative error of a frequency ω of the step is (ωh)²/12; the frequency of the well is
+    // ω² = 8.
     let allowed = STANDARD_ERRORS * error + LAMBDA * 8.0 * H * H / 12.0;
     let is_right = (lambda - LAMBDA).abs() <= allowed;
     println!(
@@ -152,8 +156,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     })
 }
 
-/// λ from d at two times, d₂/d₁ = exp(−λ(t₂ − t₁)), and its standard error. A path is ±1 at both times, with covariance
-/// exp(−λ(t₂ − t₁)) − d₁d₂.
+/// Returns λ from d at two times, d₂/d₁ = exp(−λ(t₂ − t₁)), and its standard error. A path is ±1 at
+/// both times, with covariance exp(−λ(t₂ − t₁)) − d₁d₂.
 fn decay(summary: &Summary) -> (f64, f64) {
     let (times, left, last) = (summary.times(), summary["left"].mean(), RECORDS as usize);
     let (d1, d2, time) = (left[REST], left[last], times[last] - times[REST]);

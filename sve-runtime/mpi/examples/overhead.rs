@@ -1,7 +1,9 @@
-//! What the distribution over ranks costs: a run on all ranks against shards of equal size, which each rank runs alone without a message.
+//! The cost of distribution over ranks: the time of a run on all ranks relative to shards of equal
+//! size that each rank runs alone, without messages.
 //!
-//! The two ways alternate in one run, and the median of the ratios of their times is printed. Each rank has one thread.
-//! `mpirun -n 2 cargo run --release --example overhead`; an argument sets the number of repetitions, 15 by default.
+//! The two ways alternate in one run, and the median of the ratios of their times is printed. Each
+//! rank has one thread. `mpirun -n 2 cargo run --release --example overhead`; an argument sets the
+//! number of repetitions, 15 by default.
 
 #![allow(clippy::redundant_closure_for_method_calls)] // closures are written as users write them
 
@@ -61,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let alone = time(&world, || sve_mpi::run(&shard(), &own).map(drop))?;
         let distributed = time(&world, || sve_mpi::run(&ensemble(paths), &world).map(drop))?;
         if repetition == 0 {
-            // the first repetition finds the number of paths that takes a second
+            // The first repetition finds the number of paths that take a second.
             #[allow(clippy::cast_sign_loss)] // a count
             let blocks = (paths as f64 / 64.0 / alone).max(8.0) as u64;
             paths = 64 * blocks.next_multiple_of(ranks);
@@ -84,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Returns the time that all ranks need for something.
+/// Returns the time until all ranks have called `run`.
 fn time<E>(world: &impl Communicator, run: impl FnOnce() -> Result<(), E>) -> Result<f64, E> {
     barrier(world);
     let start = Instant::now();

@@ -1,6 +1,7 @@
 //! The start of a run: all ranks have the same settings, or all have the same error.
 //!
-//! Input: an ensemble on each rank. Output: its checked settings, or the error of the lowest rank that has one.
+//! Input: an ensemble on each rank. Output: its checked settings, or the error of the lowest rank
+//! with an error.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -13,7 +14,7 @@ use super::link::Link;
 use super::message::Cause;
 use super::pool::panic_message;
 
-/// What a rank begins with.
+/// The checked ensemble and the loaded results with which a rank begins.
 pub(crate) struct Beginning<'a, I: Method> {
     pub(crate) distribution: Distribution<'a, I>,
     /// The checkpoint, on rank 0.
@@ -54,7 +55,7 @@ pub(crate) fn agree<'a, I: Method + Sync>(
     }
     let lowest = link.least(if here.is_err() { rank } else { link.size() });
     if lowest == link.size() {
-        // no rank has an error
+        // No rank has an error.
         return here.map_err(|error| error.received(rank, known));
     }
     let own = here.err();

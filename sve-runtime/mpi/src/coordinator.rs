@@ -1,19 +1,21 @@
-//! The decisions of rank 0: who runs which blocks, when results are collected for a checkpoint, and when the run ends.
+//! The decisions of rank 0: the blocks of each rank, the collection of results for a checkpoint,
+//! and the end of the run.
 //!
-//! Input: the reports of all ranks, those of rank 0 itself among them. Output: answers. Invariant: a rank has an answer, or is idle and
-//! waits for it. This file knows no MPI, so that its tests can let any number of ranks report in any order.
+//! Input: the reports of all ranks, rank 0 included. Output: answers. Invariant: a rank has an
+//! answer, or is idle and waits for it. This file does not use MPI, so that its tests can let any
+//! number of ranks report in any order.
 
 use super::message::{Answer, Report, Stop, add_stop};
 use super::schedule::{Schedule, Wish};
 
-/// What rank 0 knows.
+/// The state of a run on rank 0.
 #[derive(Debug)]
 pub(crate) struct Coordinator {
     schedule: Schedule,
     ranks: Vec<Rank>,
     /// Ranks that are idle, with all their blocks ended and their answers outstanding.
     idle: usize,
-    /// Why the run ends early.
+    /// The reason why the run ends early.
     stop: Option<Stop>,
     /// Number of ranks whose results the collection in progress lacks.
     missing: usize,
@@ -21,14 +23,14 @@ pub(crate) struct Coordinator {
     received: Vec<Vec<u8>>,
 }
 
-/// What rank 0 knows of a rank.
+/// The state of a rank, as far as rank 0 knows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Rank {
     is_idle: bool,
     collection: Collection,
 }
 
-/// Whether a rank has sent its results to the collection in progress.
+/// The part of a rank in the collection of results in progress.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Collection {
     #[default]
@@ -93,7 +95,7 @@ impl Coordinator {
         })
     }
 
-    /// Returns how many blocks per rank are left to hand out.
+    /// Returns the number of blocks per rank that have not been handed out.
     pub(crate) fn left_per_rank(&self) -> u64 {
         self.schedule.left_per_rank()
     }
@@ -142,7 +144,7 @@ impl Coordinator {
         }
     }
 
-    /// Returns why the run ended early, if it did.
+    /// Returns the reason why the run ended early, if it did.
     pub(crate) fn into_stop(self) -> Option<Stop> {
         self.stop
     }
@@ -168,7 +170,7 @@ mod tests {
         coordinator: Coordinator,
         ranks: Vec<Simulated>,
         done: Vec<u64>,
-        /// Blocks whose results were sent, as their numbers.
+        /// The numbers of the blocks whose results have not been sent.
         unsent: Vec<Vec<u64>>,
         reports: u64,
     }
@@ -244,7 +246,7 @@ mod tests {
         }
     }
 
-    /// Turns of ranks in an irregular order.
+    /// Returns turns of ranks in an irregular order.
     fn turns(ranks: usize, seed: u64) -> impl Iterator<Item = usize> {
         let next = |x: &u64| {
             Some(
@@ -281,7 +283,7 @@ mod tests {
             let mut simulation = Simulation::new(4000, ranks);
             let (mut received, mut collections) = (Vec::new(), 0);
             for (k, rank) in turns(ranks, 2).enumerate() {
-                // the last rank is so slow that all others are idle before it
+                // The last rank is so slow that all other ranks become idle before it.
                 if rank + 1 < ranks || k % 11 == 0 {
                     simulation.turn(rank, None);
                 }
@@ -318,12 +320,12 @@ mod tests {
         assert!(simulation.coordinator.has_ended());
         let done: BTreeSet<u64> = simulation.done.iter().copied().collect();
         assert!((0..100).all(|block| done.contains(&block)), "{done:?}");
-        // what the other ranks had begun
+        // Blocks that the other ranks had begun are done too.
         assert!(done.len() < 140, "{done:?}");
         assert_eq!(simulation.coordinator.into_stop(), Some(stop));
     }
 
-    /// Rank 0 answers a hundred thousand ranks: this bounds how long a report takes it.
+    /// Checks that a report costs little even if rank 0 answers a hundred thousand ranks.
     #[test]
     fn a_report_of_many_ranks_is_cheap() {
         let ranks = 100_000;

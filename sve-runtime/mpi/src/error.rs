@@ -1,24 +1,27 @@
 //! The errors of runs on several ranks.
 //!
-//! Invariant: all ranks return the same error. On the rank that it comes from, its source is there as well.
+//! Invariant: all ranks return the same error. On the rank where it occurred it has its source as
+//! well.
 
 use serde::{Deserialize, Serialize};
 use sve_runtime::ensemble::{EnsembleError, Failure};
 
 use super::message::Cause;
 
-/// Why a run on several ranks gave no summary. All ranks return the same error, with the rank that it comes from.
+/// The reason why a run on several ranks gave no summary. All ranks return the same error, with the
+/// rank where it occurred.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A rank has an error: a setting that is wrong there, or a checkpoint that cannot be read and written when the run starts.
+    /// A rank has an error: an invalid setting, or a checkpoint that cannot be read or written when
+    /// the run starts.
     #[error("rank {rank}: {message}")]
     OnRank {
         /// The rank.
         rank: i32,
         /// The message of its error.
         message: String,
-        /// The error itself, on the rank that it comes from.
+        /// The error itself, on the rank where it occurred.
         #[source]
         source: Option<Box<EnsembleError>>,
     },
@@ -49,7 +52,8 @@ pub enum Error {
         /// The rank.
         rank: i32,
     },
-    /// A path failed, and `stop_on_failure` was asked for. It is the failing path with the lowest number, as on one machine.
+    /// A path failed, and `stop_on_failure` was set. The error describes the failing path with the
+    /// lowest number, as on one machine.
     #[error("{0}")]
     Failed(#[source] Box<Failure>),
     /// The run was stopped before a path ended.
@@ -65,14 +69,14 @@ pub enum Error {
     },
 }
 
-/// The message: a `main` that returns the error prints it in this form.
+/// Prints the message: a `main` that returns the error prints it in this form.
 impl core::fmt::Debug for Error {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         core::fmt::Display::fmt(self, f)
     }
 }
 
-/// An error as it is sent.
+/// An error in the form in which it is sent.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum SentError {
     Cause(Cause),

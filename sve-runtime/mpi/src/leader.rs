@@ -1,4 +1,5 @@
-//! What rank 0 does during a run: it answers the ranks, runs blocks itself, shows the progress and writes checkpoints.
+//! The work of rank 0 during a run: it answers the ranks, runs blocks itself, shows the progress
+//! and writes checkpoints.
 
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
@@ -13,13 +14,14 @@ use super::message::{Report, Stop};
 use super::pool::{Pool, panic_message};
 use super::progress::Progress;
 
-/// The time between two looks for messages. It is short beside the blocks that a rank has in reserve.
+/// Time between two checks for messages. It is short compared with the time of the blocks that a
+/// rank has in reserve.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// The time between two looks for messages near the end, when ranks have no blocks in reserve.
+/// Time between two checks for messages near the end, when ranks have no blocks in reserve.
 const SHORT_LOOK: Duration = Duration::from_micros(50);
 
-/// The end is near if the blocks that are left take less than this time, in seconds.
+/// The end is near if the remaining blocks take less than this time, in seconds.
 const NEAR_END: f64 = 10e-3;
 
 /// Rank 0 during a run.
@@ -29,7 +31,7 @@ pub(crate) struct Leader<'r, I: Method> {
     pub(crate) distribution: &'r Distribution<'r, I>,
     pub(crate) progress: &'r Progress,
     pub(crate) checkpoint: Option<&'r Checkpoint>,
-    /// The results that a checkpoint has: all that ranks have sent.
+    /// The results for a checkpoint: all results that ranks have sent.
     pub(crate) gathered: &'r Mutex<PartialResults>,
 }
 
@@ -37,7 +39,7 @@ pub(crate) struct Leader<'r, I: Method> {
 type Writing<'s> = ScopedJoinHandle<'s, ()>;
 
 impl<'r, I: Method + Sync> Leader<'r, I> {
-    /// Leads the run until all blocks have ended. Returns why it ended early.
+    /// Leads the run until all blocks have ended. Returns the reason if it ended early.
     pub(crate) fn lead<'s>(
         &self,
         scope: &'s Scope<'s, '_>,
@@ -92,7 +94,8 @@ impl<'r, I: Method + Sync> Leader<'r, I> {
         coordinator.into_stop()
     }
 
-    /// Writes a checkpoint with all results that ranks have sent and those of rank 0, in a thread of its own: disks are slow.
+    /// Writes a checkpoint with all results that ranks have sent and the results of rank 0. Uses a
+    /// separate thread, since disks are slow.
     fn write<'s>(&self, scope: &'s Scope<'s, '_>, received: Vec<Vec<u8>>) -> Option<Writing<'s>>
     where
         'r: 's,

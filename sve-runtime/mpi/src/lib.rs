@@ -1,7 +1,8 @@
 //! Ensembles of [`sve_runtime`] on clusters, by MPI.
 //!
-//! [`run`] takes the same [`Ensemble`] on every rank and gives every rank the same [`Summary`], with the bits of
-//! [`Ensemble::run`] on one machine, for any number of ranks and of threads on each rank.
+//! [`run`] takes the same [`Ensemble`] on every rank and gives every rank the same [`Summary`],
+//! with the bits of [`Ensemble::run`] on one machine, for any number of ranks and of threads on
+//! each rank.
 //!
 //! ```no_run
 //! use sve_runtime::prelude::*;
@@ -33,7 +34,7 @@
 //! }
 //! ```
 //!
-//! # What each setting of the ensemble means on several ranks
+//! # Settings of the ensemble on several ranks
 //!
 //! | setting | on several ranks |
 //! | --- | --- |
@@ -41,20 +42,22 @@
 //! | `checkpoint`, `resume` | of rank 0, which tries the write before the first path and writes one file for all ranks. [`Ensemble::run`] reads and writes the same file, and so does a run on another number of ranks. A write that fails later does not end the run: the summaries of all ranks have the [warning](Summary::warnings) |
 //! | `progress` | of rank 0, which shows the paths of all ranks |
 //! | `stop_when` | each rank asks its own function; the first `true` ends the run on all ranks |
-//! | `stop_on_failure` | the error is that of the failing path with the lowest number, as on one machine |
+//! | `stop_on_failure` | the error describes the failing path with the lowest number, as on one machine |
 //! | `shard` | the same on all ranks, which run the blocks of this shard |
 //! | all others | the same on all ranks; another value on one rank is an [`Error::Differs`] |
 //!
-//! Errors are the same on all ranks. A rank that dies, by a signal or by `exit`, ends the run through `mpirun`; the file of the last checkpoint
-//! stays complete. A rank that returns before it calls [`run`] lets the others wait for it: let it call
+//! Errors are the same on all ranks. A rank that dies, by a signal or by `exit`, ends the run
+//! through `mpirun`; the file of the last checkpoint stays complete. If a rank returns before it
+//! calls [`run`], the other ranks wait for it forever: it should call
 //! [`abort`](mpi::traits::Communicator::abort).
 //!
 //! # How it works
 //!
-//! The paths of an ensemble are blocks, whose results merge in a fixed tree. Each rank has a region of consecutive blocks and merges their
-//! results where it computes them. Rank 0 hands out ranges of blocks, long ones first. A rank with nothing left gets blocks of the rank that has
-//! most left, so paths may take unequal time. At the end results merge along a binomial tree of ranks. `docs/cluster.md` says how many
-//! messages this takes.
+//! The paths of an ensemble are blocks, whose results merge in a fixed tree. Each rank has a region
+//! of consecutive blocks and merges their results where it computes them. Rank 0 hands out ranges
+//! of blocks, long ones first. A rank without blocks gets blocks of the rank with the most
+//! remaining blocks, so paths may take unequal time. At the end results merge along a binomial tree
+//! of ranks. `docs/cluster.md` gives the number of messages.
 
 mod agreement;
 mod coordinator;
@@ -86,20 +89,23 @@ use self::pool::Pool;
 use self::progress::Progress;
 use self::schedule::Schedule;
 
-/// A rank asks for blocks for about this time, so long as many are left.
+/// A rank asks for blocks for about this time, as long as many blocks remain.
 const INTERVAL: Duration = Duration::from_millis(50);
 
-/// With many ranks the time is longer: so much for each rank. Rank 0 then gets at most 20,000 messages in a second.
+/// Time for which a rank asks for blocks, for each rank of the run. With many ranks it exceeds
+/// [`INTERVAL`], so that rank 0 gets at most 20,000 messages per second.
 const INTERVAL_OF_RANK: Duration = Duration::from_micros(50);
 
-/// A rank that needs nothing reports after so many intervals: its progress, and to hear of errors.
+/// Number of intervals after which a rank reports even if it needs nothing. It sends its progress
+/// and learns of errors.
 const QUIET_INTERVALS: u32 = 5;
 
-/// Runs an ensemble on all ranks of a communicator. Every rank has to call this function with the same ensemble, on the thread that
-/// initialised MPI.
+/// Runs an ensemble on all ranks of a communicator. Every rank has to call this function with the
+/// same ensemble, on the thread that initialised MPI.
 ///
 /// # Errors
-/// An [`Error`], the same on all ranks. A path that fails is not an error of the run, see [`Summary::failures`].
+/// An [`Error`], the same on all ranks. A path that fails is not an error of the run, see
+/// [`Summary::failures`].
 pub fn run<'a, I: Method + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     world: &impl Communicator,
@@ -149,14 +155,14 @@ pub fn run_in_pieces<'a, I: Method + Sync>(
     }
 }
 
-/// What a rank has at the end of its blocks.
+/// The results of a rank at the end of its blocks.
 struct Ended {
     results: PartialResults,
-    /// Why the run ended early, on rank 0.
+    /// The reason why the run ended early, on rank 0.
     stop: Option<Stop>,
 }
 
-/// Runs blocks until none is left on any rank.
+/// Runs blocks until no rank has any left.
 fn run_blocks<I: Method + Sync>(
     link: &Link,
     pool: &Pool,
@@ -236,9 +242,10 @@ fn follow(link: &Link, pool: &Pool, quiet: Duration) {
     }
 }
 
-/// Merges the results of all ranks along a binomial tree: rank `r` receives from `r + 1`, `r + 2`, `r + 4`, …, and sends to `r` less its
-/// lowest bit. The ranks below one another have neighbouring regions, so what is sent are few nodes of the tree of blocks. Returns all
-/// results on rank 0.
+/// Merges the results of all ranks along a binomial tree: rank `r` receives from `r + 1`, `r + 2`,
+/// `r + 4`, …, and sends to `r` less its lowest bit. The ranks below one another have neighbouring
+/// regions, so each message contains few nodes of the tree of blocks. Returns all results on
+/// rank 0.
 fn gather<I: Method + Sync>(
     link: &Link,
     distribution: &Distribution<'_, I>,
@@ -260,7 +267,8 @@ fn gather<I: Method + Sync>(
     results
 }
 
-/// Returns the results as they are sent to all ranks, or why there are none.
+/// Returns the results in the form in which they are sent to all ranks, or the reason why there are
+/// none.
 fn outcome<I: Method + Sync>(
     distribution: &Distribution<'_, I>,
     results: &PartialResults,
@@ -284,7 +292,8 @@ fn outcome<I: Method + Sync>(
     Ok(results.to_bytes())
 }
 
-/// Ends the program on all ranks when a panic outside of the paths would leave the others waiting.
+/// Ends the program on all ranks if a panic outside of the paths would leave the other ranks
+/// waiting.
 struct AbortOnPanic<'l>(&'l Link);
 
 impl Drop for AbortOnPanic<'_> {

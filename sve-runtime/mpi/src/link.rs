@@ -1,10 +1,11 @@
 //! Values as messages of MPI.
 //!
-//! Input: a value and a rank. Output: the value there. A message is the length of the value's bytes, 8 bytes, and the bytes. Counts of MPI
-//! are 32-bit numbers with a sign, so longer messages are sent in pieces.
+//! Input: a value and a rank. Output: the value on this rank. A message consists of the length of
+//! the value's bytes, in 8 bytes, and the bytes. Counts of MPI are 32-bit numbers with a sign, so
+//! longer messages are sent in pieces.
 //!
-//! Open MPI waits by asking again without a pause. A rank that waits while its threads compute, or while other ranks compute on the same
-//! cores, therefore sleeps between two questions.
+//! Open MPI waits by polling without a pause. A rank that waits while its threads compute, or while
+//! other ranks compute on the same cores, therefore sleeps between two polls.
 
 use std::thread;
 use std::time::Duration;
@@ -21,25 +22,25 @@ use serde::{Serialize, de::DeserializeOwned};
 /// Largest number of bytes of a piece.
 pub(crate) const PIECE: usize = 1 << 30;
 
-/// Bytes of a length.
+/// Number of bytes of a length.
 const LENGTH: usize = 8;
 
-/// The first piece of a message.
+/// Tag of the first piece of a message.
 const FIRST: Tag = 0;
-/// Later pieces of a message.
+/// Tag of later pieces of a message.
 const LATER: Tag = 1;
 
-/// Shortest and longest pause between two questions for a message.
+/// Shortest and longest pause between two polls for a message.
 const PAUSE: [Duration; 2] = [Duration::from_micros(50), Duration::from_millis(1)];
 
-/// A communicator of its own, so that no message of the program is mistaken for one of a run.
+/// A separate communicator, so that no message of the program is mistaken for a message of a run.
 pub(crate) struct Link {
     world: SimpleCommunicator,
     piece: usize,
 }
 
 impl Link {
-    /// A link with pieces of so many bytes, at least 8.
+    /// Returns a link with pieces of so many bytes, at least 8.
     pub(crate) fn new(world: &impl Communicator, piece: usize) -> Self {
         let world = world.duplicate();
         Self { world, piece }
@@ -115,7 +116,7 @@ impl Link {
         sent.unwrap_or_else(|| value(&message))
     }
 
-    /// Returns the least of the numbers of all ranks.
+    /// Returns the smallest of the numbers of all ranks.
     pub(crate) fn least(&self, number: i32) -> i32 {
         let mut least = number;
         (self.world).all_reduce_into(&number, &mut least, SystemOperation::min());

@@ -1,19 +1,20 @@
 //! The messages between rank 0, which hands out blocks, and the other ranks, which run them.
 //!
-//! A rank sends a [`Report`] and waits for the [`Answer`]. Rank 0 sends nothing but answers, so a message always has a rank that waits for
-//! it, and no order of events makes two ranks wait for one another, even if the MPI does not buffer messages.
+//! A rank sends a [`Report`] and waits for the [`Answer`]. Rank 0 sends nothing but answers, so a
+//! message always has a rank that waits for it, and no order of events makes two ranks wait for one
+//! another, even if the MPI does not buffer messages.
 
 use core::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use sve_runtime::ensemble::Failure;
 
-/// The state of a rank, since its last report.
+/// The state of a rank and its changes since the last report.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Report {
     /// Number of blocks that the rank wants to have waiting.
     pub(crate) wanted: u64,
-    /// Number of blocks below which a message is not worth its time.
+    /// Number of blocks below which a message is not worth its cost.
     pub(crate) least: u64,
     /// Number of blocks that were handed to the rank and have not begun.
     pub(crate) waiting: u64,
@@ -21,9 +22,10 @@ pub(crate) struct Report {
     pub(crate) unfinished: u64,
     /// Number of paths that have ended since the last report.
     pub(crate) paths: u64,
-    /// Why the run is to end, if this rank knows a reason.
+    /// The reason to end the run, if this rank knows one.
     pub(crate) stop: Option<Stop>,
-    /// The results of the blocks that have ended since the results were sent last. Sent only if the last answer asked for them.
+    /// The results of the blocks that have ended since results were last sent. Sent only if the
+    /// last answer asked for them.
     pub(crate) results: Option<Vec<u8>>,
 }
 
@@ -32,20 +34,21 @@ pub(crate) struct Report {
 pub(crate) struct Answer {
     /// Blocks to run.
     pub(crate) blocks: Range<u64>,
-    /// Whether there are blocks left that no rank has begun.
+    /// True if there are blocks that no rank has begun.
     pub(crate) has_more: bool,
-    /// The first block that is not to be begun any more.
+    /// The first block that must not be begun any more.
     pub(crate) limit: u64,
-    /// Whether the next report is to be sent at once, with results.
+    /// True if the next report has to be sent at once, with results.
     pub(crate) wants_results: bool,
-    /// Whether the run has ended.
+    /// True if the run has ended.
     pub(crate) has_ended: bool,
 }
 
-/// Why a run ends early.
+/// The reason to end a run early, and its limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Stop {
-    /// The first block that is not to be begun any more. Blocks before it still run: one of their paths may fail first.
+    /// The first block that must not be begun any more. Blocks before it still run: one of their
+    /// paths may fail first.
     pub(crate) limit: u64,
     pub(crate) cause: Option<Cause>,
 }
@@ -53,7 +56,7 @@ pub(crate) struct Stop {
 /// The error that ends a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Cause {
-    /// A path failed, and `stop_on_failure` was asked for.
+    /// A path failed, and `stop_on_failure` was set.
     Failed(Box<Failure>),
     /// A rank has an error.
     Error { rank: i32, message: String },
@@ -62,7 +65,8 @@ pub(crate) enum Cause {
 }
 
 impl Cause {
-    /// Returns the order of causes: errors of a whole rank first, by their ranks, then failures, by their paths.
+    /// Returns the order of causes: errors of a whole rank first, by their ranks, then failures, by
+    /// their paths.
     fn order(&self) -> (bool, u64) {
         match self {
             Self::Error { rank, .. } | Self::Panic { rank, .. } => {
@@ -73,7 +77,8 @@ impl Cause {
     }
 }
 
-/// Adds a reason to end to an earlier one, if there is one. The result does not depend on the order of reasons.
+/// Adds a reason to end to an earlier one, if there is one. The result does not depend on the order
+/// of reasons.
 pub(crate) fn add_stop(stop: &mut Option<Stop>, other: Stop) {
     let Some(stop) = stop else {
         *stop = Some(other);

@@ -1,7 +1,8 @@
 //! The threads of a rank, and the blocks that were handed to it.
 //!
-//! Input: answers of rank 0. Output: results of blocks, and reports. Invariant: no thread here calls MPI; only the thread that started the
-//! run does, as the thread level `Funneled` asks.
+//! Input: answers of rank 0. Output: results of blocks, and reports. Invariant: no thread here
+//! calls MPI. Only the thread that started the run calls it, as the thread level `Funneled`
+//! requires.
 
 use core::any::Any;
 use core::ops::Range;
@@ -16,10 +17,11 @@ use sve_runtime::ensemble::{BLOCK_PATHS, Distribution, EnsembleError, PartialRes
 
 use super::message::{Answer, Cause, Report, Stop, add_stop};
 
-/// A rank asks for blocks when it has blocks for less than this time: several times as long as an answer takes.
+/// A rank asks for blocks when it has blocks for less than this time, in seconds. The time is
+/// several times as long as an answer takes.
 const RESERVE: f64 = 4e-3;
 
-/// Toward the end a rank gets blocks for about this time.
+/// Toward the end a rank gets blocks for about this time, in seconds.
 const LEAST: f64 = 1e-3;
 
 /// Weight of the last block in the mean time of a block.
@@ -29,7 +31,7 @@ const WEIGHT: f64 = 0.25;
 pub(crate) struct Pool {
     rank: i32,
     threads: usize,
-    /// A rank asks for blocks for about this time.
+    /// The time for which a rank asks for blocks.
     interval: Duration,
     pub(crate) results: SharedResults,
     state: Mutex<State>,
@@ -46,14 +48,15 @@ struct State {
     waiting_blocks: u64,
     /// Number of blocks that run.
     running: u64,
-    /// Half of the blocks that waited after the last answer. Toward the end rank 0 hands out fewer blocks than a rank wants.
+    /// Half of the number of blocks that waited after the last answer. Toward the end rank 0 hands
+    /// out fewer blocks than a rank wants.
     half: u64,
-    /// Whether rank 0 has more blocks.
+    /// True if rank 0 has more blocks.
     has_more: bool,
-    /// Whether rank 0 knows that this rank has no block.
+    /// True if rank 0 knows that this rank has no block.
     is_known_idle: bool,
     has_ended: bool,
-    /// The first block that is not begun any more.
+    /// The first block that must not be begun any more.
     limit: Option<u64>,
     /// Paths that have ended since the last report.
     paths: u64,
@@ -88,7 +91,7 @@ impl Pool {
         }
     }
 
-    /// Returns what rank 0 has to know.
+    /// Returns the report of this rank to rank 0.
     pub(crate) fn report(&self) -> Report {
         let mut state = self.state();
         let unfinished = state.waiting_blocks + state.running;
@@ -120,7 +123,7 @@ impl Pool {
         self.blocks_in(state, RESERVE).unwrap_or(1)
     }
 
-    /// Begins what rank 0 has answered.
+    /// Begins the blocks in an answer of rank 0, or ends the run.
     pub(crate) fn accept(&self, answer: &Answer) {
         let mut state = self.state();
         state.has_more = answer.has_more;
@@ -134,7 +137,7 @@ impl Pool {
         self.has_blocks.notify_all();
     }
 
-    /// Waits until rank 0 has to know something, or for this time.
+    /// Waits until this rank has to report, or for this time.
     pub(crate) fn wait(&self, time: Duration) {
         let is_quiet = |state: &mut State| !self.has_to_report(state);
         let state = self.state();
@@ -147,7 +150,7 @@ impl Pool {
         is_low || is_idle || state.stop.is_some()
     }
 
-    /// Returns whether so many blocks take this rank less than a time.
+    /// Returns whether this rank runs so many blocks in less than a time.
     pub(crate) fn is_short(&self, blocks: u64, time: f64) -> bool {
         self.blocks_in(&self.state(), time)
             .is_some_and(|many| blocks < many)
@@ -164,7 +167,7 @@ impl Pool {
         self.state().error.take()
     }
 
-    /// Runs blocks until the run has ended. This is what each thread does.
+    /// Runs blocks until the run has ended. Each thread calls this function.
     pub(crate) fn run<I: Method + Sync>(&self, distribution: &Distribution<'_, I>) {
         while let Some(block) = self.begin() {
             let start = Instant::now();
@@ -207,7 +210,7 @@ impl Pool {
         let rank = self.rank;
         let (stop, error) = match ran {
             Ok(Ok(Some(results))) => {
-                // outside of the lock, and before the block counts as ended
+                // Adds the results outside of the lock, and before the block counts as ended.
                 self.results.add(results);
                 self.state().add_block(paths, time);
                 (None, None)
@@ -240,7 +243,7 @@ impl Pool {
         }
     }
 
-    /// A panic of a block is caught outside of the lock, so the state is sound.
+    /// Locks the state. A panic of a block is caught outside of the lock, so the state is valid.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -267,7 +270,7 @@ impl State {
         self.block_time = Some(mean + WEIGHT * (time - mean));
     }
 
-    /// Drops the blocks from a limit on, or from an earlier one that is known.
+    /// Drops the blocks from a limit on, or from an earlier limit that is known.
     fn drop_from(&mut self, limit: u64) {
         let limit = self.limit.map_or(limit, |known| known.min(limit));
         self.limit = Some(limit);

@@ -1,11 +1,12 @@
 //! The progress of a run on all ranks, as lines on standard error of rank 0.
 //!
-//! Standard error of a rank is no terminal, so there is no bar: `mpirun` and batch systems gather lines.
+//! Standard error of a rank is no terminal, so there is no bar: `mpirun` and batch systems gather
+//! lines.
 
 use core::cell::Cell;
 use std::time::{Duration, Instant};
 
-/// Shortest time between two lines, but for the last.
+/// Shortest time between two lines, except before the last line.
 const PAUSE: Duration = Duration::from_secs(2);
 
 /// The paths that have ended on all ranks.

@@ -1,37 +1,43 @@
 //! The distribution of blocks over ranks.
 //!
-//! Input: the blocks to run, and requests of ranks. Output: ranges of blocks. Invariant: each block is handed out once.
+//! Input: the blocks to run, and requests of ranks. Output: ranges of blocks. Invariant: each block
+//! is handed out once.
 //!
-//! Each rank has a region of consecutive blocks and takes ranges from its front, so that nearly all results merge where they are computed.
-//! A rank whose region is empty takes ranges from the back of the largest region. Ranges end or begin at multiples of a power of two near
-//! their length, so that the results of a range are few nodes of the tree. Toward the end ranges get shorter (guided self-scheduling).
+//! Each rank has a region of consecutive blocks and takes ranges from its front, so that nearly all
+//! results merge where they are computed. A rank whose region is empty takes ranges from the back
+//! of the largest region. Ranges end or begin at multiples of a power of two near their length, so
+//! that the results of a range are few nodes of the tree. Toward the end ranges get shorter (guided
+//! self-scheduling).
 //!
-//! Source: C. D. Polychronopoulos, D. J. Kuck, *Guided self-scheduling*, IEEE Transactions on Computers C-36 (1987).
+//! Source: C. D. Polychronopoulos, D. J. Kuck, *Guided self-scheduling*, IEEE Transactions on
+//! Computers C-36 (1987).
 
 use core::ops::Range;
 use std::collections::{BTreeSet, VecDeque};
 
-/// A range has at most one of so many parts of a rank's share of the blocks that are left.
+/// A range has at most this fraction, one over `PARTS`, of a rank's share of the remaining blocks.
 const PARTS: u64 = 4;
 
-/// A range of the rank's own region has at least one of so many parts of the blocks that are worth a message.
+/// A range of the rank's own region has at least this fraction, one over `LEAST_PARTS`, of the
+/// blocks that are worth a message.
 const LEAST_PARTS: u64 = 8;
 
-/// Borders of regions are multiples of a power of two of about this part of a region.
+/// Borders of regions are multiples of a power of two, which is about a region divided by this
+/// number.
 const BORDER: u64 = 16;
 
-/// What a rank asks for.
+/// The request of a rank.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wish {
     /// Number of blocks that wait at the rank.
     pub(crate) waiting: u64,
-    /// Number of blocks below which a message is not worth its time.
+    /// Number of blocks below which a message is not worth its cost.
     pub(crate) least: u64,
-    /// Number of blocks that are to wait at the rank.
+    /// Number of blocks that the rank wants to have waiting.
     pub(crate) wanted: u64,
 }
 
-/// The blocks that no rank has.
+/// The blocks that have not been handed out.
 #[derive(Debug)]
 pub(crate) struct Schedule {
     /// The region of each rank.
@@ -43,7 +49,8 @@ pub(crate) struct Schedule {
 }
 
 impl Schedule {
-    /// Divides the blocks among ranks, except those whose results exist already; these are in order.
+    /// Divides the blocks among ranks, except those whose results exist already; these are in
+    /// order.
     pub(crate) fn new(
         blocks: Range<u64>,
         done: impl Iterator<Item = Range<u64>>,
@@ -67,7 +74,7 @@ impl Schedule {
         let (mut rank, mut before) = (0, 0);
         for mut range in missing {
             while !range.is_empty() {
-                // the region of this rank ends after so many missing blocks
+                // The region of this rank ends after this number of missing blocks.
                 let end = u128::from(left) * (rank as u128 + 1) / ranks as u128;
                 let room = (end as u64).saturating_sub(before);
                 let border = (range.start.saturating_add(room)).next_multiple_of(unit);
@@ -109,13 +116,15 @@ impl Schedule {
         self.left == 0
     }
 
-    /// Returns how many blocks per rank are left.
+    /// Returns the number of remaining blocks per rank.
     pub(crate) fn left_per_rank(&self) -> u64 {
         self.left / self.regions.len() as u64
     }
 
-    /// Removes and returns consecutive blocks for a rank, so that up to `wanted` blocks wait there; `waiting` of them do already. Toward the
-    /// end the number is less, but of its own region it is up to `least`. An empty range if the rank has enough, or if there are none left.
+    /// Removes and returns consecutive blocks for a rank, so that up to `wanted` blocks wait at the
+    /// rank; `waiting` blocks wait there already. Toward the end the number is smaller, but up to
+    /// `least` from the rank's own region. Returns an empty range if the rank has enough blocks, or
+    /// if no blocks remain.
     pub(crate) fn take(
         &mut self,
         rank: usize,
@@ -127,7 +136,8 @@ impl Schedule {
     ) -> Range<u64> {
         let share = self.left_per_rank() / PARTS;
         let own = self.size(rank);
-        // Blocks may take longer than those that the rank has seen, so that even `least` blocks are only a part of a region.
+        // Blocks may take longer than the blocks that the rank has seen, so even `least` blocks are
+        // only a part of a region.
         let least = least.min(own.div_ceil(2).max(least / LEAST_PARTS));
         let least = if own > 0 { least.max(1) } else { 1 };
         let wanted = wanted.min(share.max(least)).saturating_sub(waiting);
@@ -191,7 +201,7 @@ fn power_of_two(x: u64) -> u64 {
     x.max(1).next_power_of_two() >> u32::from(!x.max(1).is_power_of_two())
 }
 
-/// Returns where a range is cut to take up to so many blocks from its front.
+/// Returns the place where a range is cut to take up to so many blocks from its front.
 fn front(range: &Range<u64>, wanted: u64) -> u64 {
     if wanted >= length(range) {
         return range.end;
@@ -201,7 +211,7 @@ fn front(range: &Range<u64>, wanted: u64) -> u64 {
     if aligned > range.start { aligned } else { end }
 }
 
-/// Returns where a range is cut to take up to so many blocks from its back.
+/// Returns the place where a range is cut to take up to so many blocks from its back.
 fn back(range: &Range<u64>, wanted: u64) -> u64 {
     if wanted >= length(range) {
         return range.start;
@@ -291,7 +301,8 @@ mod tests {
         }
     }
 
-    /// A rank that works alone on its region takes neighbours; ranges get short at the end, for others to share.
+    /// Checks that a rank that works alone on its region takes neighbouring ranges. Ranges get
+    /// short at the end, so that other ranks can share them.
     #[test]
     fn ranges_are_neighbours_and_shrink() {
         let mut schedule = Schedule::new(0..4096, core::iter::empty(), 2);
@@ -310,7 +321,8 @@ mod tests {
         assert_eq!(last, 1);
     }
 
-    /// A rank whose first blocks were fast does not take the slow blocks of others away, however often it asks.
+    /// Checks that a rank whose first blocks were fast does not take the slow blocks of other
+    /// ranks, however often it asks.
     #[test]
     fn a_rank_with_blocks_gets_no_more_than_its_share() {
         let mut schedule = Schedule::new(0..256, core::iter::empty(), 2);

@@ -1,3 +1,19 @@
+//! Wiener increments for a trajectory.
+//!
+//! Input: a step number, a step size `h`, and the number of processes. Output: one increment for
+//! each process, normal with mean 0 and variance `h` (its unit is that of √t), independent between
+//! steps and processes.
+//!
+//! | source | increments | replayable | with stage noise |
+//! | --- | --- | --- | --- |
+//! | [`Wiener`] | from a seed, counter-based | any step, in any order | yes; the same path for every number of stages |
+//! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order | no |
+//! | [`ThreePoint`] | of three values, for weak solutions; counter-based | any step, in any order | no: the stages would have another law |
+//! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order | a path of [`Recorded::record_stages`] |
+//! | [`Truncated`] | of another source, clipped for implicit steps | as the other source | as the other source |
+//! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another | yes |
+//! | [`NoNoise`] | zero | trivially | yes |
+//!
 //! [`Wiener`], [`Refined`] and [`NoNoise`] know their path within a step ([`Halves`]): steps that
 //! fail can be [refined](crate::Trajectory::refine), and steps can be cut at
 //! [events](crate::Events).

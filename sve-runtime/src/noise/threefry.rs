@@ -1,3 +1,9 @@
+//! Threefry4x64 with 13 rounds: a keyed bijection of 256-bit counters, used as a random function.
+//!
+//! Input: a counter and a key of four words. Output: four words, each bit as good as random.
+//! Invariant: no state; equal input gives equal output on every machine, and for one key different
+//! counters give different outputs.
+//!
 //! Source: Salmon, Moraes, Dror, Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC '11
 //! (2011). The function is the cipher Threefish-256 (Ferguson et al., *The Skein hash function
 //! family*, version 1.3, 2010: rotations and parity constant) without tweak and with fewer rounds.

@@ -1,5 +1,5 @@
-//! Every model with every rule behind one object-safe trait. A test over all of them is compiled once instead of once a model, and each step is
-//! compiled once for all tests.
+//! Every model with every rule behind one object-safe trait. A test over all of them is compiled
+//! once instead of once for each model, and each step is compiled once for all tests.
 
 use sve_runtime::__private::Unstructured;
 use sve_runtime::__private::lane::{LaneDirections, TangentLanes};
@@ -14,9 +14,9 @@ use crate::oracle::{Model, Nodes, Rule};
 pub struct Derivatives {
     /// The tangent map.
     pub tangent: Matrix,
-    /// Largest entry of `MᵀΩM − Ω`, as the tangent map says.
+    /// Largest entry of `MᵀΩM − Ω`, from the tangent map.
     pub defect: f64,
-    /// The derivatives of (q, p) in each parameter.
+    /// The derivatives of (q, p) by each parameter.
     pub sensitivity: Vec<(&'static str, Vector)>,
 }
 
@@ -26,13 +26,13 @@ pub struct LaneTangents {
     pub states: Vec<Point>,
     /// The lanes that were not solved.
     pub unsolved: Mask,
-    /// The lanes whose vectors have no meaning.
+    /// The lanes whose vectors are invalid.
     pub unfinished: Mask,
     /// The vectors of each lane: along each coordinate, each momentum and each parameter.
     pub vectors: Vec<Matrix>,
 }
 
-/// A loss of the number of a state, its coordinates and its momenta.
+/// A loss as a function of the number of a state, its coordinates and its momenta.
 pub type Loss<'a> = dyn Fn(u64, &[Dual], &[Dual]) -> Option<Dual> + 'a;
 
 /// A loss with its derivatives by (q, p) at the start and by each parameter.
@@ -40,9 +40,9 @@ pub type Loss<'a> = dyn Fn(u64, &[Dual], &[Dual]) -> Option<Dual> + 'a;
 pub struct LossGradient {
     /// The loss.
     pub loss: f64,
-    /// By (q, p).
+    /// Derivatives by (q, p) at the start.
     pub start: Vector,
-    /// By each parameter.
+    /// Derivatives by each parameter.
     pub parameters: Vector,
 }
 
@@ -57,52 +57,53 @@ pub type Step<'a> = Box<dyn Fn(&mut Point, &[f64]) -> Result<(), StepError> + 'a
 
 /// A model with a rule.
 pub trait Case {
-    /// The plan of the step.
+    /// Returns the plan of the step.
     fn plan(&self) -> &'static Plan;
-    /// The plan of the step without structure.
+    /// Returns the plan of the step without structure.
     fn plan_without_structure(&self) -> &'static Plan;
-    /// The name of the rule in the attribute.
+    /// Returns the name of the rule in the attribute.
     fn rule(&self) -> &'static str;
-    /// The nodes of the rule.
+    /// Returns the nodes of the rule.
     fn nodes(&self) -> Nodes;
-    /// Numbers of coordinates and of noises.
+    /// Returns the numbers of coordinates and of noises.
     fn dimensions(&self) -> (usize, usize);
-    /// The model.
+    /// Returns the model.
     fn model(&self) -> Box<dyn Functions + '_>;
-    /// One step.
+    /// Makes one step.
     ///
     /// # Errors
-    /// That of the step.
+    /// The error of the step.
     fn step(&self, state: &mut Point, h: f64, dw: &[f64]) -> Result<(), StepError>;
-    /// One step of the rule derived without its structure.
+    /// Makes one step of the rule derived without its structure.
     ///
     /// # Errors
-    /// That of the step.
+    /// The error of the step.
     fn step_without_structure(
         &self,
         state: &mut Point,
         h: f64,
         dw: &[f64],
     ) -> Result<(), StepError>;
-    /// Steps of one size that was prepared once.
+    /// Returns steps of one size that was prepared once.
     ///
     /// # Errors
-    /// That of the step size.
+    /// The error of the step size.
     fn prepared(&self, h: f64) -> Result<Step<'_>, StepError>;
-    /// One step with its derivatives.
+    /// Makes one step and returns its derivatives.
     ///
     /// # Errors
-    /// That of the step.
+    /// The error of the step.
     fn differentiated(
         &self,
         state: &mut Point,
         h: f64,
         dw: &[f64],
     ) -> Result<Derivatives, StepError>;
-    /// The derivatives of a loss along so many steps with the noise of a seed, by the discrete adjoint with so many checkpoints.
+    /// Returns the derivatives of a loss along so many steps with the noise of a seed, by the
+    /// discrete adjoint with so many checkpoints.
     ///
     /// # Errors
-    /// That of a step.
+    /// The error of a step.
     fn gradient(
         &self,
         start: &Point,
@@ -114,35 +115,37 @@ pub trait Case {
     /// Steps a state in each lane. Returns the mask of the lanes that were not solved.
     ///
     /// # Errors
-    /// That of the step size.
+    /// The error of the step size.
     fn step_lanes(
         &self,
         states: &[Point],
         h: f64,
         dw: &[Vector],
     ) -> Result<(Vec<Point>, Mask), StepError>;
-    /// Steps a state in each lane, with the tangent vectors along each coordinate, each momentum and each parameter.
+    /// Steps a state in each lane, with the tangent vectors along each coordinate, each momentum
+    /// and each parameter.
     ///
     /// # Errors
-    /// That of the step size.
+    /// The error of the step size.
     fn tangents_in_lanes(
         &self,
         states: &[Point],
         h: f64,
         dw: &[Vector],
     ) -> Result<LaneTangents, StepError>;
-    /// The energy of a state in each lane, as the loop over lanes gives it and as the function of a single state does.
+    /// Returns the energy of a state in each lane, from the loop over lanes and from the function
+    /// of a single state.
     fn energies(&self, states: &[Point]) -> Vec<[f64; 2]>;
-    /// The states of a trajectory.
+    /// Returns the states of a trajectory.
     fn trajectory<'a>(&'a self, start: &Point, h: f64, noise: Box<dyn Noise + 'a>) -> Path<'a>;
-    /// A trajectory after some steps as JSON, which is read back once.
+    /// Returns a trajectory after some steps as JSON. Reads it back once.
     fn stored(&self, start: &Point, h: f64, noise: Wiener, steps: usize) -> String;
     /// Reads a stored trajectory. Returns the number of its steps, and its continuation.
     fn continued<'a>(&'a self, stored: &str, noise: Wiener) -> (u64, Path<'a>);
     /// Makes steps with the same increments inside of `watch`.
     fn watched(&self, start: &Point, h: f64, dw: &[f64], steps: usize, watch: &mut Watch<'_>);
 
-    /// `Pendulum by midpoint`, for messages.
+    /// Returns a name such as `Pendulum by midpoint`, for messages.
     fn name(&self) -> String {
         let plan = self.plan();
         format!("{} by {}", plan.system, plan.rule)
@@ -164,7 +167,7 @@ pub trait Case {
 /// An integrator with its numbers of coordinates and of noises.
 struct TypedCase<S, R, const N: usize, const M: usize>(Integrator<S, R>);
 
-/// The case of a model and a rule.
+/// Returns the case of a model and a rule.
 pub(crate) fn case<S, R, const N: usize, const M: usize>(system: S, rule: R) -> Box<dyn Case>
 where
     S: Model<N, M> + Variational<R> + Variational<Unstructured<R>> + Clone + 'static,
@@ -173,7 +176,7 @@ where
     Box::new(TypedCase(Integrator::new(system, rule)))
 }
 
-/// States and increments, in lanes.
+/// Returns states and increments in lanes.
 fn in_lanes<const N: usize, const M: usize>(
     states: &[Point],
     dw: &[Vector],

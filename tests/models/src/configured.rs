@@ -21,7 +21,7 @@ impl<S: std::fmt::Debug, Q> std::fmt::Debug for Configured<S, Q> {
 }
 
 impl<S, Q> Configured<S, Q> {
-    /// A system with another type of configurations.
+    /// Returns a system with another type of configurations.
     pub fn new(system: S) -> Self {
         Self(system, PhantomData)
     }

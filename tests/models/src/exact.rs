@@ -1,18 +1,19 @@
-//! The exact solution of the linear oscillator, `dq = p dt`, `dp = −q dt + σ dW`, on a path of which the increments are known.
+//! The exact solution of the linear oscillator, `dq = p dt`, `dp = −q dt + σ dW`, on a path with
+//! known increments.
 //!
-//! Over a step it is the rotation by h plus `σ ∫ (sin(h−s), cos(h−s)) dW`. This pair is drawn jointly with ΔW by the Cholesky factor
-//! of their covariance.
+//! Over a step it is the rotation by h plus `σ ∫ (sin(h−s), cos(h−s)) dW`. This pair is drawn
+//! jointly with ΔW by the Cholesky factor of the covariance of all three.
 
 use sve_runtime::prelude::*;
 
 /// One exact step.
 #[derive(Clone, Copy, Debug)]
 pub struct OscillatorStep {
-    /// Its length.
+    /// Length of the step.
     pub h: f64,
-    /// sin h.
+    /// The number sin h.
     pub sin: f64,
-    /// cos h.
+    /// The number cos h.
     pub cos: f64,
     /// Covariances of the two integrals with ΔW.
     pub with_dw: [f64; 2],
@@ -21,7 +22,7 @@ pub struct OscillatorStep {
 }
 
 impl OscillatorStep {
-    /// The step of length `h`.
+    /// Returns the step of length `h`.
     pub fn new(h: f64) -> Self {
         let (sin, cos) = h.sin_cos();
         let cross = 0.5 * sin * sin;
@@ -29,7 +30,7 @@ impl OscillatorStep {
             h,
             sin,
             cos,
-            // 1 − cos h = 2 sin²(h/2), as the difference would cancel
+            // 1 − cos h = 2 sin²(h/2), since the difference would cancel.
             with_dw: [2.0 * (h / 2.0).sin().powi(2), sin],
             integrals: [
                 [0.5 * (h - sin * cos), cross],
@@ -38,7 +39,7 @@ impl OscillatorStep {
         }
     }
 
-    /// Increments of `steps` steps, and the exact end.
+    /// Returns the increments of `steps` steps, and the exact end.
     ///
     /// # Panics
     /// If a number is not finite.
@@ -54,7 +55,8 @@ impl OscillatorStep {
         let [xw, yw] = self.with_dw.map(|c| c / w);
         let x = (xx - xw * xw).sqrt();
         let yx = (xy - xw * yw) / x;
-        // what is left is of the size of h⁵: rounding, 1e-16 h, may make it negative, and it does not matter
+        // The remaining variance has the size of h⁵. Rounding, 1e-16 h, may make it negative, which
+        // does not matter.
         let y = (yy - yw * yw - yx * yx).max(0.0).sqrt();
         let (mut increments, mut end) = (Vec::new(), start);
         for step in 0..steps as u64 {

@@ -1,4 +1,5 @@
-//! A model with slices as arguments: the user's functions, and the generated derivatives that do not depend on a rule.
+//! A model with slices as arguments: the user's functions, and the generated derivatives that do
+//! not depend on a rule.
 
 use core::fmt::Debug;
 
@@ -26,7 +27,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// The state (q, p) at t = 0.
+    /// Returns the state (q, p) at t = 0.
     pub fn new(q: &[f64], p: &[f64]) -> Self {
         Self {
             t: 0.0,
@@ -47,24 +48,24 @@ impl Point {
         State::at(self.t, array(&self.q), array(&self.p))
     }
 
-    /// The entries of q, then those of p.
+    /// Returns the entries of q, then the entries of p.
     pub fn entries(&self) -> impl Iterator<Item = &f64> {
         self.q.iter().chain(&self.p)
     }
 
-    /// The largest magnitude of an entry, at least 1.
+    /// Returns the largest magnitude of an entry, at least 1.
     pub fn size(&self) -> f64 {
         self.entries().fold(1.0, |m: f64, x| m.max(x.abs()))
     }
 
-    /// The bits of time, configuration and momentum.
+    /// Returns the bits of time, configuration and momentum.
     pub fn bits(&self) -> Vec<u64> {
         let all = core::iter::once(&self.t).chain(self.entries());
         all.map(|x| x.to_bits()).collect()
     }
 }
 
-/// A vector of a length that the type knows.
+/// Returns a vector as an array whose length the type knows.
 pub(crate) fn array<const N: usize>(vector: &[f64]) -> [f64; N] {
     vector.try_into().expect("the number of components")
 }
@@ -73,7 +74,7 @@ fn rows<const N: usize>(matrix: &[[f64; N]; N]) -> Matrix {
     matrix.iter().map(|row| row.to_vec()).collect()
 }
 
-/// The derivatives of L: those of `LagrangianJet`.
+/// The derivatives of L in `LagrangianJet`, as vectors.
 pub struct Lagrangian {
     /// L.
     pub value: f64,
@@ -93,7 +94,7 @@ pub struct Lagrangian {
     pub dvt: Vector,
 }
 
-/// The generated derivatives of L.
+/// Returns the generated derivatives of L.
 pub(crate) fn lagrangian<S, Q, const N: usize, const M: usize>(
     system: &S,
     t: f64,
@@ -126,7 +127,7 @@ where
     }
 }
 
-/// The derivatives of a noise Hamiltonian: those of `NoiseJet`.
+/// The derivatives of a noise Hamiltonian in `NoiseJet`, as vectors.
 pub struct NoiseDerivatives {
     /// ∂G/∂q.
     pub dq: Vector,
@@ -140,7 +141,7 @@ pub struct NoiseDerivatives {
     pub dpp: Matrix,
 }
 
-/// The force with its derivatives: those of `ForceJet`.
+/// The force with its derivatives in `ForceJet`, as vectors.
 pub struct Force {
     /// F.
     pub value: Vector,
@@ -152,25 +153,25 @@ pub struct Force {
     pub dt: Vector,
 }
 
-/// A model: its user's functions, and what was derived from them without a rule.
+/// A model: its user's functions, and the functions that were derived from them without a rule.
 pub trait Functions: Debug {
-    /// L as the user wrote it.
+    /// Returns L as the user wrote it.
     fn l(&self, t: f64, q: &[f64], v: &[f64]) -> f64;
-    /// The noise Hamiltonians, −γ and H₁, in source order.
+    /// Returns the noise Hamiltonians, −γ and H₁, in source order.
     fn g(&self, t: f64, q: &[f64], p: &[f64]) -> Vector;
-    /// The force; zero where there is none.
+    /// Returns the force; zero for a system without a force.
     fn f(&self, t: f64, q: &[f64], v: &[f64]) -> Vector;
-    /// Whether the block has a force.
+    /// Returns whether the block has a force.
     fn is_forced(&self) -> bool;
-    /// A random point where everything is regular.
+    /// Returns a random point in whose neighbourhood everything is regular.
     fn point(&self, random: &mut Random) -> Point;
-    /// The velocity of a momentum.
+    /// Returns the velocity of a momentum.
     fn velocity(&self, t: f64, q: &[f64], p: &[f64]) -> Vector;
-    /// The generated derivatives of L.
+    /// Returns the generated derivatives of L.
     fn lagrangian(&self, t: f64, q: &[f64], v: &[f64]) -> Lagrangian;
-    /// The generated derivatives of the noise Hamiltonians.
+    /// Returns the generated derivatives of the noise Hamiltonians.
     fn noises(&self, t: f64, q: &[f64], p: &[f64]) -> Vec<NoiseDerivatives>;
-    /// The generated force and its derivatives.
+    /// Returns the generated force and its derivatives.
     fn force(&self, t: f64, q: &[f64], v: &[f64]) -> Force;
 }
 

@@ -1,11 +1,12 @@
-//! Comparison of a derived Lagrangian with the user's own function: values, and derivatives by differences.
+//! Comparison of a derived Lagrangian with the user's own function: values, and derivatives by
+//! differences.
 
 use sve_runtime::{Dims, System, VectorCoordinates};
 
 use crate::functions::{Lagrangian, array, lagrangian};
 use crate::random::Random;
 
-/// Random points at which a feature is tried.
+/// Number of random points at which a feature is tried.
 const POINTS: usize = 24;
 
 /// L as a function of (t, q, v).
@@ -14,10 +15,11 @@ type Plain<'a> = &'a dyn Fn(f64, &[f64], &[f64]) -> f64;
 /// The derivatives of L as a function of (t, q, v).
 type Derived<'a> = &'a dyn Fn(f64, &[f64], &[f64]) -> Lagrangian;
 
-/// Compares `L`, `∂L/∂q`, `∂L/∂v` and the second derivatives at random points; `plain` is the user's function.
+/// Compares `L`, `∂L/∂q`, `∂L/∂v` and the second derivatives at random points; `plain` is the
+/// user's function.
 ///
 /// # Panics
-/// Where they differ.
+/// If they differ.
 pub fn check<S, Q, const N: usize, const M: usize>(
     system: &S,
     plain: impl Fn(f64, &[f64; N], &[f64; N]) -> f64,
@@ -27,7 +29,7 @@ pub fn check<S, Q, const N: usize, const M: usize>(
 {
     let derived = |t: f64, q: &[f64], v: &[f64]| lagrangian::<S, Q, N, M>(system, t, q, v);
     let plain = |t: f64, q: &[f64], v: &[f64]| plain(t, &array(q), &array(v));
-    // through pointers: one copy of the code for all systems
+    // The functions are passed by pointer, so that the code is compiled once for all systems.
     check_all(N, &derived, &plain);
 }
 
@@ -65,14 +67,14 @@ fn check_at(derived: Derived<'_>, plain: Plain<'_>, t: f64, q: &[f64], v: &[f64]
     }
 }
 
-/// `vector` with `x` as entry `i`.
+/// Returns `vector` with `x` as entry `i`.
 pub fn with(vector: &[f64], i: usize, x: f64) -> Vec<f64> {
     let mut vector = vector.to_vec();
     vector[i] = x;
     vector
 }
 
-/// Central difference of sixth order.
+/// Returns the derivative by central differences of sixth order.
 pub fn slope(f: &dyn Fn(f64) -> f64, x: f64) -> f64 {
     let h = 1e-3;
     let odd = |k: f64| f(x + k * h) - f(x - k * h);
@@ -82,7 +84,7 @@ pub fn slope(f: &dyn Fn(f64) -> f64, x: f64) -> f64 {
 /// Asserts that two numbers agree.
 ///
 /// # Panics
-/// Where they do not.
+/// If they do not agree.
 pub fn close(what: &str, derived: f64, expected: f64, tolerance: f64) {
     assert!(
         (derived - expected).abs() <= tolerance * (1.0 + expected.abs()),

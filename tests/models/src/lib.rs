@@ -1,5 +1,6 @@
-//! Shared code of the tests: models, the users' functions as oracles, all models with all rules as objects, checks of a feature of the
-//! language, difference quotients, orders of convergence, random points, an exact solution.
+//! Code shared by the tests: models, the users' functions as oracles, all models with all rules as
+//! objects, checks of a feature of the language, difference quotients, orders of convergence,
+//! random points, an exact solution.
 
 pub mod case;
 pub mod configured;

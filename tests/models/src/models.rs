@@ -1,4 +1,4 @@
-//! The systems under test: those of the paper and some that stress one feature each.
+//! The systems under test: the systems of the paper and some that stress one feature each.
 
 mod banded;
 mod constrained;

@@ -1,5 +1,5 @@
-//! The users' own functions of every model, which are what the generated code is measured against, and the list of all
-//! models and rules.
+//! The users' own functions of every model, against which the generated code is compared, and the
+//! list of all models and rules.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System};
@@ -20,20 +20,20 @@ type FlatCharges = Configured<Charges, [f64; 6]>;
 pub trait Model<const N: usize, const M: usize>:
     System<Dims = Dims<N, M>> + std::fmt::Debug
 {
-    /// L as the user wrote it.
+    /// Returns L as the user wrote it.
     fn l(&self, t: f64, q: [f64; N], v: [f64; N]) -> f64;
-    /// The noise Hamiltonians, −γ and H₁, in source order.
+    /// Returns the noise Hamiltonians, −γ and H₁, in source order.
     fn g(&self, t: f64, q: [f64; N], p: [f64; N]) -> [f64; M];
-    /// The force; zero where there is none.
+    /// Returns the force; zero for a system without a force.
     fn f(&self, t: f64, q: [f64; N], v: [f64; N]) -> [f64; N] {
         let _ = (t, q, v);
         [0.0; N]
     }
-    /// A point in whose neighbourhood, of the size of a step, all functions are regular.
+    /// Returns a point in whose neighbourhood, of the size of a step, all functions are regular.
     fn point(random: &mut Random) -> State<[f64; N]>;
 }
 
-/// Where a rule evaluates L.
+/// The points at which a rule evaluates L.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Nodes {
     /// At one node, at this fraction of the step.
@@ -48,7 +48,7 @@ pub enum Nodes {
 pub trait Rule {
     /// Name in the attribute.
     const NAME: &'static str;
-    /// Its quadrature nodes.
+    /// The quadrature nodes of the rule.
     const NODES: Nodes;
 }
 
@@ -69,13 +69,13 @@ rules! {
     Taylor2 "taylor2" Nodes::Predicted;
 }
 
-/// `Pendulum by midpoint`, for messages.
+/// Returns a name such as `Pendulum by midpoint`, for messages.
 pub fn name<S: System, R: sve_runtime::Rule<S::Itself>>(integrator: &Integrator<S, R>) -> String {
     let plan = integrator.plan();
     format!("{} by {}", plan.system, plan.rule)
 }
 
-/// Every model with every rule it has.
+/// Returns every model with each of its rules.
 pub fn cases() -> Vec<Box<dyn Case>> {
     let mut cases = Vec::new();
     macro_rules! add {
@@ -269,7 +269,7 @@ models! {
     point(r) = (r.array(-0.5, 0.5), r.array(-1.0, 1.0));
 }
 
-/// Coordinates of two bodies.
+/// Returns the coordinates of two bodies.
 fn pair([a, b, c, d, e, f]: [f64; 6]) -> [[f64; 3]; 2] {
     [[a, b, c], [d, e, f]]
 }

@@ -1,15 +1,17 @@
 //! Orders of convergence: one table of system, rule, noise, expected order and tolerance.
 //!
-//! The order is the slope of the logarithm of the error against that of the step size. On paths with noise, the error is the root mean square
-//! over paths of the distance of the ends, and the scatter of the slope between batches of paths gives its standard error.
+//! The order is the slope of the logarithm of the error against the logarithm of the step size. On
+//! paths with noise, the error is the root mean square over paths of the distance of the ends, and
+//! the scatter of the slope between batches of paths gives its standard error.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Configuration, Coordinates, Dims, FixedSize, Rule, StrongOrder, System};
 
-/// Standard errors of a slope that are accepted. Two would leave one row in twenty off by chance.
+/// Largest accepted deviation of a slope, in standard errors. Two standard errors would reject one
+/// row in twenty by chance.
 const SIGMAS: f64 = 4.0;
 
-/// Slope of the least-squares line.
+/// Returns the slope of the least-squares line.
 pub fn slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
@@ -22,21 +24,22 @@ pub fn slope(x: &[f64], y: &[f64]) -> f64 {
 pub struct Order {
     /// The slope.
     pub value: f64,
-    /// Its standard error; zero without sampling.
+    /// The standard error of the slope; zero without sampling.
     pub error: f64,
 }
 
-/// How far a measured order may be off.
+/// The largest accepted error of a measured order.
 #[derive(Clone, Copy, Debug)]
 pub struct Tolerance {
-    /// Beside four standard errors: at the larger steps the next term of the error still counts.
+    /// Bias, beside four standard errors: at the larger steps the next term of the error still
+    /// counts.
     pub bias: f64,
     /// Largest standard error.
     pub error: f64,
 }
 
 impl Order {
-    /// The order from errors of steps each of which is half of the one before.
+    /// Returns the order from the errors of steps, each half as long as the step before.
     pub fn of(errors: &[f64]) -> Self {
         let x: Vec<f64> = (0..errors.len()).map(|k| -(k as f64)).collect();
         let y: Vec<f64> = errors.iter().map(|error| error.log2()).collect();
@@ -46,7 +49,7 @@ impl Order {
         }
     }
 
-    /// The order from the sums of squared errors in each batch of paths.
+    /// Returns the order from the sums of squared errors in each batch of paths.
     pub fn of_batches(batches: &[Vec<f64>]) -> Self {
         let order = |squares: &[f64]| {
             let errors: Vec<f64> = squares.iter().map(|square| square.sqrt()).collect();
@@ -67,7 +70,7 @@ impl Order {
     /// Prints a row of the table, named by system, rule and noise, and checks it.
     ///
     /// # Panics
-    /// If the order is another one than expected.
+    /// If the order differs from the expected order.
     pub fn check(self, [system, rule, noise]: [&str; 3], expected: f64, tolerance: Tolerance) {
         let Self { value, error } = self;
         let row = format!("| {system} | {rule} | {noise} | {expected} | {value:.3} ± {error:.3} |");
@@ -81,11 +84,12 @@ impl Order {
 pub struct Path {
     /// The increments of the finest steps.
     pub fine: Recorded,
-    /// Coordinates and momenta at the exact end. If there are none, each step size is compared with half of it.
+    /// Coordinates and momenta at the exact end. If it is `None`, each step size is compared with
+    /// half of it.
     pub end: Option<Vec<f64>>,
 }
 
-/// The end of a path by a method.
+/// A function that returns the end of a path by a method.
 pub type End<'a> = Box<dyn Fn(&Recorded) -> Vec<f64> + 'a>;
 
 /// A method in a table of orders.
@@ -96,12 +100,12 @@ pub struct Row<'a> {
     pub rule: String,
     /// The expected order.
     pub order: f64,
-    /// The end of a path.
+    /// The function for the end of a path.
     pub end: End<'a>,
 }
 
 impl<'a> Row<'a> {
-    /// The row of a rule with the strong order that its plan states.
+    /// Returns the row of a rule with the strong order that its plan states.
     ///
     /// # Panics
     /// If the plan states no number.
@@ -132,13 +136,13 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The row with another order than the plan states.
+    /// Returns the row with another order than the plan states.
     #[must_use]
     pub fn of_order(self, order: f64) -> Self {
         Self { order, ..self }
     }
 
-    /// A row for each of the rules with one node and Störmer–Verlet.
+    /// Returns a row for each of the rules with one node and for Störmer–Verlet.
     pub fn rules<S, Q, const N: usize, const M: usize>(system: S, start: State<Q>) -> Vec<Self>
     where
         S: System<Dims = Dims<N, M, Q>> + Copy + 'a,
@@ -157,7 +161,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// Coordinates and momenta at the end of a recorded path.
+/// Returns coordinates and momenta at the end of a recorded path.
 ///
 /// # Panics
 /// If a step fails.
@@ -175,7 +179,8 @@ where
     numbers(&end.expect("a step").expect("a solution"))
 }
 
-/// Coordinates, then momenta. Quaternions are continuous along a path, so that those of two steps on the same path have the same sign.
+/// Returns coordinates, then momenta. Quaternions are continuous along a path, so that the
+/// quaternions of two steps on the same path have the same sign.
 pub fn numbers<Q: FixedSize>(state: &State<Q>) -> Vec<f64> {
     let mut numbers = vec![0.0; Q::STORED_VALUES + Q::DEGREES_OF_FREEDOM];
     let (q, p) = numbers.split_at_mut(Q::STORED_VALUES);
@@ -184,7 +189,7 @@ pub fn numbers<Q: FixedSize>(state: &State<Q>) -> Vec<f64> {
     numbers
 }
 
-/// The squared distance of two ends.
+/// Returns the squared distance of two ends.
 ///
 /// # Panics
 /// If they have different lengths.
@@ -193,7 +198,7 @@ pub fn distance2(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum()
 }
 
-/// The sum of all increments of each process.
+/// Returns the sum of all increments of each process.
 ///
 /// # Panics
 /// If the path has another number of processes.
@@ -203,7 +208,8 @@ pub fn total<const M: usize>(path: &Recorded) -> [f64; M] {
     increments.try_into().expect("so many processes")
 }
 
-/// The paths to time 1 on which orders are measured, and the steps that are measured: 2ᵏ and, level by level, twice as many.
+/// The paths to time 1 on which orders are measured, and the numbers of steps: 2ᵏ and, level by
+/// level, twice as many.
 #[derive(Clone, Copy, Debug)]
 pub struct Paths {
     /// Seed of the noise.
@@ -218,12 +224,12 @@ pub struct Paths {
     pub levels: u32,
     /// Exponent of the steps that are recorded.
     pub finest: u32,
-    /// How far an order may be off.
+    /// The largest accepted error of an order.
     pub tolerance: Tolerance,
 }
 
 impl Paths {
-    /// A path with the increments of so many processes.
+    /// Returns a path with the increments of so many processes.
     ///
     /// # Panics
     /// If an increment is not finite.
@@ -233,7 +239,7 @@ impl Paths {
         Recorded::record(noise, h, processes, 1 << self.finest).expect("finite increments")
     }
 
-    /// Paths whose end is known for their increments, which are those of so many processes.
+    /// Returns paths with an end that `end` computes from the increments of so many processes.
     pub fn against(
         self,
         processes: usize,
@@ -287,7 +293,7 @@ impl Paths {
     /// Prints and checks a row of the table for each method.
     ///
     /// # Panics
-    /// If an order is another one than expected.
+    /// If an order differs from the expected order.
     pub fn check(&self, noise: &str, rows: &[Row<'_>], path: impl Fn(u64) -> Path) {
         for (row, order) in rows.iter().zip(self.measure(rows, &path)) {
             order.check([&row.system, &row.rule, noise], row.order, self.tolerance);

@@ -1,8 +1,10 @@
-//! Systems with the option `weak2`, and those whose Lagrangian contains its potential by hand.
+//! Systems with the option `weak2`, and systems whose Lagrangian contains the potential of the
+//! option explicitly.
 
 use sve_runtime::prelude::*;
 
-/// Two systems with the same functions: one with the option, and one whose Lagrangian has the potential.
+/// Two systems with the same functions: one with the option, and one whose Lagrangian has the
+/// potential.
 macro_rules! both {
     ($system:ident $by_hand:ident $size:literal $functions:tt) => {
         both! {
@@ -114,7 +116,7 @@ both!(Heavy HeavyByHand 1 {
     }
 });
 
-// both angles of a double pendulum, shaken by noise that changes with time
+// The angles of a double pendulum, both shaken by noise that changes with time.
 both!(Pendulums PendulumsByHand 2 {
     fn l(&self, _t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
         self.m * v[0] * v[0] + 0.5 * v[1] * v[1] + (q[0] - q[1]).cos() * v[0] * v[1]
@@ -136,7 +138,7 @@ both!(Pendulums PendulumsByHand 2 {
     }
 });
 
-/// Inverse of the matrix with 3 on the diagonal and 1 beside it, of size 4: the numerators over 55.
+/// Inverse of the 4 × 4 matrix with 3 on the diagonal and 1 beside it, times 55.
 const INVERSE: [[f64; 4]; 4] = [
     [21.0, -8.0, 3.0, -1.0],
     [-8.0, 24.0, -9.0, 3.0],
@@ -175,7 +177,7 @@ both!(Chain (midpoint, midpoint(weak2), stormer_verlet, stormer_verlet(weak2)) C
     }
 });
 
-/// Additive noise: K is a constant, and the step has the bits of the plain one.
+/// Additive noise: K is a constant, and the step has the bits of the step without the option.
 #[derive(Clone, Debug)]
 pub struct Additive;
 

@@ -5,7 +5,7 @@
 pub struct Random(u64);
 
 impl Random {
-    /// The generator of a seed.
+    /// Returns the generator of a seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
@@ -18,17 +18,17 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Uniform between `low` and `high`.
+    /// Returns a uniform number between `low` and `high`.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Uniform, each entry.
+    /// Returns an array whose entries are uniform.
     pub fn array<const N: usize>(&mut self, low: f64, high: f64) -> [f64; N] {
         core::array::from_fn(|_| self.uniform(low, high))
     }
 
-    /// Uniform, each entry of a vector of this length.
+    /// Returns a vector of this length whose entries are uniform.
     pub fn vector(&mut self, length: usize, low: f64, high: f64) -> Vec<f64> {
         (0..length).map(|_| self.uniform(low, high)).collect()
     }

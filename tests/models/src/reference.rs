@@ -1,4 +1,5 @@
-//! Steps computed elsewhere with 40-digit arithmetic from the discrete action, independently of this project.
+//! Steps computed elsewhere with 40-digit arithmetic from the discrete action, independently of
+//! this project.
 
 use std::collections::HashMap;
 
@@ -21,7 +22,7 @@ pub struct ReferenceRun {
     h: f64,
     /// Increments of each step.
     dw: Vec<Vec<f64>>,
-    /// Entries of q, then those of p: at the start, and after each step.
+    /// Entries of q, then entries of p: at the start, and after each step.
     states: Vec<Vec<f64>>,
     /// Multipliers of the constraints at the start of each step, and at its end.
     #[serde(default)]
@@ -30,7 +31,8 @@ pub struct ReferenceRun {
     mu: Vec<Vec<f64>>,
 }
 
-/// Compares the runs in a file of the reference data with steps: each has an error below a bound.
+/// Compares the runs in a file of the reference data with steps: the error of each run is below a
+/// bound.
 ///
 /// # Panics
 /// If the file has another number of runs, or an error is above the bound.
@@ -48,47 +50,47 @@ pub fn check(file: &str, runs: usize, bound: f64, error: impl Fn(&ReferenceRun) 
     }
 }
 
-/// The largest difference of two rows of numbers.
+/// Returns the largest difference of two rows of numbers.
 fn difference(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let pairs = found.iter().zip(expected);
     pairs.fold(0.0, |worst, (x, y)| worst.max((x - y).abs()))
 }
 
-/// The largest magnitude of a number.
+/// Returns the largest magnitude of a number.
 fn size(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |m, x| m.max(x.abs()))
 }
 
 impl ReferenceRun {
-    /// Whether the system has a parameter.
+    /// Returns whether the system has a parameter.
     pub fn has(&self, parameter: &str) -> bool {
         self.params.contains_key(parameter)
     }
 
-    /// A parameter of the system.
+    /// Returns a parameter of the system.
     ///
     /// # Panics
-    /// If the run has none of this name.
+    /// If the run has no parameter of this name.
     pub fn number(&self, parameter: &str) -> f64 {
         self.params[parameter].as_f64().expect("a number")
     }
 
-    /// A row of three numbers among the parameters of the system.
+    /// Returns a row of three numbers among the parameters of the system.
     ///
     /// # Panics
-    /// If the run has none of this name.
+    /// If the run has no parameter of this name.
     pub fn vector(&self, parameter: &str) -> Vector3<f64> {
         let value = &self.params[parameter];
         Vector3::from_fn(|i, _| value[i].as_f64().expect("a number"))
     }
 
-    /// The entries of q at the start, then those of p.
+    /// Returns the entries of q at the start, then the entries of p.
     pub fn first(&self) -> &[f64] {
         &self.states[0]
     }
 
-    /// The state at the start.
+    /// Returns the state at the start.
     fn start<Q: Coordinates<N>, const N: usize>(&self) -> State<Q> {
         let mut start = State::new(Q::origin(), Q::no_momentum());
         let (q, p) = self.first().split_at(Q::STORED_VALUES);
@@ -97,7 +99,8 @@ impl ReferenceRun {
         start
     }
 
-    /// Returns the largest error of an integrator's steps along the run, relative to the largest entry.
+    /// Returns the largest error of an integrator's steps along the run, relative to the largest
+    /// entry.
     ///
     /// # Panics
     /// If a step fails, or the integrator takes other states or increments.
@@ -110,7 +113,8 @@ impl ReferenceRun {
         self.error_from(system, rule, self.start())
     }
 
-    /// Returns the largest error of an integrator's steps from `state` along the run, relative to the largest entry.
+    /// Returns the largest error of an integrator's steps from `state` along the run, relative to
+    /// the largest entry.
     ///
     /// # Panics
     /// If a step fails, or the integrator takes other states or increments.
@@ -137,7 +141,8 @@ impl ReferenceRun {
         worst
     }
 
-    /// Returns the largest error of the multipliers of constraints and of the states along the run, relative to the largest entry of a state.
+    /// Returns the largest error of the multipliers of constraints and of the states along the run,
+    /// relative to the largest entry of a state.
     ///
     /// # Panics
     /// If a step fails, or the integrator takes other states or increments.

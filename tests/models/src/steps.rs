@@ -1,4 +1,5 @@
-//! Identities of a step of any rule: its derivatives by differences, symplecticity, and the way back.
+//! Identities of a step of any rule: its derivatives by differences, symplecticity, and the step
+//! back.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Rule, System};
@@ -7,10 +8,11 @@ use crate::differences::derivatives;
 use crate::oracle::name;
 use crate::orders::numbers;
 
-/// Largest error of a derivative by differences, relative to 1 and the derivative: see `differences`, with derivatives of the seventh order below 100.
+/// Largest error of a derivative by differences, relative to 1 and the derivative: see
+/// `differences`, with derivatives of the seventh order below 100.
 const DIFFERENCES: f64 = 1e-9;
 
-/// Coordinates and momenta after a step.
+/// Returns coordinates and momenta after a step.
 ///
 /// # Panics
 /// If the step fails.
@@ -30,14 +32,14 @@ where
     numbers(&state)
 }
 
-/// The state with `by` added to an entry of (q, p).
+/// Returns the state with `by` added to an entry of (q, p).
 fn moved<const N: usize>(mut state: State<[f64; N]>, entry: usize, by: f64) -> State<[f64; N]> {
     let mut entries = state.q.iter_mut().chain(&mut state.p);
     *entries.nth(entry).expect("an entry") += by;
     state
 }
 
-/// Compares derivatives with those of a function by differences.
+/// Compares derivatives with the derivatives of a function by differences.
 fn compare(what: &str, derived: &[f64], function: impl Fn(f64) -> Vec<f64>) {
     let differences = derivatives(function);
     assert_eq!(derived.len(), differences.len(), "{what}");
@@ -49,7 +51,8 @@ fn compare(what: &str, derived: &[f64], function: impl Fn(f64) -> Vec<f64>) {
     }
 }
 
-/// Checks that the tangent map of a step is its derivative and, with a bound of the defect, symplectic.
+/// Checks that the tangent map of a step is its derivative and, with a bound of the defect,
+/// symplectic.
 ///
 /// # Panics
 /// If it is not.
@@ -76,10 +79,11 @@ pub fn check_tangent<S, R, const N: usize, const M: usize>(
     }
 }
 
-/// Checks that sensitivities are derivatives of a step by parameters: `system` has a parameter changed by a number.
+/// Checks that sensitivities are derivatives of a step by parameters: `system` returns a system
+/// with a parameter changed by a number.
 ///
 /// # Panics
-/// If one is not.
+/// If a sensitivity is wrong.
 pub fn check_sensitivity<S, R, const N: usize, const M: usize>(
     system: impl Fn(&str, f64) -> S,
     rule: R,
@@ -102,10 +106,11 @@ pub fn check_sensitivity<S, R, const N: usize, const M: usize>(
     }
 }
 
-/// Checks that a step, and one with −h and the increments `back`, lead back to the start.
+/// Checks that a step, followed by a step with −h and the increments `back`, leads back to the
+/// start.
 ///
 /// # Panics
-/// If they do not.
+/// If the end differs from the start.
 pub fn check_return<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     start: &State<[f64; N]>,

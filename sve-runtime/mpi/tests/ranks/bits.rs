@@ -12,7 +12,7 @@ use sve_runtime::prelude::*;
 use super::World;
 use super::models::{bits, kubo, pendulum, with_all};
 
-/// Fewer blocks than ranks, as many, a part of a block at the end, and many.
+/// Numbers of paths: fewer blocks than ranks, as many, a part of a block at the end, and many.
 const PATHS: [u64; 6] = [1, 64, 65, 256, 7 * 64 + 5, 20_011];
 
 pub(crate) fn same_bits(given: &World) {
@@ -20,7 +20,7 @@ pub(crate) fn same_bits(given: &World) {
     for paths in PATHS {
         let alone = with_all(&method, paths).threads(1).run().unwrap();
         for threads in [1, 2] {
-            // another number of threads on each rank
+            // Ranks with odd numbers have another number of threads.
             let threads = threads + usize::from(given.rank % 2 == 1);
             let ensemble = with_all(&method, paths).threads(threads);
             let summary = sve_mpi::run(&ensemble, &given.communicator).unwrap();
@@ -39,7 +39,7 @@ pub(crate) fn same_bits(given: &World) {
     assert_eq!(bits(&summary), bits(&ensemble.run().unwrap()));
 }
 
-/// Messages in pieces of a few bytes, as those of more than 2³⁰ bytes are.
+/// Checks messages in pieces of a few bytes, which messages of more than 2³⁰ bytes need too.
 pub(crate) fn messages_in_pieces(given: &World) {
     let method = kubo();
     let ensemble = with_all(&method, 3000).threads(1);
@@ -50,7 +50,7 @@ pub(crate) fn messages_in_pieces(given: &World) {
     }
 }
 
-/// The paths of the last rank's region take long. Other ranks take some of its blocks.
+/// Checks paths that take long in the last rank's region. Other ranks take some of its blocks.
 pub(crate) fn unequal_times(given: &World) {
     const BLOCKS: u64 = 256;
     let slow = 64 * BLOCKS * given.others() / (given.others() + 1);
@@ -63,7 +63,8 @@ pub(crate) fn unequal_times(given: &World) {
             .steps(0.1, 5)
             .start_with(move |path, rng| {
                 if path % 64 == 0 && path >= slow && !delay.is_zero() {
-                    // a pause, not work, so that the load of the machine does not matter
+                    // The delay is a pause and no work, so that the load of the machine does not
+                    // matter.
                     thread::sleep(delay);
                     own.fetch_add(1, Ordering::Relaxed);
                 }
@@ -81,11 +82,12 @@ pub(crate) fn unequal_times(given: &World) {
         .communicator
         .all_reduce_into(&own, &mut most, SystemOperation::max());
     let all = BLOCKS / (given.others() + 1);
-    // an equal share is all / ranks; each rank also draws up to 17 starts for the fingerprint
+    // An equal share is all / ranks; each rank also draws up to 17 starts for the fingerprint.
     assert!(most < all * 3 / 4 + 17, "{most} of {all}");
 }
 
-/// Two runs at the same time, each on some of the ranks, while a message of the program is under way.
+/// Checks two runs at the same time, each on some of the ranks, while a message of the program is
+/// under way.
 pub(crate) fn divided_communicators(given: &World) {
     let color = given.rank % 2;
     let half = given
@@ -109,7 +111,7 @@ pub(crate) fn shards(given: &World) {
     assert_eq!(bits(&whole), bits(&with_all(&method, 1500).run().unwrap()));
 }
 
-/// The launcher reads what this writes.
+/// Prints the progress, which the launcher reads.
 pub(crate) fn progress(given: &World) {
     let method = kubo();
     let ensemble = with_all(&method, 640).progress(true);

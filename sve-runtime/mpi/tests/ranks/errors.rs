@@ -1,4 +1,4 @@
-//! Errors are the same on all ranks, with the rank that they come from.
+//! Errors are the same on all ranks, with the rank where they occurred.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ fn error(ensemble: &Ensemble<'_, Method>, given: &World) -> Error {
     sve_mpi::run(ensemble, &given.communicator).expect_err("an error")
 }
 
-/// More paths fail than a summary keeps.
+/// Checks a run in which more paths fail than a summary keeps.
 pub(crate) fn failing_paths(given: &World) {
     let method = kubo();
     let ensemble = with_all(&method, 6400).bound("energy", ..=1.5);
@@ -46,7 +46,7 @@ pub(crate) fn stop_on_failure(given: &World) {
     }
 }
 
-/// A panic on the last rank, in a start that the settings draw, and in a later one.
+/// Checks a panic on the last rank, in a start that the settings draw, and in a later one.
 pub(crate) fn panics(given: &World) {
     let (method, is_last) = (kubo(), given.rank == given.last);
     let panicking = |first: u64| {
@@ -70,7 +70,7 @@ pub(crate) fn panics(given: &World) {
     }
 }
 
-/// A setting that is wrong on one rank.
+/// Checks an invalid setting on one rank.
 pub(crate) fn wrong_settings(given: &World) {
     let method = kubo();
     for wrong in 0..=given.last {
@@ -96,7 +96,7 @@ pub(crate) fn wrong_settings(given: &World) {
     }
 }
 
-/// A setting that is right, and another one on the last rank.
+/// Checks a valid setting that has another value on the last rank.
 pub(crate) fn differing_settings(given: &World) {
     let (method, is_last) = (kubo(), given.rank == given.last);
     let next = Kubo {
@@ -143,7 +143,8 @@ fn differs(error: &Error, last: i32, expected: &str) {
     }
 }
 
-/// Checkpoints that cannot be read or written at the start are errors of rank 0, on all ranks.
+/// Checks that checkpoints that cannot be read or written at the start are errors of rank 0, on all
+/// ranks.
 pub(crate) fn bad_files(given: &World) {
     let method = kubo();
     let damaged = scratch(&format!("damaged-{}.sve", given.last));
@@ -175,7 +176,8 @@ pub(crate) fn bad_files(given: &World) {
     }
 }
 
-/// A checkpoint that cannot be written during the run is a warning on all ranks, and no results are lost.
+/// Checks that a checkpoint that cannot be written during the run is a warning on all ranks, and
+/// that no results are lost.
 pub(crate) fn vanishing_folders(given: &World) {
     let method = kubo();
     let folder = scratch(&format!("vanishing-{}", given.last));

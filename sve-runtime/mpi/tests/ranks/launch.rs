@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::{CASES, Case, Outcome};
 
-/// A case takes a few seconds. One that takes longer waits for a message that does not come.
+/// Time limit of a case. A case takes a few seconds; a case that takes longer waits for a message
+/// that does not come.
 const LIMIT: Duration = Duration::from_secs(120);
 
 /// Runs all cases, or those whose names are arguments.
@@ -42,7 +43,8 @@ fn run(case: &Case, ranks: u32) -> Result<(), String> {
     let mut command = Command::new("mpirun");
     command.arg("-n").arg(ranks.to_string()).arg(program);
     command.env("SVE_MPI_CASE", case.name);
-    // Open MPI 4 and 5: more ranks than cores, and root in a container. Other implementations do not read these.
+    // Open MPI 4 and 5: more ranks than cores, and root in a container. Other implementations do
+    // not read these.
     for (name, value) in [
         ("OMPI_MCA_rmaps_base_oversubscribe", "1"),
         ("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe"),
@@ -77,7 +79,8 @@ fn run(case: &Case, ranks: u32) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks that the lines of progress on standard error increase up to all paths, once for the whole run.
+/// Checks that the lines of progress on standard error increase up to all paths, once for the whole
+/// run.
 fn progress_is_shown(text: &str) -> Result<(), String> {
     let percents = text
         .lines()

@@ -1,7 +1,7 @@
 //! Ensembles on 1, 2, 3 and 4 ranks against one machine.
 //!
-//! Without a rank this program starts itself by `mpirun`, once for each case and number of ranks. A case is a function that every rank
-//! runs. The names of cases can be given as arguments.
+//! Without a rank this program starts itself by `mpirun`, once for each case and number of ranks. A
+//! case is a function that every rank runs. The names of cases can be given as arguments.
 
 #![allow(clippy::redundant_closure_for_method_calls)] // closures are written as users write them
 
@@ -15,7 +15,7 @@ use mpi::Threading;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::Communicator as _;
 
-/// What a case is given.
+/// The communicator of a case, the rank and the last rank.
 pub(crate) struct World {
     pub(crate) communicator: SimpleCommunicator,
     pub(crate) rank: i32,
@@ -29,7 +29,7 @@ impl World {
     }
 }
 
-/// What is expected of a case.
+/// The expected end of a case.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Outcome {
     Passes,

@@ -50,7 +50,7 @@ pub(crate) fn pendulum() -> Integrator<Pendulum, Midpoint> {
     Integrator::new(Pendulum { g: 9.8, sigma: 0.7 }, Midpoint)
 }
 
-/// An ensemble with one of each kind of result, on which some paths fail.
+/// Returns an ensemble with one result of each kind, in which some paths fail.
 pub(crate) fn with_all(method: &Method, paths: u64) -> Ensemble<'_, Method> {
     Ensemble::new(method)
         .paths(paths)
@@ -65,12 +65,12 @@ pub(crate) fn with_all(method: &Method, paths: u64) -> Ensemble<'_, Method> {
         .keep_final_states(true)
 }
 
-/// A file that tests write.
+/// Returns the path of a file that tests write.
 pub(crate) fn scratch(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
 }
 
-/// All bits of a summary.
+/// Returns all bits of a summary.
 pub(crate) fn bits(summary: &Summary) -> Vec<u8> {
     postcard::to_stdvec(summary).expect("the stored form of a summary")
 }

@@ -15,7 +15,8 @@ use super::models::{Method, bits, kubo, scratch, with_all};
 
 const PATHS: u64 = 200 * 64 + 9;
 
-/// The last rank ends the run, which another number of ranks continues: here one machine, and all ranks again.
+/// Checks that the last rank can end a run. Another number of ranks continues it: one machine, and
+/// all ranks again.
 pub(crate) fn stopped(given: &World) {
     let (method, asked) = (kubo(), AtomicU64::new(0));
     let file = scratch(&format!("stopped-{}.sve", given.last));
@@ -23,7 +24,7 @@ pub(crate) fn stopped(given: &World) {
         let _ = std::fs::remove_file(&file);
     }
     let is_last = given.rank == given.last;
-    // the other ranks are slow, so that they cannot end the run before the last one is asked
+    // The other ranks are slow, so that they cannot end the run before the last rank is asked.
     let start = |sleep: u64| {
         move |path: u64, rng: &mut StartRng| {
             if path % 64 == 33 {
@@ -73,7 +74,7 @@ fn same_on_all(given: &World, bytes: &[u8]) {
     assert_eq!(least, most);
 }
 
-/// One machine writes the file, and all ranks continue it; and the reverse.
+/// Checks that all ranks continue a file that one machine has written, and the reverse.
 pub(crate) fn restarted_alone(given: &World) {
     let method = kubo();
     let alone = bits(&with_all(&method, PATHS).run().unwrap());
@@ -95,12 +96,12 @@ pub(crate) fn restarted_alone(given: &World) {
     }
 }
 
-/// The file of a run that is killed.
+/// Returns the path of the file of a run that is killed.
 fn killed_file(number: i32) -> PathBuf {
     scratch(&format!("killed-{number}.sve"))
 }
 
-/// An ensemble whose blocks take some time.
+/// Returns an ensemble whose blocks take some time.
 fn slow<'a>(method: &'a Method, ran: &'a AtomicU64) -> Ensemble<'a, Method> {
     with_all(method, PATHS).start_with(move |path, rng| {
         if path % 64 == 33 {
@@ -111,14 +112,14 @@ fn slow<'a>(method: &'a Method, ran: &'a AtomicU64) -> Ensemble<'a, Method> {
     })
 }
 
-/// The last rank dies once a few checkpoints exist.
+/// Kills the last rank once a few checkpoints exist.
 pub(crate) fn killed(given: &World) {
     let (method, ran) = (kubo(), AtomicU64::new(0));
     let file = killed_file(given.last + 1);
     if given.rank == 0 {
         let _ = std::fs::remove_file(&file);
     }
-    // no file of an earlier run is mistaken for one of this run
+    // The barrier keeps a file of an earlier run from being mistaken for a file of this run.
     given.communicator.barrier();
     let (is_last, watched) = (given.rank == given.last, file.clone());
     if is_last {
@@ -132,7 +133,7 @@ pub(crate) fn killed(given: &World) {
                 last = now;
                 thread::sleep(Duration::from_millis(1));
             }
-            // as the system ends a process that takes too much memory
+            // The signal is the same as when the system ends a process that takes too much memory.
             let own = std::process::id().to_string();
             let _ = std::process::Command::new("kill")
                 .args(["-9", &own])
@@ -146,7 +147,7 @@ pub(crate) fn killed(given: &World) {
     panic!("{ended:?} without the last rank");
 }
 
-/// Each run that was killed is continued, on the number of ranks at hand.
+/// Checks that each run that was killed is continued, on the given number of ranks.
 pub(crate) fn continued(given: &World) {
     let (method, ran) = (kubo(), AtomicU64::new(0));
     let alone = bits(&slow(&method, &ran).run().unwrap());
@@ -168,7 +169,8 @@ pub(crate) fn continued(given: &World) {
         given
             .communicator
             .all_reduce_into(&ran, &mut sum, SystemOperation::sum());
-        // without a checkpoint there would be a start for each of 200 blocks, and those of the fingerprints
+        // Without a checkpoint there would be a start for each of 200 blocks, and the starts for
+        // the fingerprints.
         assert!(sum < 200, "{sum}");
     }
 }

@@ -1,10 +1,12 @@
-//! Systems whose Lagrangian does not determine every velocity, each with what is known of it; and steps of them that are wrong.
+//! Systems whose Lagrangian does not determine every velocity, each with its known properties; and
+//! wrong steps of such systems.
 
 pub mod wrong;
 
 use sve_runtime::prelude::*;
 
-/// Two species, in a gauge in which both velocities occur; one coordinate can be removed by a quadratic gauge.
+/// Two species, in a gauge in which both velocities occur; one coordinate can be removed by a
+/// quadratic gauge.
 #[derive(Clone, Copy, Debug)]
 pub struct LotkaVolterra;
 
@@ -21,7 +23,7 @@ impl LotkaVolterra {
     }
 }
 
-/// The same in the gauge without the second velocity.
+/// The Lotka–Volterra system in the gauge without the second velocity.
 #[derive(Clone, Copy, Debug)]
 pub struct InternalLotkaVolterra;
 
@@ -38,7 +40,8 @@ impl InternalLotkaVolterra {
     }
 }
 
-/// The same, slowly, with two noises that do not commute, although both are functions of the configuration.
+/// The Lotka–Volterra system, slowly, with two noises that do not commute, although both are
+/// functions of the configuration.
 #[derive(Clone, Copy, Debug)]
 pub struct StormyLotkaVolterra;
 
@@ -55,7 +58,7 @@ impl StormyLotkaVolterra {
     }
 }
 
-/// The same in a cubic gauge, which has no internal form.
+/// The Lotka–Volterra system in a cubic gauge, which has no internal form.
 #[derive(Clone, Copy, Debug)]
 pub struct CubicLotkaVolterra;
 
@@ -63,13 +66,14 @@ pub struct CubicLotkaVolterra;
 impl CubicLotkaVolterra {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let energy = q[0] + q[1] - q[0].ln() - 2.0 * q[1].ln();
-        // the gradient of x²y + y³/3
+        // The gradient of x²y + y³/3.
         let gauge = 2.0 * q[0] * q[1] * v[0] + (q[0] * q[0] + q[1] * q[1]) * v[1];
         q[1].ln() / q[0] * v[0] + gauge - energy
     }
 }
 
-/// A spin in stereographic coordinates. With γ = −½H the motion is the precession by −(t + ½W) about (0.6, 0, 0.8).
+/// A spin in stereographic coordinates. With γ = −½H the motion is the precession by −(t + ½W)
+/// about (0.6, 0, 0.8).
 #[derive(Clone, Copy, Debug)]
 pub struct Spin;
 
@@ -110,7 +114,8 @@ impl TumblingSpin {
     }
 }
 
-/// The oscillator as a system of first order, with α = (−y, 0). With γ = −½H the motion is the rotation by t + ½W.
+/// The oscillator as a system of first order, with α = (−y, 0). With γ = −½H the motion is the
+/// rotation by t + ½W.
 #[derive(Clone, Copy, Debug)]
 pub struct Kubo;
 
@@ -158,7 +163,8 @@ impl Vortices {
     }
 }
 
-/// Two vortices whose noise is a multiple of the energy: they turn about their centre by (Γ₁ + Γ₂)/d² (t + σW).
+/// Two vortices whose noise is a multiple of the energy: they turn about their centre by (Γ₁ +
+/// Γ₂)/d² (t + σW).
 #[derive(Clone, Copy, Debug)]
 pub struct VortexPair {
     /// Circulations.
@@ -194,8 +200,8 @@ impl VortexPair {
     }
 }
 
-/// Charged particles drift in a magnetic field along z, of strength B = 1 + x²/2 − xy/4, in a potential; the gauge has no axis, so that both components of α are
-/// not linear.
+/// Charged particles that drift in a magnetic field along z, of strength B = 1 + x²/2 − xy/4, in a
+/// potential. The gauge has no axis, so that both components of α are not linear.
 #[derive(Clone, Copy, Debug)]
 pub struct Drift;
 
@@ -217,7 +223,7 @@ impl Drift {
 /// A particle with mass whose potential depends on a massless pair; α is not affine.
 #[derive(Clone, Copy, Debug)]
 pub struct MassWithPair {
-    /// Its mass at rest.
+    /// Mass of the particle at rest.
     pub mass: f64,
 }
 
@@ -241,7 +247,8 @@ impl MassWithPair {
     }
 }
 
-/// The same with a constant two-form: an oscillator coupled to a spin near its pole.
+/// A particle with mass and a massless pair with a constant two-form: an oscillator coupled to a
+/// spin near its pole.
 #[derive(Clone, Copy, Debug)]
 pub struct MassWithAffinePair;
 

@@ -1,20 +1,23 @@
-//! Steps of degenerate systems that integrate another equation, or are unstable, for tests that have to notice it.
+//! Steps of degenerate systems that integrate another equation, or are unstable. Tests have to
+//! notice it.
 
 use sve_runtime::{Dims, System};
 
-/// What a plain midpoint step does about p = α(q).
+/// The treatment of p = α(q) by a plain midpoint step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plain {
-    /// Nothing: the discrete Euler–Lagrange equations with the momentum that the step before left.
+    /// No treatment: the discrete Euler–Lagrange equations with the momentum that the step before
+    /// left.
     Free,
-    /// Puts p = α(q) after each step.
+    /// Sets p = α(q) after each step.
     Projected,
 }
 
-/// Iterations of a step; each reduces the error by a factor of the order of the step.
+/// Number of iterations of a step; each reduces the error by a factor of the order of the step.
 const ITERATIONS: usize = 60;
 
-/// One step of the discrete Euler–Lagrange equations at the midpoint, for a Lagrangian that is linear in all velocities.
+/// Makes one step of the discrete Euler–Lagrange equations at the midpoint, for a Lagrangian that
+/// is linear in all velocities.
 #[must_use]
 pub fn step<S, const N: usize, const M: usize>(
     system: &S,
@@ -42,7 +45,7 @@ where
             let noise: f64 = noises.iter().zip(dw).map(|(g, w)| g.dq[i] * w).sum();
             along + h * jet.dq[i] - noise
         });
-        // α(q̄) − g/2 = p₀, whose derivative by d is −ω/2
+        // The residual is α(q̄) − g/2 − p₀, and its derivative by d is −ω/2.
         let residual: [f64; N] = core::array::from_fn(|i| jet.dv[i] - 0.5 * kick[i] - p[i]);
         let form = core::array::from_fn(|i| {
             core::array::from_fn(|k| 0.5 * (jet.dqv[i][k] - jet.dqv[k][i]))
@@ -56,7 +59,7 @@ where
     (core::array::from_fn(|i| q[i] + d[i]), end)
 }
 
-/// Gaussian elimination with the largest pivot of each column.
+/// Solves by Gaussian elimination with the largest pivot of each column.
 fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
     for k in 0..N {
         let size = |i: &usize| matrix[*i][k].abs();

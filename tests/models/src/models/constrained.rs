@@ -31,7 +31,8 @@ impl OnSphere {
     }
 }
 
-/// A free particle on the unit sphere that is turned about an axis at random: H₁ = s ⟨q×p, (1,−2,2)/3⟩.
+/// A free particle on the unit sphere that is turned about an axis at random: H₁ = s ⟨q×p,
+/// (1,−2,2)/3⟩.
 #[derive(Clone, Debug)]
 pub struct TurnedSphere {
     /// Strength of the noise.

@@ -26,7 +26,8 @@ impl PlanarDoublePendulum {
     }
 }
 
-/// A charged particle in a plane with a magnetic field b (1 + c|q|²), whose potential is linear in v, and a trap.
+/// A charged particle in a plane with a magnetic field b (1 + c|q|²), whose potential is linear in
+/// v, and a trap.
 #[derive(Clone, Debug)]
 pub struct Magnetic {
     /// Mass.

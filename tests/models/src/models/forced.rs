@@ -35,7 +35,8 @@ impl Damped {
     }
 }
 
-/// A particle that is dragged and stirred: a force that depends on time, place and, not linearly, on velocity.
+/// A particle that is dragged and stirred: a force that depends on time, place and, not linearly,
+/// on velocity.
 #[derive(Clone, Debug)]
 pub struct Stirred {
     /// Drag.

@@ -103,7 +103,8 @@ impl Driven {
     }
 }
 
-/// Particles in a synchrotron (Seeßelberg et al. 1994): L = ½v² + ω² cos q, γ = (σ₁ sin q, σ₂ cos q).
+/// Particles in a synchrotron (Seeßelberg et al. 1994): L = ½v² + ω² cos q, γ = (σ₁ sin q, σ₂ cos
+/// q).
 #[derive(Clone, Debug)]
 pub struct Synchrotron {
     /// Frequency.
@@ -125,7 +126,7 @@ impl Synchrotron {
         self.sigma[0] * q.sin()
     }
 
-    /// γ of another.
+    /// γ of another process.
     #[gamma]
     pub fn amplitude(&self, q: f64) -> f64 {
         self.sigma[1] * q.cos()
@@ -232,7 +233,7 @@ impl Chain {
     }
 }
 
-/// Three coordinates, of which one alone feels a noise in its momentum.
+/// Three coordinates. Only the momentum of one coordinate feels a noise.
 #[derive(Clone, Debug)]
 pub struct OneMomentum {
     /// Strengths of the noises.

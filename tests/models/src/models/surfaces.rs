@@ -1,4 +1,4 @@
-//! Systems on surfaces, a feature of constraints each.
+//! Systems on surfaces, each for a feature of constraints.
 
 use sve_runtime::prelude::*;
 
@@ -36,7 +36,8 @@ impl Torus {
     }
 }
 
-/// A particle on an ellipsoid that noise moves along level curves, H₁ = s ⟨n × c, p⟩ with the normal n = Dφ.
+/// A particle on an ellipsoid that noise moves along level curves, H₁ = s ⟨n × c, p⟩ with the
+/// normal n = Dφ.
 #[derive(Clone, Debug)]
 pub struct Ellipsoid {
     /// Squares of the semi-axes.
@@ -73,7 +74,8 @@ impl Ellipsoid {
     }
 }
 
-/// A particle on the unit sphere with a fluctuating mass, H₁ = s (1 + x/2) |p|²/2 with the momentum along the sphere.
+/// A particle on the unit sphere with a fluctuating mass, H₁ = s (1 + x/2) |p|²/2 with the momentum
+/// along the sphere.
 #[derive(Clone, Debug)]
 pub struct Curved {
     /// Gravity.

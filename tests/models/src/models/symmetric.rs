@@ -32,8 +32,9 @@ impl Central {
     }
 }
 
-/// Two charges in space that attract each other, in a homogeneous magnetic field along z, with every kind of noise:
-/// rotations about z and shifts along z are symmetries, shifts along x and y are not.
+/// Two charges in space that attract each other, in a homogeneous magnetic field along z, with
+/// every kind of noise: rotations about z and shifts along z are symmetries, shifts along x and y
+/// are not.
 #[derive(Clone, Debug)]
 pub struct Charges {
     /// Masses.
