@@ -1,8 +1,12 @@
-//! Calibration of a noisy oscillator: its stiffness k and the strength σ of its noise are found from data, by the method of Gauss and Newton with gradients of means.
+//! Calibration of a noisy oscillator: the method of Gauss and Newton, with gradients of means,
+//! finds its stiffness k and the strength σ of its noise from data.
 //!
-//! The data are made here: at each of twelve times another sample of oscillators is measured, and the means of q and q² are kept. The model's means, their covariances and their
-//! derivatives by k and σ come from `Ensemble::gradient`; all iterations have the same paths, so they converge as those of a smooth function. The same fit with exact means, and the
-//! values that made the data, are what the result is checked against. The figure is written to `target/calibration/`; the program exits with status 1 if a number is off.
+//! The program makes the data itself: at each of twelve times another sample of oscillators is
+//! measured, and the means of q and q² are kept. The model's means, their covariances and their
+//! derivatives by k and σ come from `Ensemble::gradient`. All iterations have the same paths, so
+//! the sum of squares is a smooth function and they converge. The result is compared with the same
+//! fit with exact means, and with the values that made the data. The figure is written to
+//! `target/calibration/`; the program exits with status 1 if a number is off.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -34,14 +38,14 @@ impl Oscillator {
 }
 
 const H: f64 = 0.02;
-/// Steps between two times of the data.
+/// Number of steps between two times of the data.
 const STEPS: u64 = 25;
 const TIMES: usize = 12;
-/// What the data are made with.
+/// The values of k and σ that make the data.
 const TRUTH: [f64; 2] = [1.7, 0.45];
 const GUESS: [f64; 2] = [1.2, 0.8];
 const START: State<[f64; 1]> = State::new([1.0], [0.0]);
-/// Oscillators of a sample, and paths of the model.
+/// Number of oscillators in a sample, and number of paths of the model.
 const SAMPLE: u64 = 400;
 const PATHS: u64 = 20_000;
 
@@ -51,7 +55,8 @@ struct Measurement {
     errors: Vector2<f64>,
 }
 
-/// The means of q and q² at a time, their covariance over oscillators, and their derivatives by k and σ.
+/// The means of q and q² at a time, their covariance over oscillators, and their derivatives by k
+/// and σ.
 #[derive(Clone, Copy)]
 struct Prediction {
     means: Vector2<f64>,
@@ -86,7 +91,7 @@ fn oscillator(values: Vector2<f64>) -> Integrator<Oscillator, Midpoint> {
     Integrator::new(Oscillator { k, sigma }, Midpoint)
 }
 
-/// Measures a sample of oscillators of its own at each time.
+/// Measures another sample of oscillators at each time.
 fn measure() -> Result<Vec<Measurement>, EnsembleError> {
     let truth = oscillator(TRUTH.into());
     let sample = |time: u64| {
@@ -107,7 +112,7 @@ fn measure() -> Result<Vec<Measurement>, EnsembleError> {
     (1..=TIMES as u64).map(sample).collect()
 }
 
-/// Runs the model's paths, the same ones for all values.
+/// Runs the model's paths, which are the same for all values.
 fn run(values: Vector2<f64>) -> Result<Summary, EnsembleError> {
     let model = oscillator(values);
     Ensemble::new(&model)
@@ -122,7 +127,7 @@ fn run(values: Vector2<f64>) -> Result<Summary, EnsembleError> {
         .run()
 }
 
-/// The means of the model by Monte Carlo.
+/// Returns the means of the model by Monte Carlo.
 fn by_paths(values: Vector2<f64>) -> Result<Vec<Prediction>, EnsembleError> {
     let summary = run(values)?;
     let slope = |name, by, time: usize| {
@@ -150,7 +155,8 @@ fn by_paths(values: Vector2<f64>) -> Result<Vec<Prediction>, EnsembleError> {
     Ok((1..=TIMES).map(at).collect())
 }
 
-/// The exact law of the state at all steps of the midpoint rule, whose step is linear: `p₁ − p₀ = −hk(q₀ + q₁)/2 + σΔW`, `q₁ − q₀ = h(p₀ + p₁)/2`.
+/// Returns the exact law of the state at all steps of the midpoint rule, whose step is linear:
+/// `p₁ − p₀ = −hk(q₀ + q₁)/2 + σΔW`, `q₁ − q₀ = h(p₀ + p₁)/2`.
 fn exact_laws(values: Vector2<f64>) -> impl Iterator<Item = Gaussian<2>> {
     let [k, sigma] = values.into();
     let x = 0.25 * H * H * k;
@@ -165,13 +171,14 @@ fn exact_laws(values: Vector2<f64>) -> impl Iterator<Item = Gaussian<2>> {
     std::iter::successors(Some(first), move |y| Some(scheme.step(y)))
 }
 
-/// The means of q and q².
+/// Returns the means of q and q².
 fn means_of(law: &Gaussian<2>) -> Vector2<f64> {
     let (mean, variance) = (law.mean[0], law.covariance[0][0]);
     Vector2::new(mean, mean * mean + variance)
 }
 
-/// The exact means of the model, with central differences, which are good to nine digits.
+/// Returns the exact means of the model, with derivatives by central differences, which have nine
+/// correct digits.
 fn exactly(values: Vector2<f64>) -> Vec<Prediction> {
     let at_times = |values| {
         let all = exact_laws(values).step_by(STEPS as usize);
@@ -205,8 +212,9 @@ fn exactly(values: Vector2<f64>) -> Vec<Prediction> {
     all.collect()
 }
 
-/// Minimises the sum of squares of the residuals in units of their errors. The errors are those of the model, since the errors of a sample are smaller where its mean happens to be small.
-/// `share` is what the model's own sampling adds to their squares.
+/// Minimises the sum of squares of the residuals in units of their errors. The errors come from the
+/// model, since the errors of a sample are smaller where its mean happens to be small. `share` is
+/// the part of their squares that the model's own sampling adds.
 fn fit(data: &[Measurement], model: &Model, share: f64) -> Result<Fit, Box<dyn Error>> {
     let mut iterates = vec![Vector2::from(GUESS)];
     loop {
@@ -225,7 +233,7 @@ fn fit(data: &[Measurement], model: &Model, share: f64) -> Result<Fit, Box<dyn E
             .try_inverse()
             .ok_or("data that do not tell k and σ")?;
         let change = covariance * right;
-        // the change in units of the errors
+        // The change is measured in units of the errors.
         if change.dot(&(normal * change)) < 1e-6 {
             return Ok(Fit {
                 iterates,
@@ -279,7 +287,7 @@ fn checks(found: &Fit, exact: &Fit) -> Result<Vec<Check>, EnsembleError> {
         let (value, error) = (found.last()[i], found.error(i));
         let why = format!("the value of the data; 4 errors of {error:.1e}");
         checks.push(Check::new(name, value).near(TRUTH[i], 4.0 * error, why));
-        // the variance of the model's means beside that of the data
+        // The variance of the model's means, beside the variance of the data.
         let own = error * (SAMPLE as f64 / PATHS as f64).sqrt();
         let why = "the fit with exact means; 4 errors of the paths";
         checks.push(Check::new(name, value).near(exact.last()[i], 4.0 * own, why));
@@ -352,7 +360,8 @@ fn figure(data: &[Measurement], fit: &Fit) -> Figure {
     )
 }
 
-/// The last iterates in the plane of k and σ, with the ellipses of one and two standard errors.
+/// Draws the last iterates in the plane of k and σ, with the ellipses of one and two standard
+/// errors.
 fn iterates(fit: &Fit) -> Panel {
     let (last, errors) = (fit.last(), [fit.error(0), fit.error(1)]);
     let range = |i: usize| last[i] - 4.0 * errors[i]..last[i] + 4.0 * errors[i];

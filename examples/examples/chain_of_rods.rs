@@ -1,8 +1,10 @@
-//! A chain of twenty rods that hangs from one end and is shaken at the other, with the tension of each rod.
+//! A chain of twenty rods that hangs from one end and is shaken at the other, with the tension of
+//! each rod.
 //!
-//! The bodies have Cartesian coordinates, and each rod is a constraint. The rule of Störmer and Verlet is RATTLE: Newton's method has one unknown for each rod,
-//! with a tridiagonal Jacobian, so the cost grows linearly with the chain. The tensions are the mean forces of the constraints in a step.
-//! The picture is written to `target/chain_of_rods/`.
+//! The bodies have Cartesian coordinates, and each rod is a constraint. The rule of Störmer and
+//! Verlet is RATTLE: Newton's method has one unknown for each rod, with a tridiagonal Jacobian, so
+//! the cost grows linearly with the chain. The tensions are the mean forces of the constraints in a
+//! step. The picture is written to `target/chain_of_rods/`.
 
 use std::error::Error;
 use std::path::Path;
@@ -67,7 +69,7 @@ fn hanging() -> ChainState {
     State::new(core::array::from_fn(place), [Vector2::zeros(); RODS])
 }
 
-/// The tensions of the rods in a step.
+/// Returns the tensions of the rods in a step.
 fn tensions(
     chain: &Integrator<Chain, StormerVerlet>,
     state: &ChainState,
@@ -75,7 +77,7 @@ fn tensions(
     dw: f64,
 ) -> Result<([f64; RODS], Vector2<f64>), StepError> {
     let forces = chain.constraint_forces(state, h, &[dw])?;
-    // the force on the body at the lower end of a rod points to the rod's upper end where the rod is under tension
+    // If a rod is under tension, the force on the body at its lower end points to its upper end.
     let tension = |k: usize| {
         let force = forces.constraints[k].mean[k];
         let upper = if k == 0 {
@@ -89,7 +91,7 @@ fn tensions(
     Ok((core::array::from_fn(tension), at_pivot))
 }
 
-/// The chain at rest: each rod bears the weight below it.
+/// Checks the chain at rest: each rod bears the weight below it.
 fn at_rest(chain: &Integrator<Chain, StormerVerlet>) -> Result<Check, StepError> {
     let (tensions, _) = tensions(chain, &hanging(), H, 0.0)?;
     let off = tensions.iter().enumerate().map(|(k, tension)| {
@@ -106,7 +108,7 @@ fn at_rest(chain: &Integrator<Chain, StormerVerlet>) -> Result<Check, StepError>
     )
 }
 
-/// With noise the forces of a step have a part that grows like h^(−1/2).
+/// Checks that with noise the forces of a step have a part that grows like h^(−1/2).
 fn noise_in_forces(chain: &Integrator<Chain, StormerVerlet>) -> Result<Check, StepError> {
     let bent = chain.consistent({
         let mut state = hanging();
@@ -127,7 +129,7 @@ fn noise_in_forces(chain: &Integrator<Chain, StormerVerlet>) -> Result<Check, St
     .near(10.0, 0.5, "h^(−1/2)"))
 }
 
-/// What a path gave.
+/// The results of a path.
 struct Run {
     snapshots: Vec<(ChainState, [f64; RODS])>,
     /// Time, and the mean force at the pivot over some steps.
@@ -196,7 +198,7 @@ fn run(chain: &Integrator<Chain, StormerVerlet>) -> Result<Run, StepError> {
     Ok(run)
 }
 
-/// Without noise the energy does not drift.
+/// Checks that without noise the energy does not drift.
 fn energy() -> Result<Check, StepError> {
     let chain = Integrator::new(
         Chain {
@@ -230,7 +232,8 @@ fn energy() -> Result<Check, StepError> {
     )
 }
 
-/// A colour for a tension relative to the weight of the chain: blue for none, red for the weight.
+/// Returns a colour for a tension relative to the weight of the chain: blue for zero, red for the
+/// weight.
 fn color(tension: f64) -> palette::Color {
     let stops = [
         (0.0, (49, 54, 149)),

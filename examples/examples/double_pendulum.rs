@@ -1,7 +1,8 @@
-//! A double pendulum: a mass matrix that depends on the angles, and two noises that push the first arm.
+//! A double pendulum: a mass matrix that depends on the angles, and two noises that push the first
+//! arm.
 //!
-//! Without noise the energy error of the midpoint rule stays bounded along a chaotic motion, where that of Heun's method,
-//! of the same order, drifts. The same step carries the noise.
+//! Without noise the energy error of the midpoint rule stays bounded along a chaotic motion, while
+//! the error of Heun's method, of the same order, drifts. The same step carries the noise.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -43,7 +44,7 @@ impl DoublePendulum {
     }
 }
 
-/// Largest energy error in each of five parts of a run.
+/// Returns the largest energy error in each of five parts of a run.
 fn energy_errors<I>(method: &I, h: f64, steps: usize) -> Result<Vec<f64>, StepError>
 where
     I: Method<System = DoublePendulum>,
@@ -62,7 +63,7 @@ where
     Ok(parts)
 }
 
-/// The largest energy error in each two-hundredth of the time.
+/// Returns the largest energy error in each two-hundredth of the time.
 fn errors<I: Method<System = DoublePendulum>>(
     method: &I,
     h: f64,
@@ -78,7 +79,7 @@ fn errors<I: Method<System = DoublePendulum>>(
     envelope(trajectory.take(steps).map(error), steps / 200)
 }
 
-/// The path of the lower bob with noise and without, and the energy errors of both methods.
+/// Draws the path of the lower bob with and without noise, and the energy errors of both methods.
 fn figure(pendulum: DoublePendulum, h: f64, steps: usize) -> Result<Figure, StepError> {
     let midpoint = Integrator::new(pendulum, Midpoint);
     let bob = |state: State<[f64; 2]>| {
@@ -87,7 +88,7 @@ fn figure(pendulum: DoublePendulum, h: f64, steps: usize) -> Result<Figure, Step
         (x, -pendulum.l1 * upper.cos() - pendulum.l2 * lower.cos())
     };
     let start = State::new([2.0, 1.0], [0.0, 0.0]);
-    // 8 units of time
+    // The drawn part is 8 units of time.
     let drawn = 1600;
     let quiet: Result<Vec<_>, _> = midpoint
         .trajectory(start, h, NoNoise)

@@ -1,8 +1,11 @@
-//! The guiding centre of a charged particle in the field of a tokamak, for many bounces of a trapped orbit.
+//! The guiding centre of a charged particle in the field of a tokamak, for many bounces of a
+//! trapped orbit.
 //!
-//! L = ⟨A(x) + u b(x), x'⟩ − u²/2 − μ B(x) in the coordinates R, Z, φ and u, the velocity along the field. It is linear in all velocities, and neither of
-//! its one-forms can be brought into the form without half of them, so the step is projected symmetrically to p = α(q). The energy error does not drift where that
-//! of the Runge–Kutta method of order 4 does. A second particle feels a fluctuating electric potential. A page is written to `target/guiding_centre`.
+//! L = ⟨A(x) + u b(x), x'⟩ − u²/2 − μ B(x) in the coordinates R, Z, φ and u, the velocity along the
+//! field. It is linear in all velocities, and neither of its one-forms can be brought into the form
+//! without half of them, so the step is projected symmetrically to p = α(q). Its energy error does
+//! not drift, while the energy error of the Runge–Kutta method of order 4 does. A second particle
+//! feels a fluctuating electric potential. A page is written to `target/guiding_centre`.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -14,7 +17,8 @@ use sve_examples::report::{one_row, report};
 use sve_runtime::DegenerateStep;
 use sve_runtime::prelude::*;
 
-/// A field with circular flux surfaces around R = R₀; lengths in R₀, fields in B₀, times in gyrations over 2π.
+/// A field with circular flux surfaces around R = R₀; lengths in R₀, fields in B₀, times in
+/// gyrations over 2π.
 #[derive(Clone, Copy, Debug)]
 struct Tokamak {
     /// Safety factor.
@@ -49,7 +53,7 @@ impl Tokamak {
         self.sigma * ((8.0 * q[0]).cos() + (8.0 * q[1]).sin())
     }
 
-    /// The torus has no preferred angle.
+    /// Turns the torus, which has no preferred angle.
     #[symmetry]
     fn turn(&self, _q: [f64; 4]) -> [f64; 4] {
         [0.0, 0.0, 1.0, 0.0]
@@ -59,14 +63,14 @@ impl Tokamak {
 /// A trapped particle on the outer side.
 const START: [f64; 4] = [1.15, 0.0, 0.0, 1.2e-3];
 
-/// Step size: some 30 steps a bounce.
+/// Step size: about 30 steps a bounce.
 const H: f64 = 400.0;
 
-/// Steps whose energy error is checked, and that are made.
+/// Number of steps whose energy error is checked, and number of steps in all.
 const CHECKED: usize = 300_000;
 const STEPS: usize = 1_000_000;
 
-/// A step of the Runge–Kutta method of order 4 for q' = v(q).
+/// Makes a step of the Runge–Kutta method of order 4 for q' = v(q).
 fn runge_kutta(tokamak: &Tokamak, q: [f64; 4], h: f64) -> Result<[f64; 4], StepError> {
     let velocity = |q: [f64; 4]| {
         let state = State::from_configuration(tokamak, q)?;
@@ -82,7 +86,8 @@ fn runge_kutta(tokamak: &Tokamak, q: [f64; 4], h: f64) -> Result<[f64; 4], StepE
     }))
 }
 
-/// Relative energy errors along a path: those that are drawn, and the largest in each of ten parts.
+/// Relative energy errors along a path: the errors that are drawn, and the largest error in each of
+/// ten parts.
 struct Errors {
     drawn: Vec<(f64, f64)>,
     parts: [f64; 10],
@@ -104,7 +109,7 @@ impl Errors {
         }
     }
 
-    /// The largest of the first so many parts.
+    /// Returns the largest of the first so many parts.
     fn largest(&self, parts: usize) -> f64 {
         self.parts[..parts].iter().fold(0.0, |m: f64, x| m.max(*x))
     }

@@ -1,9 +1,12 @@
-//! A heavy symmetric top: steady precession against its closed form, nutation, and vertical shaking of its support.
+//! A heavy symmetric top: steady precession against its closed form, nutation, and vertical shaking
+//! of its support.
 //!
-//! The attitude is a rotation: there are no Euler angles, and the upright position is nothing special. The shaking is a noise in the weight,
-//! γ = s R₃₃: it changes the energy and keeps the momentum about the vertical and that about the figure axis, as every step does.
+//! The attitude is a rotation: there are no Euler angles, and the upright position is not singular.
+//! The shaking is a noise in the weight, γ = s R₃₃: it changes the energy and keeps the momenta
+//! about the vertical and about the figure axis, as every step does.
 //!
-//! `cargo run --release --example heavy_top` draws `target/heavy_top/heavy_top.svg` and `.png`, and exits with status 1 if a number is off.
+//! `cargo run --release --example heavy_top` draws `target/heavy_top/heavy_top.svg` and `.png`, and
+//! exits with status 1 if a number is off.
 
 use std::error::Error;
 use std::fs;
@@ -15,7 +18,8 @@ use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use sve_examples::{palette, render};
 use sve_runtime::prelude::*;
 
-/// A top with the moments of inertia `a` across and `c` along its axis, and the weight times the distance of its centre from the support.
+/// A top with the moments of inertia `a` across and `c` along its axis, and the weight times the
+/// distance of its centre from the support.
 #[derive(Clone, Copy, Debug)]
 struct Top {
     a: f64,
@@ -48,14 +52,14 @@ impl Top {
 
 const H: f64 = 0.01;
 const STEPS: usize = 100_000;
-/// Steps that are drawn.
+/// Number of steps that are drawn.
 const DRAWN: usize = 3000;
 /// Angle of the axis from the vertical at the start.
 const TILT: f64 = 0.5;
 /// Spin about the axis.
 const SPIN: f64 = 12.0;
 
-/// What a path shows.
+/// The properties of a path.
 struct Motion {
     /// The axis of the top in space, at the steps that are drawn.
     axis: Vec<Vector3<f64>>,
@@ -65,7 +69,7 @@ struct Motion {
     energy: f64,
     /// Largest change of the angle from the vertical.
     tilt: f64,
-    /// The angle about the vertical that the axis has run through.
+    /// The angle about the vertical through which the axis has moved.
     precession: f64,
 }
 
@@ -106,7 +110,8 @@ fn run(top: Top, start: State<UnitQuaternion<f64>>) -> Result<Motion, StepError>
     Ok(motion)
 }
 
-/// The top tilted about the first axis, spinning with `SPIN` about its axis and turning with `precession` about the vertical.
+/// Returns the top tilted about the first axis, spinning with `SPIN` about its axis and turning
+/// with `precession` about the vertical.
 fn start(top: Top, precession: f64) -> State<UnitQuaternion<f64>> {
     let tilted = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), TILT);
     let vertical = tilted.inverse() * Vector3::z();
@@ -116,7 +121,7 @@ fn start(top: Top, precession: f64) -> State<UnitQuaternion<f64>> {
     State::new(tilted, p)
 }
 
-/// The slow root of `a Ω² cos θ − c ω Ω + weight = 0`, the rate of steady precession.
+/// Returns the slow root of `a Ω² cos θ − c ω Ω + weight = 0`, the rate of steady precession.
 fn steady_precession(top: Top) -> f64 {
     let (square, linear) = (top.a * TILT.cos(), top.c * SPIN);
     2.0 * top.weight / (linear + (linear * linear - 4.0 * square * top.weight).sqrt())

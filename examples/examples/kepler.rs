@@ -1,9 +1,12 @@
-//! Two bodies in space whose attraction fluctuates: energy wanders, angular and linear momentum stay.
+//! Two bodies in space whose attraction fluctuates: energy wanders, angular and linear momentum
+//! stay.
 //!
-//! L = ½m₁|v₁|² + ½m₂|v₂|² + k/r, γ = σ/r, in vectors of nalgebra. The rotations about three axes and the three shifts are declared
-//! as symmetries, so the macro checks that L and the noise have them and gives their momenta. The midpoint rule keeps all six to
-//! rounding, whatever the path. Heun’s method, of the same order, keeps linear momentum and loses angular momentum.
-//! The noise makes the motion chaotic: the energies after t ≈ 120 change with the last bits of the start, the momenta do not.
+//! L = ½m₁|v₁|² + ½m₂|v₂|² + k/r, γ = σ/r, in vectors of nalgebra. The rotations about three axes
+//! and the three shifts are declared as symmetries, so the macro checks that L and the noise have
+//! them and gives their momenta. The midpoint rule keeps all six to rounding, whatever the path.
+//! Heun’s method, of the same order, keeps linear momentum and loses angular momentum. The noise
+//! makes the motion chaotic: the energies after t ≈ 120 change with the last bits of the start, the
+//! momenta do not.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -74,7 +77,8 @@ const H: f64 = 0.01;
 const STEPS: usize = 20_000;
 
 impl Kepler {
-    /// Returns the far end of an inclined orbit of eccentricity `e` and semi-major axis 1, with a slowly moving centre of mass.
+    /// Returns the far end of an inclined orbit of eccentricity `e` and semi-major axis 1, with a
+    /// slowly moving centre of mass.
     fn start(&self, e: f64) -> Bodies {
         let [m1, m2] = self.m;
         let (total, reduced) = (m1 + m2, m1 * m2 / (m1 + m2));
@@ -113,7 +117,8 @@ struct Changes {
     linear: f64,
 }
 
-/// Prints the energy and the largest changes of the momenta after each fifth of the time. Returns the changes over the whole time.
+/// Prints the energy and the largest changes of the momenta after each fifth of the time. Returns
+/// the changes over the whole time.
 fn follow<I: Method<System = Kepler>>(name: &str, method: &I) -> Result<Changes, StepError> {
     let system = method.system();
     let start = system.start(0.6);
@@ -142,7 +147,7 @@ fn follow<I: Method<System = Kepler>>(name: &str, method: &I) -> Result<Changes,
     Ok(worst)
 }
 
-/// The separation of the bodies along a path, seen from above its first plane.
+/// Returns the separation of the bodies along a path, seen from above its first plane.
 fn orbit(
     midpoint: &Integrator<Kepler, Midpoint>,
     sigma: f64,
@@ -163,7 +168,7 @@ fn orbit(
     trajectory.take(steps).map(point).collect()
 }
 
-/// The largest change of the angular momentum in each two-hundredth of the time.
+/// Returns the largest change of the angular momentum in each two-hundredth of the time.
 fn changes<I: Method<System = Kepler>>(method: &I) -> Result<Vec<(f64, f64)>, StepError> {
     let system = method.system();
     let start = system.start(0.6);

@@ -1,4 +1,5 @@
-//! The Kubo oscillator, a rotation whose speed is noisy: the midpoint rule keeps its radius, Euler–Maruyama does not.
+//! The Kubo oscillator, a rotation whose speed is noisy: the midpoint rule keeps its radius,
+//! Euler–Maruyama does not.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -32,7 +33,7 @@ impl Kubo {
 
 const H: f64 = 0.01;
 
-/// Radius at the end of `steps` steps.
+/// Returns the radius at the end of `steps` steps.
 fn radius<I: Method<System = Kubo>>(method: &I, steps: usize) -> Result<f64, StepError> {
     let mut trajectory = method.trajectory(State::new([1.0], [0.0]), H, Wiener::new(42));
     for state in trajectory.by_ref().take(steps) {
@@ -42,7 +43,7 @@ fn radius<I: Method<System = Kubo>>(method: &I, steps: usize) -> Result<f64, Ste
     Ok(state.q[0].hypot(state.p[0]))
 }
 
-/// Radius less 1 along the path, at 400 times.
+/// Returns the radius less 1 along the path, at 400 times.
 fn radii<I: Method<System = Kubo>>(method: &I, steps: usize) -> Result<Vec<(f64, f64)>, StepError> {
     let every = steps / 400;
     let trajectory = method.trajectory(State::new([1.0], [0.0]), H, Wiener::new(42));

@@ -1,7 +1,8 @@
 //! Langevin dynamics in a double well: friction and a bath that together sample exp(−H/kT).
 //!
-//! L = ½v² − V(q), V = a(q² − 1)², friction F = −νv, γ = σq with σ² = 2νkT. The histogram of q is compared with the density
-//! exp(−V/kT)/Z; independent particles give its standard error. The page is `target/langevin/index.html`.
+//! L = ½v² − V(q), V = a(q² − 1)², friction F = −νv, γ = σq with σ² = 2νkT. The histogram of q is
+//! compared with the density exp(−V/kT)/Z; independent particles give its standard error. The page
+//! is `target/langevin/index.html`.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -45,7 +46,7 @@ impl Langevin {
 
 const H: f64 = 0.05;
 const PARTICLES: u64 = 400;
-/// Recorded steps of each particle. As many steps before them are discarded.
+/// Number of recorded steps of each particle. As many steps before them are discarded.
 const STEPS: usize = 20_000;
 const BINS: usize = 32;
 const RANGE: f64 = 1.8;
@@ -74,7 +75,7 @@ impl Sample {
     }
 }
 
-/// The bin of a coordinate.
+/// Returns the bin of a coordinate.
 fn bin(q: f64) -> Option<usize> {
     let at = ((q + RANGE) / WIDTH).floor();
     (0..BINS).find(|&k| k as f64 == at)
@@ -84,14 +85,15 @@ fn middle(bin: usize) -> f64 {
     -RANGE + (bin as f64 + 0.5) * WIDTH
 }
 
-/// The part of the density exp(−V/kT)/Z in each bin, by Simpson's rule, divided by the width.
+/// Returns the part of the density exp(−V/kT)/Z in each bin, by Simpson's rule, divided by the
+/// width.
 fn density(system: &Langevin) -> Vec<f64> {
     let weight = |q: f64| (-system.potential(q) / system.kt).exp();
     let simpson = |a: f64, b: f64| (weight(a) + 4.0 * weight(0.5 * (a + b)) + weight(b)) / 6.0;
     let part = |at: f64| (0..16).map(move |k| at + WIDTH * f64::from(k) / 16.0);
     let mean =
         |at: f64| -> f64 { part(at).map(|x| simpson(x, x + WIDTH / 16.0)).sum::<f64>() / 16.0 };
-    // beyond three times the range nothing is left
+    // Beyond three times the range the density is negligible.
     let all: f64 = (0..3 * BINS)
         .map(|k| WIDTH * mean(-3.0 * RANGE + k as f64 * WIDTH))
         .sum();
@@ -181,7 +183,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     )
 }
 
-/// The histogram as steps, the density as a line.
+/// Draws the histogram as steps, and the density as a line.
 fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
     let steps = histogram.iter().enumerate().flat_map(|(at, sample)| {
         let (middle, mean) = (middle(at), sample.mean());

@@ -1,9 +1,12 @@
-//! Predator and prey as a Lagrangian system: how L is written decides what the step preserves.
+//! Predator and prey as a Lagrangian system: the form of L decides which quantities the step
+//! preserves.
 //!
-//! The equations x' = x (y − 2), y' = y (1 − x) have the energy H = x + y − ln x − 2 ln y and the two-form dx ∧ dy/(xy), and are those of
-//! L = (ln y / x) x' − H. There the velocity of y does not occur: y is a variable of the node, and the two-form is preserved to rounding. A total derivative changes
-//! nothing in the equations of motion, but where it is cubic the step can only be projected; it preserves the two-form to O(h⁵), and the energy drifts. A page with
-//! the picture is written to `target/lotka_volterra`.
+//! The equations x' = x (y − 2), y' = y (1 − x) have the energy H = x + y − ln x − 2 ln y and the
+//! two-form dx ∧ dy/(xy), and follow from L = (ln y / x) x' − H. In this L the velocity of y does
+//! not occur: y is a variable of the node, and the two-form is preserved to rounding. A total
+//! derivative does not change the equations of motion, but if it is cubic the step can only be
+//! projected; it preserves the two-form to O(h⁵), and the energy drifts. A page with the picture is
+//! written to `target/lotka_volterra`.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -34,7 +37,7 @@ impl Written {
     }
 }
 
-/// The same with the total derivative of x²y + y³/3.
+/// The same system with the total derivative of x²y + y³/3.
 #[derive(Clone, Copy, Debug)]
 struct Disguised;
 
@@ -54,7 +57,8 @@ const STEPS: usize = 100_000;
 /// Points of a curve.
 type Curve = Vec<(f64, f64)>;
 
-/// Energy errors along a path: those that are drawn, and the largest in the first and the last tenth.
+/// Returns energy errors along a path: the errors that are drawn, and the largest errors in the
+/// first and the last tenth.
 fn energies<S, R, const M: usize>(
     integrator: &Integrator<S, R>,
 ) -> Result<(Curve, [f64; 2]), StepError>
@@ -83,7 +87,7 @@ where
     Ok((drawn, worst))
 }
 
-/// The relative change of the two-form dx ∧ dy/(xy) in a step.
+/// Returns the relative change of the two-form dx ∧ dy/(xy) in a step.
 fn area_change<S, R, const M: usize>(
     integrator: &Integrator<S, R>,
     h: f64,

@@ -1,13 +1,18 @@
 //! The time that a mean costs by the multilevel method and by plain Monte Carlo, on one thread.
 //!
 //! ```text
-//! 1.  dq = p (a dt + σ∘dW),  dp = −q (a dt + σ∘dW)        E q = exp(−½σ²t) cos at             `midpoint`, weak order 1
-//! 2.  dq = p dt,             dp = −q dt + σ dW            E q² = cos²t + ½σ²(t − sin t cos t)  `midpoint`, weak order 2
+//! 1.  dq = p (a dt + σ∘dW),  dp = −q (a dt + σ∘dW)
+//!     E q = exp(−½σ²t) cos at              `midpoint`, weak order 1
+//! 2.  dq = p dt,  dp = −q dt + σ dW
+//!     E q² = cos²t + ½σ²(t − sin t cos t)  `midpoint`, weak order 2
 //! ```
 //!
-//! The multilevel method wins where a small bias needs many steps, as in the first problem. In the second one a few steps have a smaller bias than the wanted errors: there is little to win.
-//! Both methods leave half of the squared error to the bias. Plain Monte Carlo takes the longest step with so small a bias, which it is told; the multilevel method has to estimate its own.
-//! Its errors are checked against closed forms. Status 1 if a number is off. Writes `target/multilevel/`.
+//! The multilevel method wins if a small bias needs many steps, as in the first problem. In the
+//! second problem a few steps have a smaller bias than the wanted errors, so there is little to
+//! win. Both methods leave half of the squared error to the bias. Plain Monte Carlo is given the
+//! longest step with so small a bias; the multilevel method has to estimate its bias. The errors of
+//! the multilevel method are checked against closed forms. Status 1 if a number is off. Writes
+//! `target/multilevel/`.
 
 use std::error::Error;
 use std::f64::consts::SQRT_2;
@@ -25,9 +30,9 @@ use sve_runtime::prelude::*;
 const TIME: f64 = 2.0;
 /// Wanted errors.
 const ERRORS: [f64; 6] = [0.03, 0.01, 3e-3, 1e-3, 5e-4, 3e-4];
-/// Path-steps of which the time of a plain path is measured.
+/// Number of path-steps in a measurement of the time of a plain path.
 const PATH_STEPS: u64 = 1_000_000;
-/// Runs are repeated for so many seconds, and the shortest one counts.
+/// Seconds for which runs are repeated. The shortest run counts.
 const REPEATED: f64 = 0.2;
 
 /// A rotation whose speed is noisy.
@@ -67,7 +72,7 @@ impl Oscillator {
 struct Problem<I> {
     name: &'static str,
     method: I,
-    /// Steps of the coarsest level.
+    /// Number of steps of the coarsest level.
     steps: u64,
     weak_order: f64,
     observable: fn(f64) -> f64,
@@ -95,7 +100,8 @@ fn kubo() -> Problem<Integrator<Kubo, Midpoint>> {
         observable: |q| q,
         exact: (-0.5 * sigma * sigma * TIME).exp() * (a * TIME).cos(),
         mean_of_rule: Box::new(move |steps| {
-            // a step turns q + ip by −2 atan(x/2), x = ah + σΔW: its mean by the trapezoidal rule, which is exact to rounding here
+            // A step turns q + ip by −2 atan(x/2), x = ah + σΔW. Its mean is computed by the
+            // trapezoidal rule, which is exact to rounding here.
             let h = TIME / steps as f64;
             let (mut re, mut im, mut all) = (0.0, 0.0, 0.0);
             for i in -2000..=2000 {
@@ -124,7 +130,7 @@ fn oscillator() -> Problem<Integrator<Oscillator, Midpoint>> {
         observable: |q| q * q,
         exact: cos * cos + 0.5 * sigma * sigma * (TIME - sin * cos),
         mean_of_rule: Box::new(move |steps| {
-            // a rotation by θ = 2 atan(h/2) and the push b = σ(h/2, 1)/(1 + h²/4)
+            // A step is a rotation by θ = 2 atan(h/2) and the push b = σ(h/2, 1)/(1 + h²/4).
             let h = TIME / steps as f64;
             let theta = 2.0 * (0.5 * h).atan();
             let scale = sigma / (1.0 + 0.25 * h * h);
@@ -138,7 +144,7 @@ fn oscillator() -> Problem<Integrator<Oscillator, Midpoint>> {
     }
 }
 
-/// Returns what a function computes, and the shortest of its times in seconds.
+/// Returns the result of a function, and the shortest of its times in seconds.
 fn shortest<T, E>(run: impl Fn() -> Result<T, E>) -> Result<(T, f64), E> {
     let (begin, mut best) = (Instant::now(), f64::INFINITY);
     loop {
@@ -173,7 +179,8 @@ where
         estimate.run(error)
     }
 
-    /// Seconds of plain Monte Carlo: the longest step with so small a bias, and the time of a path times the number of paths.
+    /// Returns the seconds of plain Monte Carlo: the time of a path, with the longest step whose
+    /// bias is small enough, times the number of paths.
     fn plain(&self, error: f64) -> Result<(f64, u64), EnsembleError> {
         let mut steps = self.steps;
         while ((self.mean_of_rule)(steps) - self.exact).abs() > error / SQRT_2 {
@@ -266,7 +273,7 @@ fn panel(name: &str, times: &Times) -> Panel {
     ))
 }
 
-/// Variances and means of the levels, as powers.
+/// Draws variances and means of the levels, as powers.
 fn levels(name: &str, estimate: &MultilevelEstimate) -> Panel {
     let of = |value: fn(&sve_runtime::ensemble::Level) -> f64| -> Vec<_> {
         let levels = estimate.levels().iter().enumerate();
@@ -298,7 +305,7 @@ fn levels(name: &str, estimate: &MultilevelEstimate) -> Panel {
     ))
 }
 
-/// Ratios of times, and the fall of the variances.
+/// Returns checks of the ratios of times, and of the decrease of the variances.
 fn compare(name: &str, times: &Times) -> Vec<Check> {
     let pairs = times.multilevel.iter().zip(&times.plain);
     let mut checks: Vec<_> = pairs

@@ -1,4 +1,5 @@
-//! A pendulum by two rules: the energy error decreases with the step size and does not grow with time.
+//! A pendulum by two rules: the energy error decreases with the step size and does not grow with
+//! time.
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -25,7 +26,7 @@ impl Pendulum {
     }
 }
 
-/// Largest energy error of a run, and that of its last tenth.
+/// Returns the largest energy error of a run and of its last tenth.
 fn energy_errors<I>(method: &I, h: f64, steps: usize) -> Result<(f64, f64), StepError>
 where
     I: Method<System = Pendulum>,
@@ -43,7 +44,7 @@ where
     Ok((whole, end))
 }
 
-/// The motions with the given energies, in units of m g l, that pass q = 0 or begin at rest.
+/// Draws the motions with the given energies, in units of m g l, that pass q = 0 or begin at rest.
 fn portrait(midpoint: &Integrator<Pendulum, Midpoint>) -> Result<Panel, StepError> {
     let g = midpoint.system().g;
     let axes = (
@@ -63,7 +64,7 @@ fn portrait(midpoint: &Integrator<Pendulum, Midpoint>) -> Result<Panel, StepErro
                 let state = state?;
                 let turn = (state.q[0] / (2.0 * PI)).round();
                 let point = (state.q[0] - 2.0 * PI * turn, state.p[0]);
-                // no line across the picture where the angle wraps
+                // No line is drawn across the picture where the angle wraps.
                 if points
                     .last()
                     .is_some_and(|&(q, _): &(f64, f64)| (point.0 - q).abs() > PI)
@@ -83,7 +84,7 @@ fn portrait(midpoint: &Integrator<Pendulum, Midpoint>) -> Result<Panel, StepErro
     Ok(panel.note((-0.35, 8.3), "thick: separatrix", palette::BLACK))
 }
 
-/// The largest energy error in each two-hundredth of the time.
+/// Returns the largest energy error in each two-hundredth of the time.
 fn errors<I: Method<System = Pendulum>>(
     method: &I,
     h: f64,

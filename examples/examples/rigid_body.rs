@@ -1,11 +1,13 @@
-//! Dzhanibekov's flip: a body that spins about its middle axis of inertia turns over, again and again, and noise makes it turn over at
-//! random times.
+//! Dzhanibekov's flip: a body that spins about its middle axis of inertia turns over, again and
+//! again, and noise makes it turn over at random times.
 //!
-//! The body is a rotation with its angular momentum in the body frame. Without noise the momentum runs along the curve in which the
-//! energy ellipsoid cuts the sphere of constant |Π|. Noise H₁ = χ·Π turns the body at random about an axis of its own: the momentum
-//! leaves the ellipsoid and stays on the sphere, and the momentum in space is kept to rounding.
+//! The body is a rotation with its angular momentum in the body frame. Without noise the momentum
+//! runs along the curve in which the energy ellipsoid cuts the sphere of constant |Π|. Noise H₁ =
+//! χ·Π turns the body at random about the axis χ: the momentum leaves the ellipsoid and stays on
+//! the sphere, and the momentum in space is kept to rounding.
 //!
-//! `cargo run --release --example rigid_body` draws `target/rigid_body/rigid_body.svg` and `.png`, and exits with status 1 if a number is off.
+//! `cargo run --release --example rigid_body` draws `target/rigid_body/rigid_body.svg` and `.png`,
+//! and exits with status 1 if a number is off.
 
 use std::error::Error;
 use std::fs;
@@ -37,10 +39,10 @@ impl Body {
 
 const H: f64 = 0.01;
 const STEPS: usize = 100_000;
-/// Steps that are drawn.
+/// Number of steps that are drawn.
 const DRAWN: usize = 12_000;
 
-/// What a path shows.
+/// The properties of a path.
 struct Spin {
     momenta: Vec<Vector3<f64>>,
     /// Largest relative change of |Π|².
@@ -85,7 +87,7 @@ fn run(body: Body, start: State<UnitQuaternion<f64>>) -> Result<Spin, StepError>
     Ok(path)
 }
 
-/// Complete elliptic integral of the first kind by the arithmetic-geometric mean.
+/// Returns the complete elliptic integral of the first kind, by the arithmetic-geometric mean.
 fn elliptic(m: f64) -> f64 {
     let (mut a, mut b) = (1.0, (1.0 - m).sqrt());
     for _ in 0..40 {
@@ -94,11 +96,13 @@ fn elliptic(m: f64) -> f64 {
     core::f64::consts::FRAC_PI_2 / a
 }
 
-/// Time between two flips of a free body, half of the period of Euler's equations. Source: Landau, Lifshitz, *Mechanics*, § 37.
+/// Returns the time between two flips of a free body, half of the period of Euler's equations.
+/// Source: Landau, Lifshitz, *Mechanics*, § 37.
 fn time_between_flips(i: Vector3<f64>, pi: Vector3<f64>) -> f64 {
     let twice_energy = pi.dot(&pi.component_div(&i));
     let square = pi.norm_squared();
-    // the axis about which the momentum runs: that of the largest moment if |Π|² > 2 E I₂, otherwise that of the smallest
+    // The momentum runs about the axis of the largest moment if |Π|² > 2 E I₂, otherwise about the
+    // axis of the smallest one.
     let (low, high) = if square > twice_energy * i.y {
         (i.x, i.z)
     } else {
@@ -110,7 +114,7 @@ fn time_between_flips(i: Vector3<f64>, pi: Vector3<f64>) -> f64 {
     2.0 * elliptic(m) / rate
 }
 
-/// Orthographic projection of the sphere of momenta: right, up, and towards the eye.
+/// Projects the sphere of momenta orthographically: right, up, and towards the eye.
 fn seen(pi: Vector3<f64>) -> [f64; 3] {
     let eye = Vector3::new(0.62, 0.52, 0.59).normalize();
     let right = eye.cross(&Vector3::z()).normalize() * -1.0;
@@ -118,7 +122,7 @@ fn seen(pi: Vector3<f64>) -> [f64; 3] {
     [pi.dot(&right), pi.dot(&up), pi.dot(&eye)]
 }
 
-/// A curve on the sphere, cut where it passes behind: gaps are points that are not drawn.
+/// Returns a curve on the sphere, cut where it passes behind: gaps are points that are not drawn.
 fn curve(momenta: &[Vector3<f64>], is_front: bool) -> Vec<(f64, f64)> {
     let points = momenta.iter().map(|&pi| {
         let [x, y, depth] = seen(pi);
@@ -224,7 +228,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         ..quiet
     };
     println!("{}\n", Integrator::new(noisy, Midpoint).plan());
-    // almost about the middle axis
+    // The spin is almost about the middle axis.
     let start = State::new(UnitQuaternion::identity(), Vector3::new(0.02, 2.0, 0.01));
     let without = run(quiet, start)?;
     let with = run(noisy, start)?;
@@ -286,7 +290,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     })
 }
 
-/// Curves in which energy ellipsoids cut the sphere, as paths of the body without noise.
+/// Returns the curves in which energy ellipsoids cut the sphere, as paths of the body without
+/// noise.
 fn levels(body: Body, radius: f64) -> Result<Vec<Vec<Vector3<f64>>>, StepError> {
     let integrator = Integrator::new(body, Midpoint);
     let mut levels = Vec::new();

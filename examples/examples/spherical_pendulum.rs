@@ -1,7 +1,9 @@
-//! A spherical pendulum in Cartesian coordinates: the constraint |q| = 1 takes the place of angles, and the poles are nothing special.
+//! A spherical pendulum in Cartesian coordinates: the constraint |q| = 1 replaces angles, and the
+//! poles are not singular.
 //!
-//! The midpoint rule keeps the constraint and the momentum about the vertical to rounding, with noise too. A pendulum that swings over the upper pole moves
-//! as one in an angle does. In a heat bath it has the heights of the canonical distribution, `E z = 1/β − coth β` with β = g/kT.
+//! The midpoint rule keeps the constraint and the momentum about the vertical to rounding, with
+//! noise too. A pendulum that swings over the upper pole moves like a pendulum in an angle. In a
+//! heat bath it has the heights of the canonical distribution, `E z = 1/β − coth β` with β = g/kT.
 //! The picture is written to `target/spherical_pendulum/`.
 
 use std::error::Error;
@@ -15,7 +17,8 @@ use sve_examples::report::one_row;
 use sve_examples::{palette, render};
 use sve_runtime::prelude::*;
 
-/// A heavy particle on the unit sphere. Noise pulls along the vertical, so that the momentum about it stays.
+/// A heavy particle on the unit sphere. Noise pulls along the vertical, so that the momentum about
+/// the vertical stays constant.
 #[derive(Clone, Copy, Debug)]
 struct Spherical {
     g: f64,
@@ -106,7 +109,7 @@ fn largest(path: &Path3, of: impl Fn(&State<Vector3<f64>>) -> f64) -> f64 {
     path.iter().map(|state| of(state).abs()).fold(0.0, f64::max)
 }
 
-/// The path with noise: what it keeps.
+/// Checks the quantities that the path with noise keeps.
 fn kept(path: &Path3) -> [Check; 3] {
     let system = Spherical { g: G, sigma: 0.3 };
     let moment = system.turn_momentum(&path[0]);
@@ -123,7 +126,7 @@ fn kept(path: &Path3) -> [Check; 3] {
     ]
 }
 
-/// The energy without noise, in both halves of a long run.
+/// Checks the energy without noise, in both halves of a long run.
 fn energy(path: &Path3) -> Result<[Check; 2], StepError> {
     let system = Spherical { g: G, sigma: 0.0 };
     let energies: Result<Vec<f64>, StepError> =
@@ -149,14 +152,14 @@ fn energy(path: &Path3) -> Result<[Check; 2], StepError> {
     ])
 }
 
-/// Heights of a swing over the upper pole, and those of the pendulum in an angle.
+/// Returns the heights of a swing over the upper pole, and the heights of the pendulum in an angle.
 fn over_the_pole(h: f64) -> Result<[Vec<(f64, f64)>; 2], StepError> {
     #[allow(clippy::cast_sign_loss)] // h is positive
     let steps = (20.0 / h).round() as usize;
     let speed = 2.2;
     let start = State::new(Vector3::new(0.0, 0.0, -1.0), Vector3::new(speed, 0.0, 0.0));
     let planar = Integrator::new(Planar { g: G }, Midpoint);
-    // so fine that its own error is far below
+    // The step is so fine that its own error is negligible.
     let fine = 20_u8;
     let angle: Result<Vec<_>, StepError> = planar
         .trajectory(State::new([0.0], [speed]), h / f64::from(fine), NoNoise)
@@ -171,7 +174,7 @@ fn over_the_pole(h: f64) -> Result<[Vec<(f64, f64)>; 2], StepError> {
     Ok(heights)
 }
 
-/// Mean height and kinetic energy in a heat bath, by an ensemble.
+/// Checks mean height and kinetic energy in a heat bath, by an ensemble.
 fn bath() -> Result<[Check; 2], Box<dyn Error>> {
     let system = Bath {
         g: G,
@@ -211,7 +214,8 @@ fn bath() -> Result<[Check; 2], Box<dyn Error>> {
     ])
 }
 
-/// A polyline as its visible and its hidden part, seen from a point above the equator; breaks are not numbers.
+/// Returns a polyline as its visible and its hidden part, seen from a point above the equator;
+/// breaks are NaN.
 fn seen(points: impl Iterator<Item = Vector3<f64>>) -> [Vec<(f64, f64)>; 2] {
     let tilt: f64 = 0.35;
     let mut parts = [Vec::new(), Vec::new()];

@@ -1,7 +1,8 @@
-//! Synchrotron oscillations of a particle bunch, with noise in phase and amplitude of the accelerating field.
+//! Synchrotron oscillations of a particle bunch, with noise in phase and amplitude of the
+//! accelerating field.
 //!
-//! H = p²/2 − ω² cos q. Phase and amplitude noise kick the particle: γ₁ = −σ₁ cos q, γ₂ = −σ₂ sin q, two Wiener processes.
-//! Particles outside the separatrix H = ω² are lost from the bucket.
+//! H = p²/2 − ω² cos q. Phase and amplitude noise kick the particle: γ₁ = −σ₁ cos q, γ₂ = −σ₂ sin
+//! q, two Wiener processes. Particles outside the separatrix H = ω² are lost from the bucket.
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -44,7 +45,7 @@ struct Bunch {
     outside: u32,
 }
 
-/// The bunch at the end within the bucket, and the part that is lost against time.
+/// Draws the bunch at the end within the bucket, and the lost part against time.
 fn figure(machine: Synchrotron, ends: &[(f64, f64)], bunches: &[Bunch], times: &[f64]) -> Figure {
     let wrapped = |&(q, p): &(f64, f64)| (q - 2.0 * PI * (q / (2.0 * PI)).round(), p);
     let separatrix = |sign: f64| -> Vec<(f64, f64)> {
@@ -103,7 +104,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let endpoint = Integrator::new(machine, Endpoint);
     println!("{}\n", endpoint.plan());
 
-    // dH = … + ½ (σ₁² sin² q + σ₂² cos² q) dt: for σ₁ = σ₂ = σ the mean energy grows as σ²t/2, whatever the motion
+    // dH = … + ½ (σ₁² sin² q + σ₂² cos² q) dt: for σ₁ = σ₂ = σ the mean energy grows as σ²t/2 for
+    // every motion.
     let start = State::new([0.5], [0.0]);
     let first = machine.hamiltonian(&start)?;
     let stops: Vec<usize> = (1..=5).map(|k| 1000 * k).collect();

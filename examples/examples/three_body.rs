@@ -1,8 +1,9 @@
 //! Three equal masses that chase one another along a figure eight: a first program with vectors.
 //!
-//! L = Σ ½mᵢ|vᵢ|² + Σ g mᵢmⱼ/|qᵢ − qⱼ|. The orbit is that of Chenciner and Montgomery (Annals of Mathematics 152, 2000), with the
-//! initial values that Simó computed. After one period the bodies are back where they started, up to the error of the
-//! midpoint rule, which is of order 2. The energy error stays bounded, and the momenta stay to rounding.
+//! L = Σ ½mᵢ|vᵢ|² + Σ g mᵢmⱼ/|qᵢ − qⱼ|. The orbit was found by Chenciner and Montgomery (Annals of
+//! Mathematics 152, 2000); the initial values are by Simó. After one period the bodies are back
+//! where they started, up to the error of the midpoint rule, which is of order 2. The energy error
+//! stays bounded, and the momenta are kept to rounding.
 
 use std::error::Error;
 
@@ -46,7 +47,8 @@ type Bodies = State<[Vector2<f64>; 3]>;
 
 const PERIOD: f64 = 6.325_913_98;
 
-/// Returns the start of the figure eight for unit masses and g = 1: one body in the centre, the others opposite each other.
+/// Returns the start of the figure eight for unit masses and g = 1: one body in the centre, the
+/// others opposite each other.
 fn figure_eight() -> Bodies {
     let q = Vector2::new(0.970_004_36, -0.243_087_53);
     let p = Vector2::new(-0.932_407_37, -0.864_731_46);
@@ -59,7 +61,8 @@ fn distance(a: &Bodies, b: &Bodies) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// Steps through one period with two step sizes. Returns the order at which the distance from the start vanishes.
+/// Steps through one period with two step sizes. Returns the order at which the distance from the
+/// start vanishes.
 fn close_the_orbit(method: &Integrator<ThreeBody, Midpoint>) -> Result<f64, StepError> {
     let start = figure_eight();
     println!("{:>16} {:>20}", "steps a period", "distance from start");
@@ -77,7 +80,8 @@ fn close_the_orbit(method: &Integrator<ThreeBody, Midpoint>) -> Result<f64, Step
     Ok(order)
 }
 
-/// Follows the orbit for 100 periods of 1000 steps. Returns the largest changes of energy, angular momentum and linear momentum.
+/// Follows the orbit for 100 periods of 1000 steps. Returns the largest changes of energy, angular
+/// momentum and linear momentum.
 fn follow(method: &Integrator<ThreeBody, Midpoint>) -> Result<[f64; 3], StepError> {
     let system = method.system();
     let start = figure_eight();

@@ -1,8 +1,10 @@
-//! Four point vortices in a plane, and the same in a strain that fluctuates.
+//! Four point vortices in a plane, without noise and in a strain that fluctuates.
 //!
-//! The Lagrangian is linear in all velocities: the two coordinates of a vortex are conjugate to each other, and p = α(q). In the gauge
-//! ½Γ(y x' − x y') the one-form α is linear, so the step is the implicit midpoint rule, which preserves the two-form Σ Γ dy ∧ dx and the quadratic
-//! invariants. The noise is a γ: it moves the vortices, like an energy that fluctuates. A page with the picture is written to `target/vortices`.
+//! The Lagrangian is linear in all velocities: the two coordinates of a vortex are conjugate to
+//! each other, and p = α(q). In the gauge ½Γ(y x' − x y') the one-form α is linear, so the step is
+//! the implicit midpoint rule, which preserves the two-form Σ Γ dy ∧ dx and the quadratic
+//! invariants. The noise is a γ: it moves the vortices, like an energy that fluctuates. A page with
+//! the picture is written to `target/vortices`.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -36,7 +38,7 @@ impl Vortices {
         l
     }
 
-    /// A strain along the axes, and one along the diagonals.
+    /// The noises: a strain along the axes, and one along the diagonals.
     #[gamma]
     fn strain(&self, q: [[f64; 2]; 4]) -> [f64; 2] {
         let mut strain = [0.0; 2];
@@ -50,18 +52,18 @@ impl Vortices {
 }
 
 impl Vortices {
-    /// Σ Γ x and Σ Γ y.
+    /// Returns Σ Γ x and Σ Γ y.
     fn centre(&self, q: &Plane) -> [f64; 2] {
         [0, 1].map(|k| (0..4).map(|i| self.gamma[i] * q[i][k]).sum())
     }
 
-    /// Σ Γ r².
+    /// Returns Σ Γ r².
     fn moment(&self, q: &Plane) -> f64 {
         let square = |i: usize| q[i][0] * q[i][0] + q[i][1] * q[i][1];
         (0..4).map(|i| self.gamma[i] * square(i)).sum()
     }
 
-    /// The largest change of the two-form Σ Γ dy ∧ dx by a tangent map.
+    /// Returns the largest change of the two-form Σ Γ dy ∧ dx by a tangent map.
     fn two_form_change(&self, tangent: &sve_runtime::Tangent<8>) -> f64 {
         let form = |a: &[f64; 8], b: &[f64; 8]| -> f64 {
             let of = |i: usize| a[2 * i + 1] * b[2 * i] - a[2 * i] * b[2 * i + 1];
@@ -80,7 +82,7 @@ impl Vortices {
     }
 }
 
-/// A start whose centre is the origin.
+/// Returns a start whose centre is the origin.
 fn start(vortices: &Vortices) -> Result<State<Plane>, StepError> {
     let mut q = [[1.0, 0.0], [-0.2, 0.9], [-1.0, -0.3], [0.3, -0.8]];
     let total: f64 = vortices.gamma.iter().sum();
@@ -95,7 +97,7 @@ fn start(vortices: &Vortices) -> Result<State<Plane>, StepError> {
 const H: f64 = 0.05;
 const STEPS: usize = 100_000;
 
-/// Steps that are drawn.
+/// Number of steps that are drawn.
 const DRAWN: usize = 400;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -175,7 +177,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     report("Four point vortices", &figure, caption, &checks)
 }
 
-/// The paths of the vortices.
+/// Draws the paths of the vortices.
 fn paths(integrator: &Integrator<Vortices, Midpoint>, title: &str) -> Result<Panel, StepError> {
     let first = start(integrator.system())?;
     let states: Result<Vec<_>, _> = integrator

@@ -1,7 +1,7 @@
 //! Measured numbers beside expected ones.
 //!
-//! A check has an expected value, a tolerance and the reason for the tolerance. A check that does not apply to the options of a run
-//! reports the reason and cannot fail.
+//! A check has an expected value, a tolerance and the reason for the tolerance. A check that does
+//! not apply to the options of a run reports the reason and cannot fail.
 
 use std::fmt::Write as _;
 
@@ -16,24 +16,25 @@ pub struct Check {
     pub verdict: Verdict,
 }
 
-/// What a measured number is compared with, and whether it agrees.
+/// The comparison of a measured number with its expected value.
 #[derive(Clone, Debug)]
 pub enum Verdict {
-    /// Within `tolerance` of `expected` or not.
+    /// The number is compared with `expected`; it agrees if it is within `tolerance`.
     Compared {
         /// The expected value.
         expected: f64,
         /// Largest difference allowed.
         tolerance: f64,
-        /// Why that value and that tolerance.
+        /// The reason for the value and the tolerance.
         reason: String,
     },
-    /// Reported only, or not applicable with these options: the text says which.
+    /// The number is only reported, or the check does not apply with these options. The text gives
+    /// the reason.
     Reported(String),
 }
 
 impl Check {
-    /// A measured number that is reported and not compared.
+    /// Returns a measured number that is reported and not compared.
     pub fn new(what: impl Into<String>, measured: f64) -> Self {
         Self {
             what: what.into(),
@@ -42,7 +43,7 @@ impl Check {
         }
     }
 
-    /// The number has to be within `tolerance` of `expected`.
+    /// Requires that the number is within `tolerance` of `expected`.
     #[must_use]
     pub fn near(mut self, expected: f64, tolerance: f64, reason: impl Into<String>) -> Self {
         self.verdict = Verdict::Compared {
@@ -53,14 +54,14 @@ impl Check {
         self
     }
 
-    /// The number is reported and not compared.
+    /// Reports the number without a comparison.
     #[must_use]
     pub fn reported(mut self, why: impl Into<String>) -> Self {
         self.verdict = Verdict::Reported(why.into());
         self
     }
 
-    /// Keeps the comparison where `applies`; reports the number with the given reason elsewhere.
+    /// Keeps the comparison if `applies`; otherwise reports the number with the given reason.
     #[must_use]
     pub fn only_if(mut self, applies: bool, otherwise: &str) -> Self {
         if !applies {
@@ -69,7 +70,8 @@ impl Check {
         self
     }
 
-    /// Whether it was compared and does not agree. A number that is not finite agrees with nothing.
+    /// Returns whether the number was compared and does not agree. A number that is not finite
+    /// agrees with nothing.
     pub fn failed(&self) -> bool {
         match self.verdict {
             Verdict::Compared {
@@ -84,7 +86,7 @@ impl Check {
         }
     }
 
-    /// The cells of its row: what, measured, expected, allowed, verdict, reason.
+    /// Returns the cells of the row: quantity, measured, expected, allowed, verdict, reason.
     pub fn cells(&self) -> [String; 6] {
         let what = self.what.clone();
         match &self.verdict {
@@ -124,7 +126,7 @@ pub const COLUMNS: [&str; 6] = [
     "quantity", "measured", "expected", "allowed", "verdict", "reason",
 ];
 
-/// A number as a table shows it, with six significant digits.
+/// Returns a number as a table shows it, with six significant digits.
 pub fn number(x: f64) -> String {
     digits(x, 6)
 }
@@ -151,7 +153,8 @@ fn digits(x: f64, significant: usize) -> String {
     }
 }
 
-/// The table of one figure as text, without the reasons where numbers agree: lines have to fit a terminal.
+/// Returns the table of one figure as text. It omits the reasons if numbers agree, since lines have
+/// to fit a terminal.
 pub fn table(title: &str, checks: &[Check]) -> String {
     let row = |check: &Check| {
         let mut cells = check.cells();
@@ -170,7 +173,7 @@ pub fn table(title: &str, checks: &[Check]) -> String {
     let mut line = |cells: [&str; 6]| {
         let [what, measured, expected, allowed, verdict, reason] = cells;
         let [a, b, c, d, e] = widths;
-        // writing into a String cannot fail
+        // Writing into a String cannot fail.
         let line = format!(
             "  {what:a$}  {measured:>b$}  {expected:>c$}  {allowed:d$}  {verdict:e$}  {reason}"
         );

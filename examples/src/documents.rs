@@ -1,4 +1,5 @@
-//! What the documents of the project say of it, compared with the project: numbers, links, paths.
+//! The statements of the documents about the project, compared with the project: numbers, links,
+//! paths.
 
 use std::collections::HashMap;
 use std::fs;
@@ -13,7 +14,7 @@ fn read(path: &str) -> String {
     text.unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// The numbers of `docs/numbers/README.md`: rows "| `name` | value | what |".
+/// Returns the numbers of `docs/numbers/README.md`: rows "| `name` | value | what |".
 fn numbers(page: &str) -> HashMap<&str, &str> {
     let number = |line: &'_ str| -> Option<(usize, usize, usize)> {
         let rest = line.strip_prefix("| `")?;
@@ -29,7 +30,7 @@ fn numbers(page: &str) -> HashMap<&str, &str> {
     page.lines().filter_map(row).collect()
 }
 
-/// A template with `{name}` replaced by its value.
+/// Returns a template with `{name}` replaced by its value.
 fn filled(template: &str, numbers: &HashMap<&str, &str>) -> String {
     let mut text = String::new();
     let mut parts = template.split('{');
@@ -45,10 +46,11 @@ fn filled(template: &str, numbers: &HashMap<&str, &str>) -> String {
     text
 }
 
-/// The folders with pages for readers. The guide is a part of the package that shows it in its documentation.
+/// The folders with pages for readers. The guide is a part of the package that shows it in its
+/// documentation.
 const PAGES: [&str; 2] = ["docs", "sve-runtime/docs/guide"];
 
-/// The documents for readers: the readme and all pages.
+/// Returns the documents for readers: the readme and all pages.
 fn documents() -> Vec<String> {
     let mut documents = vec!["README.md".to_owned()];
     for folder in PAGES {
@@ -97,7 +99,7 @@ fn the_documents_quote_the_numbers_that_were_measured() {
     assert_eq!(quoted.len(), templates.len(), "quoted are {quoted:?}");
 }
 
-/// The targets of links between files: those in parentheses, and those of definitions.
+/// Returns the targets of links between files: targets in parentheses, and targets of definitions.
 fn targets(document: &str) -> Vec<&str> {
     let in_parentheses = document.split("](").skip(1);
     let in_parentheses = in_parentheses.filter_map(|rest| rest.split_once(')'));
@@ -163,7 +165,7 @@ fn every_page_of_the_guide_is_in_its_contents_and_in_the_documentation() {
 /// Documents that name files of the repository.
 const MAPS: [&str; 3] = ["ARCHITECTURE.md", "docs/decisions.md", "tests/README.md"];
 
-/// Where their paths start: at the root, or in the folder that their part is about.
+/// The folders in which their paths start: the root, or the folder that their part describes.
 const FOLDERS: [&str; 4] = [
     "",
     "sve-macros/compiler/src",
@@ -198,7 +200,7 @@ fn the_files_that_documents_name_are_there() {
     assert!(missing.is_empty(), "{missing:?}");
 }
 
-/// The package outside of the workspace cannot inherit from its manifest.
+/// Checks the package outside of the workspace, which cannot inherit from its manifest.
 #[test]
 fn packages_name_the_same_repository() {
     let repository = |path: &str| -> String {
@@ -215,7 +217,7 @@ fn packages_name_the_same_repository() {
     );
 }
 
-/// Licences travel with each package.
+/// Checks that each package contains the licences.
 #[test]
 fn packages_contain_the_licences() {
     for package in [

@@ -1,11 +1,13 @@
-//! What an error along a long path looks like: its largest value in each part of the time.
+//! The course of an error along a long path: its largest value in each part of the time.
 
-/// The decimal logarithm of the largest |error| in each part of a path, at the end of the part.
+/// Returns the decimal logarithm of the largest |error| in each part of a path, at the end of the
+/// part.
 ///
-/// An error that oscillates passes through zero, and a picture of all its values would show how close to zero the steps came.
+/// An error that oscillates passes through zero, and a picture of all its values would show how
+/// close to zero the steps came.
 ///
 /// # Errors
-/// That of a step.
+/// The error of a step.
 ///
 /// # Panics
 /// If `length`, the number of errors in a part, is 0.
@@ -16,7 +18,7 @@ pub fn envelope<E>(
     let (mut points, mut largest, mut count) = (Vec::new(), 0.0_f64, 0);
     for error in errors {
         let (t, error) = error?;
-        // NaN stays
+        // NaN is kept.
         largest = if error.is_nan() {
             error
         } else {

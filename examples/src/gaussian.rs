@@ -1,8 +1,9 @@
 //! Exact moments of linear schemes with Gaussian increments.
 //!
-//! A linear scheme `y₁ = A y₀ + η`, `η ~ N(0, Q)`, keeps a Gaussian Gaussian: `μ₁ = A μ₀`, `Σ₁ = A Σ₀ Aᵀ + Q`.
-//! A quadratic form has mean `tr(DΣ) + μᵀDμ` and variance `2 tr(DΣDΣ) + 4 μᵀDΣDμ` (D symmetric). So mean energies and
-//! their standard errors are known without sampling. For `Q = σ²h b bᵀ` the second moments `M = Σ + μμᵀ` obey
+//! A linear scheme `y₁ = A y₀ + η`, `η ~ N(0, Q)`, keeps a Gaussian Gaussian: `μ₁ = A μ₀`,
+//! `Σ₁ = A Σ₀ Aᵀ + Q`. A quadratic form has mean `tr(DΣ) + μᵀDμ` and variance
+//! `2 tr(DΣDΣ) + 4 μᵀDΣDμ` (D symmetric). So mean energies and their standard errors are known
+//! without sampling. For `Q = σ²h b bᵀ` the second moments `M = Σ + μμᵀ` obey
 //! `M₁ = A M₀ Aᵀ + σ²h b bᵀ`.
 
 /// A matrix, rows first.
@@ -11,23 +12,23 @@ pub type Matrix<const K: usize> = [[f64; K]; K];
 /// A normal distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaussian<const K: usize> {
-    /// Its mean.
+    /// The mean of the distribution.
     pub mean: [f64; K],
-    /// Its covariance.
+    /// The covariance of the distribution.
     pub covariance: Matrix<K>,
 }
 
 /// A linear scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme<const K: usize> {
-    /// What multiplies the state.
+    /// The matrix that multiplies the state.
     pub a: Matrix<K>,
-    /// Covariance of what is added.
+    /// The covariance of the added noise.
     pub noise: Matrix<K>,
 }
 
 impl<const K: usize> Gaussian<K> {
-    /// A point.
+    /// Returns the distribution of a point.
     pub fn certain(mean: [f64; K]) -> Self {
         Self {
             mean,
@@ -35,7 +36,7 @@ impl<const K: usize> Gaussian<K> {
         }
     }
 
-    /// Mean and variance of `yᵀ D y`, D symmetric.
+    /// Returns mean and variance of `yᵀ D y`, D symmetric.
     pub fn quadratic(&self, d: &Matrix<K>) -> (f64, f64) {
         let ds = product(d, &self.covariance);
         let dm = apply(d, &self.mean);
@@ -46,7 +47,7 @@ impl<const K: usize> Gaussian<K> {
 }
 
 impl<const K: usize> Scheme<K> {
-    /// The distribution one step later.
+    /// Returns the distribution one step later.
     #[must_use]
     pub fn step(&self, y: &Gaussian<K>) -> Gaussian<K> {
         let mut covariance = product(&product(&self.a, &y.covariance), &transpose(&self.a));
@@ -61,20 +62,22 @@ impl<const K: usize> Scheme<K> {
         }
     }
 
-    /// The distributions after 0, 1, 2 … steps.
+    /// Returns the distributions after 0, 1, 2 … steps.
     pub fn distributions(&self, start: [f64; K]) -> impl Iterator<Item = Gaussian<K>> {
         std::iter::successors(Some(Gaussian::certain(start)), |y| Some(self.step(y)))
     }
 }
 
-/// How many standard errors the mean of `n` independent squares may be off, with a false alarm in ten thousand.
+/// Returns the largest allowed error of the mean of `n` independent squares, in standard errors,
+/// with a false alarm in ten thousand.
 ///
-/// Chernoff's bound for the mean of n χ²₁ variables, the longest tail that energies of a plane Gaussian have:
-/// `P(mean > 1 + y) ≤ exp(−n (y − ln(1 + y))/2)`, and y is `√(2/n)` a standard error. It tends to the normal 4.4 as n grows.
+/// Chernoff's bound for the mean of n χ²₁ variables, which have the longest tail among energies of
+/// a plane Gaussian: `P(mean > 1 + y) ≤ exp(−n (y − ln(1 + y))/2)`, and y is `√(2/n)` a standard
+/// error. The result tends to the normal 4.4 as n grows.
 pub fn standard_errors(n: f64) -> f64 {
     let wanted = 2e4_f64.ln();
     let (mut low, mut high) = (0.0, 4.0 * wanted / n + 4.0);
-    // halving 60 times reaches the rounding level
+    // Halving 60 times reaches the rounding level.
     for _ in 0..60 {
         let y: f64 = f64::midpoint(low, high);
         if n * (y - y.ln_1p()) / 2.0 < wanted {
@@ -86,10 +89,11 @@ pub fn standard_errors(n: f64) -> f64 {
     high * (n / 2.0).sqrt()
 }
 
-/// `E f(X)` for `X ~ N(mean, deviation²)`.
+/// Returns `E f(X)` for `X ~ N(mean, deviation²)`.
 ///
-/// The trapezoidal rule on ±12 deviations: for f analytic near the real axis its error falls exponentially with the
-/// spacing (Trefethen and Weideman, The exponentially convergent trapezoidal rule, 2014).
+/// Uses the trapezoidal rule on ±12 deviations: for f analytic near the real axis its error falls
+/// exponentially with the spacing (Trefethen and Weideman, The exponentially convergent trapezoidal
+/// rule, 2014).
 pub fn expectation(mean: f64, deviation: f64, f: impl Fn(f64) -> f64) -> f64 {
     let spacing = 0.01;
     let weight = |z: f64| (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt();
@@ -100,7 +104,8 @@ pub fn expectation(mean: f64, deviation: f64, f: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Gaussian<2> {
-    /// `(x − μ)ᵀ Σ⁻¹ (x − μ)`, which is χ²₂ distributed: above s with probability exp(−s/2).
+    /// Returns `(x − μ)ᵀ Σ⁻¹ (x − μ)`, which is χ²₂ distributed: above s with probability
+    /// exp(−s/2).
     pub fn surprise(&self, x: [f64; 2]) -> f64 {
         let d = [x[0] - self.mean[0], x[1] - self.mean[1]];
         let c = &self.covariance;
@@ -109,7 +114,7 @@ impl Gaussian<2> {
     }
 }
 
-/// `A B`.
+/// Returns `A B`.
 pub fn product<const K: usize>(a: &Matrix<K>, b: &Matrix<K>) -> Matrix<K> {
     let mut c = [[0.0; K]; K];
     for i in 0..K {
@@ -148,7 +153,7 @@ mod tests {
             mean: [2.0],
             covariance: [[9.0]],
         };
-        // X² of N(2, 9): mean 13, variance 2·81 + 4·4·9
+        // X² of N(2, 9) has mean 13 and variance 2·81 + 4·4·9.
         assert_eq!(x.quadratic(&[[1.0]]), (13.0, 306.0));
     }
 
@@ -161,7 +166,7 @@ mod tests {
     #[test]
     fn expectation_of_a_polynomial() {
         let fourth = expectation(1.0, 2.0, |x| x.powi(4));
-        // μ⁴ + 6μ²σ² + 3σ⁴
+        // The fourth moment is μ⁴ + 6μ²σ² + 3σ⁴.
         assert!((fourth - 73.0).abs() < 1e-10);
     }
 }

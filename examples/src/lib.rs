@@ -1,6 +1,8 @@
 //! Shared code of the example programs: pages with figures, and checks of measured numbers.
 //!
-//! A program describes a [`Figure`](figure::Figure), [`report`] draws it, and [`check`] compares what was measured with what was expected. [`gaussian`] computes expectations of linear schemes without Monte Carlo.
+//! A program describes a [`Figure`](figure::Figure), [`report`] draws it, and [`check`] compares
+//! measured with expected numbers. [`gaussian`] computes expectations of linear schemes without
+//! Monte Carlo.
 
 pub mod check;
 pub mod envelope;

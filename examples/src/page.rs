@@ -16,11 +16,12 @@ pub struct Section<'a> {
     pub svg: &'a str,
     /// Text under the figure; may contain markup.
     pub caption: &'a str,
-    /// Its numbers.
+    /// Numbers of the figure.
     pub checks: &'a [Check],
 }
 
-/// A page of figures with their numbers. A figure with the title of the page has no heading of its own. `head` and `foot` may contain markup.
+/// Returns a page of figures with their numbers. A figure with the title of the page has no heading
+/// of its own. `head` and `foot` may contain markup.
 pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> String {
     let mut body = format!("{head}\n");
     for section in sections {
@@ -29,7 +30,7 @@ pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> St
         } else {
             format!("<h2>{}</h2>\n", escape(section.title))
         };
-        // writing into a String cannot fail
+        // Writing into a String cannot fail.
         let _ = write!(
             body,
             "<section>\n{heading}<figure>\n{}\n<figcaption>{}</figcaption>\n</figure>\n{}</section>\n",

@@ -1,4 +1,5 @@
-//! What a program leaves behind: a page with its figure and numbers, the figure alone, and the exit status.
+//! The output of a program: a page with its figure and numbers, the figure alone, and the exit
+//! status.
 
 use std::error::Error;
 use std::path::Path;
@@ -9,14 +10,14 @@ use crate::figure::{Figure, Panel, Row};
 use crate::page::{self, Section};
 use crate::render;
 
-/// The figure of one row of panels, with its width and height in CSS pixels.
+/// Returns the figure of one row of panels, with its width and height in CSS pixels.
 pub fn one_row(name: &'static str, [width, height]: [u32; 2], panels: Vec<Panel>) -> Figure {
     let rows = vec![Row { height, panels }];
     Figure { name, width, rows }
 }
 
-/// Writes `target/NAME/index.html`, `NAME.svg` and `NAME.png`, where NAME is that of the figure, and prints the numbers. Returns the exit status: failure
-/// if a number is off.
+/// Writes `target/NAME/index.html`, `NAME.svg` and `NAME.png`, where NAME is the name of the
+/// figure, and prints the numbers. Returns the exit status: failure if a number is off.
 ///
 /// # Errors
 /// If a file cannot be written.

@@ -1,4 +1,5 @@
-//! What the pages of ensembles and studies say: what was run, numbers as people write them, no empty table.
+//! The pages of ensembles and studies: the description of the run, readable numbers, no empty
+//! table.
 
 use std::path::PathBuf;
 
@@ -51,7 +52,7 @@ fn page(summary: &Summary, name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// The texts of a page, without its markup and style.
+/// Returns the texts of a page, without its markup and style.
 fn texts(page: &str) -> Vec<String> {
     let body = page.split_once("<body>").unwrap().1;
     let parts = body.split('<').filter_map(|part| part.split_once('>'));
@@ -59,7 +60,7 @@ fn texts(page: &str) -> Vec<String> {
     texts.filter(|text| !text.is_empty()).collect()
 }
 
-/// Asserts that numbers are written without `e` and `inf`, with a minus of typography.
+/// Asserts that numbers are written without `e` and `inf`, with a typographic minus.
 fn assert_readable(page: &str) {
     for text in texts(page) {
         let characters: Vec<char> = text.chars().collect();
@@ -102,7 +103,7 @@ fn a_page_says_what_was_run() {
         page.contains(&(cell(&mean) + &cell(&error))),
         "{mean}: {page}"
     );
-    // other settings are named too
+    // Other settings are described too.
     let shard = ensemble(&method).noise(ThreePoint::new(5));
     let shard = shard.start_with(|_, rng| State::new([rng.normal()], [0.0]));
     let shard = shard
@@ -162,11 +163,11 @@ fn hostile_observables_are_readable() {
         .replace('>', "&gt;");
     assert!(page.contains(&format!("<td>{escaped}</td>")), "{page}");
     assert!(page.contains("far − 1000000000"), "{page}");
-    // the least and the greatest value are told apart
+    // The least and the greatest value are distinguishable.
     let row = page.split("<td>far</td>").nth(1).unwrap();
     let cells: Vec<&str> = row.split("<td class=\"number\">").skip(1).take(6).collect();
     assert_ne!(cells[4], cells[5]);
-    // a single path has no standard error
+    // A single path has no standard error.
     let single = ensemble(&method).paths(1).observe("q", |_, s| s.q[0]).run();
     let page = self::page(&single.unwrap(), "single.html");
     assert!(page.contains("<td>–</td>") && page.contains("Ensemble of 1 path "));
@@ -204,7 +205,7 @@ fn a_page_of_a_study_says_what_was_measured() {
     ] {
         assert!(page.contains(part), "{part}: {page}");
     }
-    // no times were measured
+    // No times were measured.
     assert!(!page.contains("ns a step"), "{page}");
     assert_readable(&page);
 }

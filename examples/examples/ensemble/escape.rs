@@ -1,18 +1,23 @@
 //! Escape from a well: Langevin dynamics in V = a(q² − 1)² against Kramers' rate.
 //!
-//! Paths start in the left well. The difference of the populations of the wells, d(t) = P(q < 0) − P(q > 0), ends up as
-//! exp(−λt) with λ = 2k, k the rate of escape from one well. Kramers:
+//! Paths start in the left well. The difference of the populations of the wells, d(t) = P(q < 0) −
+//! P(q > 0), finally decays as exp(−λt) with λ = 2k, where k is the rate of escape from one well.
+//! Kramers:
 //!
 //! ```text
-//! k = μ/β · α/2π · exp(−ΔU/kT)     μ = √(ν²/4 + β²) − ν/2     α² = V''(±1) = 8a     β² = −V''(0) = 4a
+//! k = μ/β · α/2π · exp(−ΔU/kT)   μ = √(ν²/4 + β²) − ν/2   α² = V''(±1) = 8a   β² = −V''(0) = 4a
 //! ```
 //!
-//! This is the limit of a high barrier. What it is off at a finite one is known from λ itself, see [`spectrum`](crate::spectrum).
+//! This is the limit of a high barrier. Its error at a finite barrier follows from λ itself, see
+//! [`spectrum`](crate::spectrum).
 //!
-//! First arrivals at the bottom of the other well have the rate λ/2 in the same limit only. At ΔU/kT = 4, from 10 seeds, twice the rate of arrivals over λ is 0.980 ± 0.002 with
-//! h = 0.05 and 0.983 ± 0.002 with half of it: the difference to 1 is no error of the step. λ itself over the exact one is 0.993 ± 0.004 there.
+//! First arrivals at the bottom of the other well have the rate λ/2 in the same limit only. At
+//! ΔU/kT = 4, from 10 seeds, twice the rate of arrivals over λ is 0.980 ± 0.002 with h = 0.05 and
+//! 0.983 ± 0.002 with half of this step: the difference from 1 is no error of the step. The
+//! measured λ over the exact λ is 0.993 ± 0.004.
 //!
-//! Source: Kramers, *Brownian motion in a field of force and the diffusion model of chemical reactions*, Physica 7 (1940).
+//! Source: Kramers, *Brownian motion in a field of force and the diffusion model of chemical
+//! reactions*, Physica 7 (1940).
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -58,9 +63,10 @@ const H: f64 = 0.05;
 const BARRIERS: [f64; 3] = [3.0, 4.0, 5.0];
 const COLORS: [Color; 3] = [palette::ORANGE, palette::GREEN, palette::BLUE];
 const SHAPES: [Shape; 3] = [Shape::Disc, Shape::Triangle, Shape::Cross];
-/// Time after which a path has come to rest in its well: friction and the well's own motion take about 1.
+/// Time after which a path has come to rest in its well: friction and the well's own motion take
+/// about 1.
 const REST: f64 = 20.0;
-/// Steps between two records.
+/// Number of steps between two records.
 const EVERY: u64 = 20;
 
 /// The decay of the populations at one temperature.
@@ -69,11 +75,12 @@ struct Decay {
     color: Color,
     /// t and d(t).
     points: Vec<(f64, f64)>,
-    /// λ as measured, with its standard error.
+    /// The measured λ, with its standard error.
     measured: (f64, f64),
     /// First arrivals at the bottom of the other well per unit of time.
     arrivals: Rate,
-    /// Arrivals in the run that stops the paths there, as a difference, and the part of all steps that it makes.
+    /// Difference of the number of arrivals from the run that stops paths at the arrival, and the
+    /// fraction of all steps that this run makes.
     stopped: (u64, f64),
     /// λ of the Fokker–Planck operator.
     exact: f64,
@@ -123,7 +130,8 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
 fn decay(options: &Options, barrier: f64, color: Color) -> Result<Decay, Box<dyn Error>> {
     let well = Well::at(barrier);
     let exact = well.rate();
-    // until the difference has fallen to e⁻¹: later it drowns in noise, earlier it has not told enough
+    // The time ends when the difference has fallen to e⁻¹: later it is lost in noise, and earlier
+    // it contains too little information.
     let horizon = REST + 1.0 / exact;
     let records = (horizon / (H * EVERY as f64)).ceil();
     let integrator = Integrator::new(well, Midpoint);
@@ -142,7 +150,7 @@ fn decay(options: &Options, barrier: f64, color: Color) -> Result<Decay, Box<dyn
         .first_passage("arrival", |_, state| state.q[0] - 1.0)
         .run()?;
     let arrivals = summary.passage("arrival").ok_or("no passages")?;
-    // the same paths, which end at the bottom of the other well
+    // The same paths end at the bottom of the other well.
     let stopped = ensemble()
         .stop_at("arrival", |_, state| state.q[0] - 1.0)
         .run()?;
@@ -173,7 +181,8 @@ fn decay(options: &Options, barrier: f64, color: Color) -> Result<Decay, Box<dyn
     })
 }
 
-/// λ from d at two times, d₂/d₁ = exp(−λ(t₂ − t₁)), and its standard error. A path is ±1 at both times, with covariance exp(−λ(t₂ − t₁)) − d₁d₂.
+/// Returns λ from d at two times, d₂/d₁ = exp(−λ(t₂ − t₁)), and its standard error. A path is ±1 at
+/// both times, with covariance exp(−λ(t₂ − t₁)) − d₁d₂.
 fn slope((t1, d1): (f64, f64), (t2, d2): (f64, f64), paths: u64) -> (f64, f64) {
     let (time, ratio) = (t2 - t1, d2 / d1);
     let covariance = ratio - d1 * d2;
@@ -192,9 +201,11 @@ fn checks(decay: &Decay) -> Vec<Check> {
         kramers,
         ..
     } = *decay;
-    // q lacks a variance of σ²h³/12 a step, and frequencies are off by (ωh)²/12: 0.2 % with the well's own
+    // q lacks a variance of σ²h³/12 a step, and the relative error of a frequency is (ωh)²/12:
+    // 0.2 % with the frequency of the well.
     let bias = 8.0 * H * H / 12.0 * exact;
-    // the formula's next order: that of each of the two Laplace integrals is 3/16 kT/ΔU where friction is strong
+    // The next order of the formula: each of the two Laplace integrals contributes 3/16 kT/ΔU if
+    // friction is strong.
     let next = 0.375 / barrier;
     vec![
         known_difference(

@@ -1,8 +1,10 @@
 //! The phase of the Kubo oscillator: its histogram against the wrapped normal density.
 //!
-//! dq = p (a dt + σ ∘ dW), dp = −q (a dt + σ ∘ dW) turns by θ = at + σW(t), so the phase at time t is normal with mean at and variance σ²t, wrapped
-//! around the circle. A step of the midpoint rule turns by 2 atan(x/2), x ~ N(ah, σ²h): steps are independent, so the coefficients of the
-//! Fourier series of its density are powers of E exp(2ik atan(x/2)), and its own distribution is known exactly as well.
+//! dq = p (a dt + σ ∘ dW), dp = −q (a dt + σ ∘ dW) turns by θ = at + σW(t), so the phase at time t
+//! is normal with mean at and variance σ²t, wrapped around the circle. A step of the midpoint rule
+//! turns by 2 atan(x/2), x ~ N(ah, σ²h). Steps are independent, so the Fourier coefficients of the
+//! density are powers of E exp(2ik atan(x/2)), and the distribution of the rule is known exactly
+//! too.
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
@@ -40,14 +42,15 @@ const STEPS: u64 = 200;
 const TIME: f64 = STEPS as f64 * H;
 const BINS: usize = 60;
 const WIDTH: f64 = TAU / BINS as f64;
-/// Fourier coefficients: the next is below e⁻¹⁰⁰.
+/// Number of Fourier coefficients: the next one is below e⁻¹⁰⁰.
 const ORDERS: usize = 14;
 
-/// Fourier coefficients E exp(ikθ) of a distribution on the circle, as real and imaginary parts, k from 1.
+/// Fourier coefficients E exp(ikθ) of a distribution on the circle, as real and imaginary parts, k
+/// from 1.
 struct Distribution(Vec<(f64, f64)>);
 
 impl Distribution {
-    /// A wrapped normal distribution.
+    /// Returns a wrapped normal distribution.
     fn normal(mean: f64, variance: f64) -> Self {
         let of = |k: usize| {
             let k = k as f64;
@@ -63,8 +66,9 @@ impl Distribution {
         Self::normal(KUBO.a * TIME, KUBO.sigma.powi(2) * TIME)
     }
 
-    /// Returns the distribution of the exact solution, corrected by the leading error of the midpoint rule: a step lags by x³/12, so in
-    /// unit time the mean by aσ²h/4 and the variance by σ⁴h/2.
+    /// Returns the distribution of the exact solution, corrected by the leading error of the
+    /// midpoint rule: a step lags by x³/12, so in unit time the mean by aσ²h/4 and the variance by
+    /// σ⁴h/2.
     fn expanded() -> Self {
         let (a, square) = (KUBO.a, KUBO.sigma.powi(2));
         Self::normal(
@@ -107,7 +111,7 @@ impl Distribution {
 
 pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
     let integrator = Integrator::new(KUBO, Midpoint);
-    // from (1, 0): q = cos θ, p = −sin θ
+    // From (1, 0), q = cos θ and p = −sin θ.
     let phase = |state: &State<[f64; 1]>| (-state.p[0]).atan2(state.q[0]);
     let summary = Ensemble::new(&integrator)
         .paths(options.paths)
@@ -196,8 +200,9 @@ fn edge(bin: usize) -> f64 {
     -PI + bin as f64 * WIDTH
 }
 
-/// Compares the histogram with a distribution by Pearson's χ², as a z-score. If the paths have the distribution of the rule instead, χ² is
-/// larger on average by the difference of the two distributions.
+/// Compares the histogram with a distribution by Pearson's χ², as a z-score. If the paths have the
+/// distribution of the rule instead, χ² is larger on average by the difference of the two
+/// distributions.
 fn fit(
     name: &str,
     counts: &[u64],
@@ -222,7 +227,8 @@ fn fit(
         chi2,
     )
     .near(
-        freedom + expected_difference, // the tail of χ² is longer than a normal's: 5.1 of its deviations have 1e-5 above
+        freedom + expected_difference,
+        // The tail of χ² is longer than a normal's: it exceeds 5.1 deviations with probability 1e-5.
         5.1 * deviation,
         "degrees of freedom, and the error of the rule's distribution; false alarm about 1e-5",
     )

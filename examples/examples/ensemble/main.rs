@@ -1,7 +1,9 @@
-//! Ensembles of a hundred thousand paths against exact results: growth of the mean energy, distribution of a phase, rate of escape.
+//! Ensembles of a hundred thousand paths against exact results: growth of the mean energy,
+//! distribution of a phase, rate of escape.
 //!
-//! Input: seed, number of paths, folder. Output: SVG figures, `index.html` with them and their numbers, the same numbers with their
-//! z-scores on the terminal; status 1 where one is off. `cargo run --release --example ensemble -- --help` lists options.
+//! Input: seed, number of paths, folder. Output: SVG figures, `index.html` with the figures and
+//! their numbers, the same numbers with their z-scores on the terminal; status 1 if a number is
+//! off. `cargo run --release --example ensemble -- --help` lists options.
 
 mod escape;
 mod kubo;
@@ -20,7 +22,8 @@ use sve_examples::figure::Figure;
 use sve_examples::page::{self, Section};
 use sve_examples::render;
 
-/// Runs ensembles of which the expectation is known and compares. Ends with status 1 where a number is off.
+/// Runs ensembles of which the expectation is known and compares. Ends with status 1 where a number
+/// is off.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "ensemble")]
 pub(crate) struct Options {
@@ -46,7 +49,7 @@ pub(crate) struct Report {
 /// Runs the ensembles of one experiment and returns the report.
 type Experiment = fn(&Options) -> Result<Report, Box<dyn Error>>;
 
-/// A mean against its expectation.
+/// Compares a mean with its expectation.
 pub(crate) fn mean(
     what: impl AsRef<str>,
     measured: f64,
@@ -64,8 +67,9 @@ pub(crate) fn mean(
     )
 }
 
-/// Compares a number with a reference from which it differs by a known bias, at most `known`, and by scatter. The text gives both parts
-/// of the difference. It gives no z-score, which the bias would make large.
+/// Compares a number with a reference from which it differs by a known bias, at most `known`, and
+/// by scatter. The text gives both parts of the difference, and no z-score, which the bias would
+/// make large.
 pub(crate) fn known_difference(
     what: impl AsRef<str>,
     measured: f64,
@@ -91,7 +95,7 @@ pub(crate) fn known_difference(
     )
 }
 
-/// Standard errors that a single number may be off: a false alarm in 150,000.
+/// Largest allowed difference of a single number, in standard errors: a false alarm in 150,000.
 const STANDARD_ERRORS: f64 = 4.5;
 
 fn main() -> ExitCode {
@@ -105,7 +109,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs, writes and prints everything; whether all compared numbers agree.
+/// Runs, writes and prints everything. Returns whether all compared numbers agree.
 fn ensemble(options: &Options) -> Result<bool, Box<dyn Error>> {
     let start = Instant::now();
     fs::create_dir_all(&options.out)

@@ -1,8 +1,10 @@
-//! Figure 3 with a thousand times as many paths: growth of the mean energy of the stochastic linear oscillator.
+//! Figure 3 with a thousand times as many paths: growth of the mean energy of the stochastic linear
+//! oscillator.
 //!
-//! dq = p dt, dp = −q dt + σ dW: the mean energy is H₀ + σ²t/2. The energies of a linear scheme `z₁ = A z₀ + b ΔW` are quadratic forms
-//! of a Gaussian, whose means and variances follow from a recursion; A and b are read off the scheme's own step, so the expectation
-//! belongs to the code that ran.
+//! dq = p dt, dp = −q dt + σ dW: the mean energy is H₀ + σ²t/2. The energies of a linear scheme
+//! `z₁ = A z₀ + b ΔW` are quadratic forms of a Gaussian, whose means and variances follow from a
+//! recursion; A and b are read off the scheme's own step, so the expectation belongs to the code
+//! that ran.
 
 use std::array::from_fn;
 use std::error::Error;
@@ -40,13 +42,14 @@ const START: [f64; 2] = [1.0, 0.0];
 /// `H = ½ zᵀ z` as the matrix of a quadratic form.
 const ENERGY: Matrix<2> = [[0.5, 0.0], [0.0, 0.5]];
 const H: f64 = 0.1;
-/// Steps between two records.
+/// Number of steps between two records.
 const EVERY: usize = 10;
-/// Steps of the variational rules, to the paper's horizon of 2000.
+/// Number of steps of the variational rules, to the paper's horizon of 2000.
 const LONG: usize = 20_000;
-/// Steps of the baselines, which show at t = 100 already that their energies explode or stand still.
+/// Number of steps of the baselines. At t = 100 they already show that their energies explode or
+/// stagnate.
 const SHORT: usize = 1_000;
-/// Steps of the second panel.
+/// Number of steps of the second panel.
 const EARLY: usize = 400;
 
 /// The mean energy of one method, measured and exact, after each [`EVERY`] steps.
@@ -57,7 +60,7 @@ struct Curve {
     variational: bool,
     times: Vec<f64>,
     means: Vec<f64>,
-    /// From the sample.
+    /// Standard errors from the sample.
     errors: Vec<f64>,
     /// Exact mean and standard error of the mean, after each step.
     exact: Vec<(f64, f64)>,
@@ -160,7 +163,7 @@ where
     })
 }
 
-/// The method as a map of distributions, from three of its steps.
+/// Returns the method as a map of distributions, from three of its steps.
 fn scheme(method: &impl Method<System = Oscillator>) -> Result<Scheme<2>, StepError> {
     let image = |q: f64, p: f64, dw: f64| {
         let mut state = State::new([q], [p]);
@@ -195,7 +198,8 @@ fn checks(options: &Options, curve: &Curve) -> Vec<Check> {
         )
     };
     let (_, error) = curve.exact[last * EVERY];
-    // kurtosis of a squared radius is at most 9, that of one squared coordinate 15: the variance is known to √(14/n)
+    // The kurtosis of a squared radius is at most 9, the kurtosis of one squared coordinate 15: the
+    // relative error of the variance is √(14/n).
     let relative = 0.5 * (14.0 / options.paths as f64).sqrt();
     let spread = Check::new(
         format!(
@@ -242,9 +246,9 @@ fn draw(curves: &[Curve]) -> Figure {
     )
 }
 
-/// Means of a method as symbols on its exact line and band, all less some function of time.
+/// Draws means of a method as symbols on its exact line and band, all less a function of time.
 fn lines(panel: Panel, curve: &Curve, steps: usize, less: impl Fn(f64) -> f64) -> Panel {
-    // a symbol after so many records
+    // A symbol is drawn after this number of records.
     let stride = (steps / (40 * EVERY)).max(1);
     let steps = steps.min(curve.exact.len() - 1);
     let every = steps.div_ceil(2000);

@@ -1,31 +1,34 @@
 //! The rate at which Langevin dynamics in a double well forgets its well, to many digits.
 //!
-//! Input: V = a(q² − 1)², friction ν, temperature kT. Output: λ, the smallest eigenvalue above 0 of the Fokker–Planck operator, so
-//! that the difference of the wells' populations ends up as exp(−λt).
+//! Input: V = a(q² − 1)², friction ν, temperature kT. Output: λ, the smallest eigenvalue above 0 of
+//! the Fokker–Planck operator. The difference of the wells' populations finally decays as exp(−λt).
 //!
-//! With ψ = f/√(equilibrium) expanded in Hermite functions of v, `ψ = Σ cₙ(q) ψₙ(v)`, and `A = √kT ∂/∂q + V'/(2√kT)`,
+//! With ψ = f/√(equilibrium) expanded in Hermite functions of v, `ψ = Σ cₙ(q) ψₙ(v)`, and
+//! `A = √kT ∂/∂q + V'/(2√kT)`,
 //!
 //! ```text
 //! dcₙ/dt = −νn cₙ + √(n+1) A† cₙ₊₁ − √n A cₙ₋₁
 //! ```
 //!
-//! so that `λ c₀ = A† S₁ A c₀` with `Sₙ = (νn − λ + (n+1) A† Sₙ₊₁ A)⁻¹`, a continued fraction of matrices in a basis of oscillator
-//! functions of q, where V' has a finite band. The slowest state is odd in q; S is even.
+//! so that `λ c₀ = A† S₁ A c₀` with `Sₙ = (νn − λ + (n+1) A† Sₙ₊₁ A)⁻¹`, a continued fraction of
+//! matrices in a basis of oscillator functions of q, where V' has a finite band. The slowest state
+//! is odd in q; S is even.
 //!
 //! Source: Risken, *The Fokker–Planck Equation*, second edition, chapter 10.
 
-/// Functions of q.
+/// Number of functions of q.
 const BASIS: usize = 80;
-/// Functions of v.
+/// Number of functions of v.
 const LEVELS: usize = 40;
 
 type Rows = Vec<Vec<f64>>;
 
-/// λ of V = a(q² − 1)².
+/// Returns λ of V = a(q² − 1)².
 pub(crate) fn rate(a: f64, nu: f64, kt: f64) -> f64 {
     let lower = lowering(a, kt);
     let mut lambda = 0.0;
-    // λ is small beside ν, so that the fraction hardly depends on it: three rounds reach rounding
+    // λ is small compared with ν, so that the fraction hardly depends on it: three rounds reach
+    // rounding.
     for _ in 0..4 {
         let shift = lambda;
         let mut inner = zeros();
@@ -49,7 +52,7 @@ fn zeros() -> Rows {
     vec![vec![0.0; BASIS]; BASIS]
 }
 
-/// A in the basis of oscillator functions as wide as what decays like exp(−V/2kT).
+/// Returns A in a basis of oscillator functions whose width fits a decay like exp(−V/2kT).
 fn lowering(a: f64, kt: f64) -> Rows {
     let width = 0.4;
     let (mut q, mut d) = (zeros(), zeros());
@@ -83,7 +86,7 @@ fn product(x: &Rows, y: &Rows) -> Rows {
     z
 }
 
-/// `Aᵀ S A`.
+/// Returns `Aᵀ S A`.
 fn between(a: &Rows, s: &Rows) -> Rows {
     let mut transposed = zeros();
     for i in 0..BASIS {
@@ -94,7 +97,7 @@ fn between(a: &Rows, s: &Rows) -> Rows {
     product(&transposed, &product(s, a))
 }
 
-/// The inverse of a positive definite matrix, by Gauss and Jordan.
+/// Returns the inverse of a positive definite matrix, by Gauss and Jordan.
 fn inverse(mut m: Rows) -> Rows {
     let mut inverse = zeros();
     for (i, row) in inverse.iter_mut().enumerate() {
@@ -119,9 +122,10 @@ fn inverse(mut m: Rows) -> Rows {
     inverse
 }
 
-/// The smallest eigenvalue among odd functions, by inverse iteration.
+/// Returns the smallest eigenvalue among odd functions, by inverse iteration.
 fn smallest_odd(m: &Rows) -> f64 {
-    // even rows become those of the unit matrix: the even functions, one of which has eigenvalue 0, stay out
+    // Even rows are replaced by rows of the unit matrix, so that the even functions, one of which
+    // has eigenvalue 0, are left out.
     let mut odd = zeros();
     for i in 0..BASIS {
         for j in 0..BASIS {

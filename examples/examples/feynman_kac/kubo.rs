@@ -1,4 +1,5 @@
-//! The second problem: a rotation whose speed is noisy. The rules keep I, so the weight of every path is the same number.
+//! The second problem: a rotation whose speed is noisy. The rules keep I, so all paths have the
+//! same weight.
 
 use std::error::Error;
 

@@ -1,14 +1,17 @@
 //! A parabolic equation solved by the paths of a stochastic Hamiltonian system (Feynman and Kac).
 //!
 //! ```text
-//! 1.  ∂u/∂t = p ∂u/∂q − q ∂u/∂p + ½σ² ∂²u/∂p² − ½κq² u,     u(0) = 1      u = exp(−½ zᵀA(t)z − c(t))
+//! 1.  ∂u/∂t = p ∂u/∂q − q ∂u/∂p + ½σ² ∂²u/∂p² − ½κq² u,  u(0) = 1
+//!     u = exp(−½ zᵀA(t)z − c(t))
 //! 2.  ∂u/∂t = a Du + ½σ² D²u − κI u,  D = p ∂/∂q − q ∂/∂p,  I = ½(q² + p²),  u(0) = q
-//!                                                                           u = exp(−κIt − ½σ²t) (q cos at + p sin at)
+//!     u = exp(−κIt − ½σ²t) (q cos at + p sin at)
 //! ```
 //!
-//! u(t, x) is the mean of `u(0, X_t) exp(−∫V dt)` over paths from x. The first is solved at many points and several times at once, the second at one point; both against
-//! the closed form, within the sampling error and the bias of the rule. The picture has the time that an error costs, by derived rules and by Euler–Maruyama, as it is
-//! usually written. Status 1 if a number is off. Writes `target/feynman_kac/`.
+//! u(t, x) is the mean of `u(0, X_t) exp(−∫V dt)` over paths from x. The first equation is solved
+//! at many points and several times at once, the second at one point; both results are compared
+//! with the closed form, within the sampling error and the bias of the rule. The picture has the
+//! time that an error costs, by derived rules and by Euler–Maruyama as it is usually written.
+//! Status 1 if a number is off. Writes `target/feynman_kac/`.
 
 mod kubo;
 mod quadratic;
@@ -51,7 +54,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     Ok(checks.iter().all(|check| !check.failed()))
 }
 
-/// A mean against its expectation with a known bias.
+/// Compares a mean with its expectation, with a known bias.
 pub(crate) fn mean(what: String, measured: f64, expected: f64, error: f64, bias: f64) -> Check {
     Check::new(what, measured).near(
         expected,

@@ -1,4 +1,5 @@
-//! The first problem: its closed form, the exact mean of a rule without sampling, and its solution at many points.
+//! The first problem: its closed form, the exact mean of a rule without sampling, and its solution
+//! at many points.
 //!
 //! A function exp(−½zᵀAz − c) keeps its form under the equation,
 //!
@@ -40,7 +41,7 @@ impl Oscillator {
     }
 }
 
-/// The potential V.
+/// Returns the potential V.
 pub(crate) fn potential(state: &State<[f64; 1]>) -> f64 {
     0.5 * KAPPA * state.q[0] * state.q[0]
 }
@@ -66,7 +67,7 @@ impl Exponent {
         ]
     }
 
-    /// The exact solution at a time: Runge–Kutta of order 4 with 4,000 steps.
+    /// Returns the exact solution at a time, by Runge–Kutta of order 4 with 4,000 steps.
     fn exact(time: f64) -> Self {
         let mut z = [0.0; 4];
         let h = time / 4000.0;
@@ -85,12 +86,13 @@ impl Exponent {
     }
 }
 
-/// The closed form of the solution.
+/// Returns the closed form of the solution.
 pub(crate) fn exact(time: f64, point: [f64; 2]) -> f64 {
     Exponent::exact(time).value(point)
 }
 
-/// The exact mean of the weight of a linear method, with these weights of the two ends of a step; its square has the mean with twice the potential.
+/// Returns the exact mean of the weight of a linear method, with the given weights of the two ends
+/// of a step. The mean of the squared weight is the mean with twice the potential.
 pub(crate) fn mean_of_steps<I>(
     method: &I,
     steps: u32,

@@ -1,7 +1,9 @@
-//! What an error costs: rules with weak order 2 and the trapezoid, and Euler–Maruyama with the sum over the left ends of steps.
+//! The cost of an error: rules with weak order 2 and the trapezoid, and Euler–Maruyama with the sum
+//! over the left ends of steps.
 //!
-//! An error e of the mean over P paths of steps h has e² = bias² + variance/P. The bias is computed without sampling, the variance too; the time of a path is measured. For each h the
-//! paths are those with which both parts are equal, and the time is theirs.
+//! An error e of the mean over P paths of steps h has e² = bias² + variance/P. Bias and variance
+//! are computed without sampling; the time of a path is measured. For each h, the number of paths
+//! makes both parts equal, and the time is the time of all these paths.
 
 use std::error::Error;
 use std::time::Instant;
@@ -14,17 +16,19 @@ use sve_runtime::prelude::*;
 
 use crate::quadratic::{KAPPA, Oscillator, POINT, TIME, exact, mean_of_steps, potential};
 
-/// Numbers of steps of the rules of weak order 2, and of the others. With fewer steps the bias of Euler–Maruyama changes its sign.
+/// Numbers of steps of the rules of weak order 2, and of the other methods. With fewer steps the
+/// bias of Euler–Maruyama changes its sign.
 const STEPS: [&[u32]; 2] = [&[4, 8, 16, 32, 64, 128], &[16, 32, 64, 128, 256, 512]];
-/// Path-steps of a measurement: enough that the threads are busy and the preparation of a run does not count.
+/// Number of path-steps in a measurement: enough to keep the threads busy and to make the
+/// preparation of a run negligible.
 const PATH_STEPS: u64 = 1 << 23;
 
-/// Times of all paths that an error needs, for each number of steps.
+/// Times of all paths that an error requires, for each number of steps.
 struct Series {
     name: &'static str,
     color: Color,
     shape: Shape,
-    /// Error, seconds.
+    /// Errors and seconds.
     points: Vec<(f64, f64)>,
     /// Slope of the logarithm of the bias.
     order: f64,
@@ -72,7 +76,7 @@ where
     })
 }
 
-/// Seconds of a path in an ensemble of a derived rule.
+/// Returns the seconds of a path in an ensemble of a derived rule.
 fn of_ensemble<I>(method: &I, steps: u32) -> Result<f64, Box<dyn Error>>
 where
     I: Method<System = Oscillator> + Sync,
@@ -97,7 +101,8 @@ where
     Ok(best / paths as f64)
 }
 
-/// Seconds of a path of an ensemble as it is usually written: a loop over paths and steps on one thread.
+/// Returns the seconds of a path of an ensemble as it is usually written: a loop over paths and
+/// steps on one thread.
 fn naive(steps: u32) -> f64 {
     let h = TIME / f64::from(steps);
     let paths = PATH_STEPS / 16 / u64::from(steps);
@@ -108,7 +113,7 @@ fn naive(steps: u32) -> f64 {
         let ([mut q, mut p], mut exponent) = (POINT, 0.0);
         let mut dw = [0.0];
         for step in 0..u64::from(steps) {
-            // the only error is that of a step size of zero
+            // The only possible error is a step size of zero.
             if noise.increments(step, h, &mut dw).is_err() {
                 return f64::NAN;
             }
@@ -118,7 +123,7 @@ fn naive(steps: u32) -> f64 {
         sum += (-exponent).exp();
     }
     let seconds = start.elapsed().as_secs_f64() / paths as f64;
-    // the result is used, so that the loop is not removed
+    // The result is used, so that the compiler does not remove the loop.
     if sum > 0.0 { seconds } else { f64::NAN }
 }
 

@@ -6,12 +6,13 @@ use sve_runtime::prelude::*;
 
 use super::stiff::{Linear, Quartic, largest_energy};
 
-/// Steps of a run: few, since every run is one point.
+/// Number of steps of a run: few, since every run is one point.
 const STEPS: usize = 2000;
-/// Points a decade of ωh.
+/// Number of points in a decade of ωh.
 const DENSITY: i32 = 16;
 
-/// Points of a rule: those before the energy passes a million of its first value.
+/// Returns the points of a rule, up to the point where the energy passes a million times its first
+/// value.
 fn points(run: impl Fn(f64) -> Option<f64>) -> Vec<(f64, f64)> {
     let exponents = (-DENSITY..=3 * DENSITY).map(|k| f64::from(k) / f64::from(DENSITY));
     exponents

@@ -32,33 +32,36 @@ impl Kepler {
 }
 
 const STEPS: usize = 10_000_000;
-/// Steps of an orbit in the plane, which take longer.
+/// Number of steps of an orbit in the plane, which takes longer.
 const ORBIT: usize = 3_000_000;
-/// Steps over which the oscillation of the energy is averaged out.
+/// Number of steps over which the oscillation of the energy is averaged.
 const BLOCK: usize = 100_000;
 
-/// Block means of a random walk stay within a few of its standard deviations.
+/// Largest allowed block mean of a random walk, in standard deviations of the walk.
 const WALK: f64 = 4.0;
-/// Rounding errors of larger steps are not independent of the state: from some starts they add up in proportion to the time, and what of
-/// them is in the increments no sum makes up for. A loop of the two lines q += h p, p −= h q does the same.
+/// The same bound for rounding errors of larger steps, which are not independent of the state. From
+/// some starts they add up in proportion to the time, and compensated sums do not correct the
+/// errors within the increments. A loop of the two lines q += h p, p −= h q behaves the same.
 const BIASED: f64 = 16.0;
 
-/// What a random walk of rounding errors of ε/2 would have as its standard deviation.
+/// Returns the standard deviation of a random walk of rounding errors of ε/2.
 fn walk(steps: usize) -> f64 {
     0.5 * f64::EPSILON * (steps as f64).sqrt()
 }
 
-/// What became of a quantity.
+/// The changes of a quantity along a run.
 struct Found {
     /// The largest change in the first and in the last tenth of the run.
     tenths: [f64; 2],
-    /// The largest change of its mean over a block from that over the first one, in units of the random walk.
+    /// The largest change of its mean over a block from the mean over the first block, in units of
+    /// the random walk.
     mean: f64,
-    /// The same of the last block, with its sign.
+    /// The change of the mean over the last block, with its sign.
     end: f64,
 }
 
-/// Weights whose means of quasi-periodic functions converge faster than any power (Das, Saiki, Sander and Yorke, Nonlinearity 30, 2017).
+/// Returns weights with which means of quasi-periodic functions converge faster than any power
+/// (Das, Saiki, Sander and Yorke, Nonlinearity 30, 2017).
 fn weights() -> Vec<f64> {
     let weight = |k: usize| {
         let x = (k as f64 + 0.5) / BLOCK as f64;
@@ -72,7 +75,7 @@ fn weights() -> Vec<f64> {
     weights
 }
 
-/// The changes of a quantity along states.
+/// Returns the changes of a quantity along states.
 fn watch<const N: usize>(
     states: impl Iterator<Item = Result<State<[f64; N]>, StepError>>,
     steps: usize,
@@ -118,7 +121,7 @@ fn pendulum(h: f64) -> Result<Found, StepError> {
     )
 }
 
-/// A circle; the midpoint rule conserves the angular momentum exactly.
+/// Follows a circle; the midpoint rule conserves the angular momentum exactly.
 fn orbit(h: f64) -> Result<Found, StepError> {
     let midpoint = Integrator::new(Kepler, Midpoint);
     let start = State::new([1.0, 0.0], [0.0, 1.0]);
@@ -131,7 +134,7 @@ fn orbit(h: f64) -> Result<Found, StepError> {
     )
 }
 
-/// q² + p² + hqp, which the endpoint rule conserves exactly.
+/// Follows q² + p² + hqp, which the endpoint rule conserves exactly.
 fn oscillator(h: f64, compensated: bool) -> Result<Found, StepError> {
     let endpoint = Integrator::new(Oscillator, Endpoint);
     let start = State::new([1.2], [0.3]);
@@ -168,7 +171,8 @@ fn judge(found: Result<Found, StepError>, bound: f64, what: &str) -> (Verdict, S
     }
 }
 
-/// Steps of sizes from 10⁻¹² to 10³ from states from the smallest to the largest numbers: finite, or an error.
+/// Tries steps of sizes from 10⁻¹² to 10³ from states from the smallest to the largest numbers: the
+/// result is finite, or an error.
 fn sizes() -> (Verdict, String) {
     let midpoint = Integrator::new(Pendulum, Midpoint);
     let (mut made, mut refused, mut wrong) = (0, 0, 0);

@@ -1,7 +1,8 @@
-//! Hard cases: one table of what makes each hard, by which method it was run, and how that ended.
+//! Hard cases: a table with the difficulty of each case, the method and the outcome.
 //!
-//! Every row has the verdict that is expected of the method, for some of them that it stops; the program exits with status 1
-//! where another one came out. The assertions with their reasons are the tests `hard_cases`.
+//! Every row has the expected verdict; some methods are expected to stop. The program exits with
+//! status 1 if another verdict came out. The tests `hard_cases` have the assertions with their
+//! reasons.
 
 use std::process::ExitCode;
 

@@ -81,7 +81,7 @@ fn rotor_start() -> State<[f64; 1]> {
     State::new([0.0], [2.0])
 }
 
-/// The first step without a solution.
+/// Finds the first step without a solution.
 fn without_solution() -> (Verdict, String) {
     let rotor = Integrator::new(Rotor { s: 0.3 }, Midpoint);
     let path = rotor.trajectory(rotor_start(), H, Wiener::new(1));
@@ -116,13 +116,14 @@ fn refined() -> (Verdict, String) {
     (Verdict::Holds, numbers)
 }
 
-/// Steps of each path on which truncated increments are tried.
+/// Number of steps of each path on which truncated increments are tried.
 const LONG: usize = 20_000;
-/// How many paths.
+/// Number of paths.
 const ROTORS: u64 = 20;
 
-/// Paths that fail with increments as they are, and truncated. Noise of degree four moves p without bound, so that a bound of ΔW bounds
-/// nothing that matters: truncation does not help here, a smaller step puts the end off.
+/// Counts the paths that fail with plain and with truncated increments. Noise of degree four moves
+/// p without bound, so a bound of ΔW does not bound p: truncation does not help here, and a smaller
+/// step only delays the failure.
 fn truncated() -> (Verdict, String) {
     let rotor = Integrator::new(Rotor { s: 0.3 }, Midpoint);
     let mut counts = Vec::new();
@@ -153,7 +154,8 @@ fn truncated() -> (Verdict, String) {
     )
 }
 
-/// The mean square momentum, whose stationary value the midpoint rule has exactly: 1, whatever ωh.
+/// Checks the mean square momentum. The midpoint rule has its stationary value exactly: 1 for every
+/// ωh.
 fn temperature(omega: f64) -> Result<(Verdict, String), StepError> {
     const PATHS: u64 = 100;
     const STEPS: usize = 10_000;
@@ -184,7 +186,7 @@ fn temperature(omega: f64) -> Result<(Verdict, String), StepError> {
     ))
 }
 
-/// Steps with σ → 0 against steps without noise, bit for bit.
+/// Returns whether steps with σ → 0 equal steps without noise, bit for bit.
 fn vanishing() -> Result<bool, StepError> {
     let start = State::new([1.0], [0.3]);
     let end = |s: f64, noise: &mut dyn Noise| -> Result<State<[f64; 1]>, StepError> {

@@ -67,7 +67,7 @@ type Halves = [f64; 2];
 /// A function of the state.
 type Quantity<const N: usize> = fn(&State<[f64; N]>) -> f64;
 
-/// The changes of some quantities along a run.
+/// Returns the changes of some quantities along a run.
 fn changes<S, const N: usize, const K: usize>(
     system: S,
     start: State<[f64; N]>,
@@ -95,7 +95,8 @@ where
     Ok(worst)
 }
 
-/// Holds where the change is small over the whole run, and no larger in the second half than chaos explains.
+/// Holds if the change is small over the whole run, and no larger in the second half than chaos
+/// explains.
 fn judge(changes: &Result<Halves, StepError>, bound: f64, what: &str) -> (Verdict, String) {
     match changes {
         Ok([first, second]) => {
@@ -117,7 +118,7 @@ fn judge(changes: &Result<Halves, StepError>, bound: f64, what: &str) -> (Verdic
     }
 }
 
-/// One of several quantities.
+/// Returns one of several quantities.
 fn of<const K: usize>(
     changes: &Result<[Halves; K], StepError>,
     k: usize,
@@ -144,7 +145,8 @@ pub(super) fn rows(table: &mut Table) {
     coordinates(table);
 }
 
-/// Kepler orbits of some numbers of steps a period, so that it is seen what the step size changes: the energy error is of order h².
+/// Kepler orbits with several numbers of steps a period, which show the effect of the step size:
+/// the energy error is of order h².
 const LENGTHS: [(u32, &str, f64); 3] = [
     (2500, "1,000 periods of 2,500 steps", 0.04),
     (5000, "1,000 periods of 5,000 steps", 0.01),
@@ -208,7 +210,7 @@ fn chaos(table: &mut Table) {
     table.add(row, Verdict::Holds, judge(&of(&found, 0), 3e-3, "energy"));
 }
 
-/// A step that has to end with an error, and where.
+/// Makes steps until one ends with an error, and reports where.
 fn stopped<S>(system: S, start: State<[f64; 2]>, h: f64, steps: usize) -> (Verdict, String)
 where
     S: Variational<Midpoint> + System<Dims = Dims<2, 0>>,

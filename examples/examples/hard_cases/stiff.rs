@@ -16,7 +16,7 @@ impl Linear {
     }
 }
 
-/// ω is the frequency of the largest curvature on the way, at q = 1.
+/// The frequency of the largest curvature along the motion, at q = 1.
 pub(super) struct Quartic {
     pub(super) omega: f64,
 }
@@ -28,10 +28,12 @@ impl Quartic {
     }
 }
 
-/// A short and a long run: what blows up slowly does so in the long one only.
+/// Numbers of steps of a short and a long run: an energy that grows slowly exceeds its bound in the
+/// long run only.
 const STEPS: [usize; 2] = [5000, 1_000_000];
 
-/// The largest energy over a run in units of the first; nothing where it passes a million or a step fails.
+/// Returns the largest energy over a run in units of the first one; `None` if it passes a million
+/// or a step fails.
 pub(super) fn largest_energy<S, R>(system: S, rule: R, steps: usize) -> Option<f64>
 where
     S: Variational<R> + System<Dims = Dims<1, 0>>,
@@ -50,7 +52,8 @@ where
     Some(largest)
 }
 
-/// From ωh = 0.1 to 1000: the largest energy, or where the energy passes its bound, to a thousandth.
+/// Returns the largest energy from ωh = 0.1 to 1000, or the ωh at which the energy passes its
+/// bound, to a thousandth.
 fn sweep(run: impl Fn(f64) -> Option<f64>) -> Result<f64, f64> {
     let mut largest = 1.0_f64;
     let mut good = 0.1;
@@ -76,7 +79,7 @@ fn sweep(run: impl Fn(f64) -> Option<f64>) -> Result<f64, f64> {
     Ok(largest)
 }
 
-/// Short and long runs.
+/// Judges short and long runs.
 fn judge(run: impl Fn(f64, usize) -> Option<f64>) -> (Verdict, String) {
     match STEPS.map(|steps| sweep(|omega| run(omega, steps))) {
         [Ok(_), Ok(largest)] => {

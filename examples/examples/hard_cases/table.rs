@@ -11,13 +11,13 @@ use sve_runtime::plot::page::table;
 /// The outcome of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// What has to be bounded or conserved is.
+    /// The quantities that have to be bounded or conserved are.
     Holds,
     /// The method leaves its range: the energy grows without bound.
     BlowsUp,
     /// A step ended with an error that names the place.
     Stops,
-    /// Steps were finite, and the orbit is a wrong one.
+    /// Steps were finite, but the orbit is wrong.
     Unresolved,
 }
 
@@ -46,7 +46,7 @@ struct Row {
 pub(super) struct Table(Vec<Row>);
 
 impl Table {
-    /// Adds a row: the case with what makes it hard, the method, the verdict expected, and what came out.
+    /// Adds a row: the case with its difficulty, the method, the expected verdict, and the outcome.
     pub(super) fn add(
         &mut self,
         [case, hard, method]: [&'static str; 3],
@@ -63,7 +63,7 @@ impl Table {
         });
     }
 
-    /// Prints the rows; whether every verdict is the expected one.
+    /// Prints the rows. Returns whether every verdict is the expected one.
     pub(super) fn print(&self) -> bool {
         let width = |text: fn(&Row) -> &str| {
             let longest = self.0.iter().map(|row| text(row).chars().count()).max();

@@ -1,4 +1,5 @@
-//! Figure 1: level sets of the pendulum, exact, by the second-order Taylor rule, and by the second-order Taylor method.
+//! Figure 1: level sets of the pendulum, exact, by the second-order Taylor rule, and by the
+//! second-order Taylor method.
 
 use std::error::Error;
 use std::f64::consts::PI;
@@ -26,8 +27,8 @@ const STARTS: [(f64, f64); 7] = [
     (0.0, 7.5),
     (0.0, -7.5),
 ];
-/// Largest energy deviation of the rule over T = 2000 from a start at rest, computed independently by `examples/peers/paper.py`, to the digits
-/// given; the text prints no numbers for its figures.
+/// Largest energy deviation of the rule over T = 2000 from a start at rest, computed independently
+/// by `examples/peers/paper.py`, to the given digits. The text prints no numbers for its figures.
 const DEVIATIONS: [(f64, f64, f64); 3] =
     [(0.5, 0.0051, 5e-5), (1.5, 0.062, 5e-4), (2.5, 0.238, 5e-4)];
 
@@ -63,7 +64,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     })
 }
 
-/// Energies of a run.
+/// Returns the energies of a run.
 fn energies(run: &Run) -> Result<Vec<f64>, StepError> {
     run.states.iter().map(|z| PENDULUM.hamiltonian(z)).collect()
 }
@@ -127,12 +128,12 @@ fn series_checks(options: &Options, run: &Run) -> Result<Vec<Check>, StepError> 
     Ok(checks)
 }
 
-/// The angle between −π and π.
+/// Returns the angle between −π and π.
 fn wrap(q: f64) -> f64 {
     (q + PI).rem_euclid(2.0 * PI) - PI
 }
 
-/// Every fourth state: five thousand dots show an orbit as well as twenty thousand.
+/// Returns every fourth state: five thousand dots show an orbit as well as twenty thousand.
 fn wrapped(run: &Run) -> Vec<(f64, f64)> {
     run.orbit()
         .into_iter()
@@ -141,12 +142,13 @@ fn wrapped(run: &Run) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The level set of energy `e` through `q = limit sin s`, upper half with `sign = 1`, lower half with `sign = −1`.
+/// Returns the level set of energy `e` through `q = limit sin s`, upper half with `sign = 1`, lower
+/// half with `sign = −1`.
 fn level(e: f64, sign: f64) -> Vec<(f64, f64)> {
     let turning = (-e / PENDULUM.g).clamp(-1.0, 1.0).acos();
     (0..=400)
         .map(|k| {
-            // dense at the turning points, where p has a square root
+            // The points are dense at the turning points, where p has a square root.
             let q = turning * (PI * (f64::from(k) / 400.0 - 0.5)).sin();
             (q, sign * (2.0 * (e + PENDULUM.g * q.cos())).max(0.0).sqrt())
         })
@@ -177,7 +179,7 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
         } else {
             format!("p = {}", start.1)
         };
-        // inside the level set where it crosses the axis of angles or momenta
+        // The label is inside the level set where it crosses the axis of angles or momenta.
         let at = if start.1 == 0.0 {
             (start.0 - 0.4, 0.0)
         } else {
@@ -195,7 +197,7 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
     let highest = runs.iter().flat_map(|(_, series)| &series.states);
     let highest = highest.map(|z| z.p[0].abs()).fold(9.0, f64::max);
     let mut rule = axes("Second-order Taylor variational integrator", 9.0);
-    // room for the legend above the dots
+    // Leaves room for the legend above the dots.
     let mut series = axes("Second-order Taylor method", 1.3 * highest).legend(Corner::TopRight);
     for (k, (start, color)) in STARTS.into_iter().zip(palette::CYCLE).enumerate() {
         rule = rule.with(Layer::new(

@@ -13,10 +13,10 @@ use crate::oscillator::{self, ENERGY, Entry, Exact, OSCILLATOR, START, energy};
 use crate::run::{Run, ln_radius};
 use crate::settings::{H, Options};
 
-/// A χ²₂ variable is above this with probability 1e-4.
+/// A χ²₂ variable exceeds this value with probability 1e-4.
 const SURPRISE: f64 = 18.42;
 
-/// Entries of [`oscillator::entries`] by what is expected of them.
+/// Indices of the entries of [`oscillator::entries`] by their expected behaviour.
 const FORWARD: usize = 0;
 const BACKWARD: usize = 1;
 const MIDPOINT: usize = 2;
@@ -78,13 +78,13 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     })
 }
 
-/// What the panels span.
+/// The ranges of the panels.
 struct Picture {
     /// Largest energy of the panel of energies.
     energy: f64,
     /// Largest |q| and |p|.
     size: f64,
-    /// When forward Euler–Maruyama leaves it.
+    /// Time at which forward Euler–Maruyama leaves this range.
     left: Option<f64>,
 }
 
@@ -103,7 +103,7 @@ impl Picture {
         let inside = runs[FORWARD].inside(size);
         let leaves = inside.len() < runs[FORWARD].states.len();
         Ok(Self {
-            // room for the legend
+            // Leaves room for the legend.
             energy: 1.9 * highest,
             size,
             left: inside.last().filter(|_| leaves).map(|z| z.t),
@@ -111,13 +111,15 @@ impl Picture {
     }
 }
 
-/// The rate at which forward Euler–Maruyama ends up: its map is a rotation times √(1 + h²).
+/// Checks the rate at which forward Euler–Maruyama finally grows: its map is a rotation times √(1 +
+/// h²).
 fn growth(run: &Run) -> Check {
     let last = run.states.len() - 1;
     let (from, to) = (&run.states[last / 2], &run.states[last]);
     let rate = 2.0 * (ln_radius(to) - ln_radius(from)) / (to.t - from.t);
     let expected = (H * H).ln_1p() / H;
-    // what the noise still adds has variance σ² h (1 + h²)/h² in units of the radius at the start of that half
+    // The noise of the second half adds a variance of σ² h (1 + h²)/h² in units of the radius at
+    // its start.
     let noise = 2.0 * OSCILLATOR.sigma * ((1.0 + H * H) / H).sqrt()
         / ln_radius(from).exp()
         / (to.t - from.t);
@@ -132,7 +134,7 @@ fn growth(run: &Run) -> Check {
     )
 }
 
-/// The time average of the backward method's energy over the second half.
+/// Checks the time average of the backward method's energy over the second half.
 fn settled(
     options: &Options,
     linear: (Matrix<2>, [f64; 2]),
@@ -158,7 +160,7 @@ fn settled(
         }
         last = law;
     }
-    // cov(H_k, H_{k+l}) = ½ tr(C Cᵀ), C = A^l Σ, for a stationary Gaussian
+    // The covariance for a stationary Gaussian is cov(H_k, H_{k+l}) = ½ tr(C Cᵀ), C = A^l Σ.
     let mut c = last.covariance;
     let mut variance = 0.0;
     for lag in 0..run.states.len() - half {
@@ -171,13 +173,13 @@ fn settled(
     .only_if(options.horizon >= 200.0, "not settled before t = 100"))
 }
 
-/// How far a symplectic run is from the exact solution on the same path.
+/// Checks the distance of a symplectic run from the exact solution on the same path.
 fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [Check; 2] {
     let start = [START[0], START[1], START[0], START[1]];
     let steps = run.states.len() - 1;
     let (ours, exact) = (run.states[steps], solution.states[steps]);
     let error = [ours.q[0] - exact.q[0], ours.p[0] - exact.p[0]];
-    // the iterator has no end
+    // The iterator is infinite.
     let law = joint
         .distributions(start)
         .nth(steps)
@@ -212,7 +214,7 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
     ]
 }
 
-/// Whether the exact solution has the law that it must have.
+/// Checks that the exact solution has the right law.
 fn law(scheme: &Scheme<2>, solution: &Run) -> Check {
     let steps = solution.states.len() - 1;
     let z = solution.states[steps];
@@ -337,7 +339,7 @@ fn energies(
             Pen::line(palette::BLACK, 2.2),
         ));
     for index in [FORWARD, BACKWARD, INITIAL_POINT, ENDPOINT] {
-        // forward Euler–Maruyama crosses the picture within a few points
+        // Forward Euler–Maruyama crosses the picture within a few points.
         let points = curve(&runs[index], if index == FORWARD { 1 } else { every })?;
         panel = panel.with(Layer::new(entries[index].name, points, entries[index].pen));
     }

@@ -14,10 +14,11 @@ use crate::oscillator::{self, ENERGY, Entry, Exact, START, energy};
 use crate::run::Run;
 use crate::settings::{H, Options, step_of};
 
-/// Times at which `examples/peers/paper.py` computes expected energies independently. The text prints no energies.
+/// Times at which `examples/peers/paper.py` computes expected energies independently. The text
+/// prints no energies.
 const TIMES: [f64; 3] = [10.0, 100.0, 2000.0];
-/// E[H] at these times by an independent moment recursion: of the schemes in the order of [`oscillator::entries`], then of the exact
-/// solution.
+/// E[H] at these times by an independent moment recursion: first the schemes in the order of
+/// [`oscillator::entries`], then the exact solution.
 const INDEPENDENT: [[f64; 3]; 6] = [
     [9.876_476_061_818_382, 115_270.356_007_975_24, 1.471_76e87],
     [3.336_299_544_518_964, 4.999_785_296_694_256, 5.0],
@@ -38,7 +39,7 @@ const INDEPENDENT: [[f64; 3]; 6] = [
     ],
     [5.5, 50.5, 1000.5],
 ];
-/// The entry of which only six digits were kept.
+/// The entry that was stored with six digits only.
 const SIX_DIGITS: (usize, usize) = (0, 2);
 
 /// Energies of one method: sum over the paths at each step, and sum of squares.
@@ -50,7 +51,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds a run. Where runs end early, because they overflow, only their common part is kept.
+    /// Adds a run. If runs end early because they overflow, only their common part is kept.
     fn add(&mut self, run: &Run) -> Result<(), StepError> {
         let known = if self.paths == 0.0 {
             run.states.len()
@@ -75,7 +76,7 @@ impl Sums {
             .map_or(f64::NAN, |sum| sum / self.paths)
     }
 
-    /// Standard error of the mean, from the sample.
+    /// Returns the standard error of the mean, from the sample.
     fn standard_error(&self, step: usize) -> f64 {
         let mean = self.mean(step);
         let square = self
@@ -133,7 +134,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     })
 }
 
-/// Expected energy after each step.
+/// Returns the expected energy after each step.
 fn expected(scheme: &Scheme<2>, steps: usize) -> Vec<f64> {
     scheme
         .distributions(START)
@@ -175,14 +176,15 @@ fn six_digits(scheme: &Scheme<2>) -> Check {
     )
 }
 
-/// Times at which means are compared: those computed independently up to the horizon, and the horizon.
+/// Returns the times at which means are compared: the times computed independently up to the
+/// horizon, and the horizon.
 fn times(options: &Options) -> Vec<f64> {
     let mut times: Vec<f64> = TIMES.into_iter().filter(|t| *t < options.horizon).collect();
     times.push(options.steps() as f64 * H);
     times
 }
 
-/// Mean energies over the paths against the recursion.
+/// Compares mean energies over the paths with the recursion.
 fn means(options: &Options, name: &str, scheme: &Scheme<2>, sums: &Sums) -> Vec<Check> {
     let laws: Vec<_> = scheme
         .distributions(START)
@@ -217,7 +219,8 @@ fn means(options: &Options, name: &str, scheme: &Scheme<2>, sums: &Sums) -> Vec<
         .collect()
 }
 
-/// Mean difference of energies on the same paths: much sharper, because the paths' own scatter cancels.
+/// Compares the mean difference of energies on the same paths. This comparison is much sharper,
+/// because the scatter of the paths cancels.
 fn paired(options: &Options, name: &str, joint: &Scheme<4>, sums: &Sums, exact: &Sums) -> Check {
     let t = options.horizon.min(TIMES[1]);
     let step = step_of(t);
@@ -266,7 +269,7 @@ fn draw(options: &Options, entries: &[Entry], schemes: &[Scheme<2>], sums: &[Sum
     )
 }
 
-/// Means, the exact mean with its standard error, and expectations, up to time `end`.
+/// Draws means, the exact mean with its standard error, and expectations, up to time `end`.
 fn curves(
     mut panel: Panel,
     options: &Options,
@@ -303,7 +306,7 @@ fn curves(
             .collect()
     };
     for (index, (entry, sums)) in entries.iter().zip(sums).enumerate() {
-        // forward Euler–Maruyama, the first, crosses the picture within a few points
+        // Forward Euler–Maruyama, the first entry, crosses the picture within a few points.
         let every = if index == 0 { 1 } else { every };
         panel = panel.with(Layer::new(entry.name, means(sums, every), entry.pen));
     }

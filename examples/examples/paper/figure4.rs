@@ -15,9 +15,10 @@ use crate::settings::{H, Options};
 use crate::systems::Kubo;
 
 const KUBO: Kubo = Kubo { a: 1.0, sigma: 1.0 };
-/// Half the side of the picture: Euler–Maruyama is drawn up to there.
+/// Half the side of the picture. Euler–Maruyama is drawn up to this border.
 const PICTURE: f64 = 8.0;
-/// Standard deviations allowed to a sum of many independent terms: a false alarm in a million.
+/// Largest allowed deviation of a sum of many independent terms, in standard deviations: a false
+/// alarm in a million.
 const DEVIATIONS: f64 = 5.0;
 
 struct Runs {
@@ -59,7 +60,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     })
 }
 
-/// The exact solution on the path: the rotation by θ = at + σW(t).
+/// Returns the exact solution on the path: the rotation by θ = at + σW(t).
 fn rotation(start: State<[f64; 1]>, path: &Wiener, steps: usize) -> Run {
     let mut states = vec![start];
     let mut w = 0.0;
@@ -76,7 +77,7 @@ fn rotation(start: State<[f64; 1]>, path: &Wiener, steps: usize) -> Run {
     }
 }
 
-/// Mean and variance of f at the angle of a step, `x = ah + σΔW`.
+/// Returns mean and variance of f at the angle of a step, `x = ah + σΔW`.
 fn of_angle(f: impl Fn(f64) -> f64) -> (f64, f64) {
     let (mean, deviation) = (KUBO.a * H, KUBO.sigma * H.sqrt());
     let first = expectation(mean, deviation, &f);
@@ -120,7 +121,8 @@ fn checks(options: &Options, runs: &Runs) -> Vec<Check> {
     checks
 }
 
-/// What the midpoint rule turned less than the exact solution: 2 atan(x/2) a step instead of x.
+/// Checks the lag of the midpoint rule behind the exact solution: it turns by 2 atan(x/2) a step
+/// instead of x.
 fn lag(midpoint: &Run, exact: &Run, steps: f64) -> Check {
     let turned = |run: &Run| -> f64 {
         let angle = |z: &[State<[f64; 1]>]| {
@@ -141,7 +143,7 @@ fn lag(midpoint: &Run, exact: &Run, steps: f64) -> Check {
     )
 }
 
-/// When |z| = Π √(1 + x²) leaves the range of f64.
+/// Checks the time at which |z| = Π √(1 + x²) leaves the range of f64.
 fn overflow(options: &Options, euler: &Run) -> [Check; 2] {
     let (growth, variance) = of_angle(|x| 0.5 * (x * x).ln_1p());
     let steps = f64::MAX.ln() / growth;

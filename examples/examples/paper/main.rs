@@ -1,8 +1,10 @@
-//! Figures 1 to 4 of a text called "Stochastic Variational Integrators", and numbers that follow from its schemes. It is not the paper of
-//! Bou-Rabee and Owhadi of that title, but a later one that cites it; see [`TEXT`].
+//! Figures 1 to 4 of a text called "Stochastic Variational Integrators", and numbers that follow
+//! from its schemes. The text is not the paper of Bou-Rabee and Owhadi of that title, but a later
+//! one that cites it; see [`TEXT`].
 //!
-//! Writes SVG, PNG and CSV of each figure and one `index.html` that needs nothing else; prints the table of measured and
-//! expected numbers; exits with status 1 where one is off. `cargo run --release --example paper -- --help` lists options.
+//! Writes SVG, PNG and CSV of each figure and one `index.html` without outside resources; prints
+//! the table of measured and expected numbers; exits with status 1 if a number is off.
+//! `cargo run --release --example paper -- --help` lists options.
 
 mod figure1;
 mod figure2;
@@ -29,7 +31,7 @@ use sve_examples::render;
 
 use settings::{H, Options};
 
-/// What a figure gives: its drawing, the text under it, and its numbers.
+/// The result of a figure: its drawing, the text under it, and its numbers.
 pub(crate) struct Report {
     title: &'static str,
     figure: Figure,
@@ -48,13 +50,14 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs, writes and prints everything; whether all compared numbers agree.
+/// Runs, writes and prints everything. Returns whether all compared numbers agree.
 fn paper(options: &Options) -> Result<bool, Box<dyn Error>> {
     let start = Instant::now();
     fs::create_dir_all(&options.out)
         .map_err(|e| format!("cannot make {}: {e}", options.out.display()))?;
 
-    // ticks: 7 starts, 5 schemes on one path, the paths, 1 for figure 4; then 4 drawings
+    // The ticks are 7 starts, 5 schemes on one path, the paths, 1 for figure 4, and then 4
+    // drawings.
     let progress = ProgressBar::new(7 + 5 + u64::from(options.paths) + 1 + 4);
     progress.set_style(ProgressStyle::with_template(
         "{msg:<24} {bar:40} {pos}/{len}",
@@ -149,7 +152,7 @@ fn html(options: &Options, reports: &[Report], drawings: &[String]) -> String {
     )
 }
 
-/// Which text it is, and why labels differ from its own.
+/// A note on the text, and on the labels that differ from it.
 const TEXT: &str = "<section>
 <h2>Which text this is, and where it is read differently</h2>
 <p>Not “Stochastic variational integrators” by N. Bou-Rabee and H. Owhadi (IMA Journal of Numerical Analysis 29, 2009), but a later text of the

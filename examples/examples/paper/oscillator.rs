@@ -1,6 +1,8 @@
-//! The stochastic linear oscillator of figures 2 and 3: its schemes, their exact moments, and its exact solution.
+//! The stochastic linear oscillator of figures 2 and 3: its schemes, their exact moments, and its
+//! exact solution.
 //!
-//! A, b of a scheme `z₁ = A z₀ + b ΔW` are read off its own steps, so the expectation belongs to the code that ran.
+//! A and b of a scheme `z₁ = A z₀ + b ΔW` are taken from its own steps, so the expectation belongs
+//! to the code that ran.
 
 use std::array::from_fn;
 
@@ -29,9 +31,9 @@ pub(crate) struct Entry {
 
 /// A method for the oscillator.
 pub(crate) trait Stepper {
-    /// The run from [`START`] on a path.
+    /// Returns the run from [`START`] on a path.
     fn run(&self, path: &Wiener, steps: usize) -> Result<Run, StepError>;
-    /// A and b of one step.
+    /// Returns A and b of one step.
     fn linear(&self) -> Result<(Matrix<2>, [f64; 2]), StepError>;
 }
 
@@ -55,7 +57,8 @@ impl<I: Method<System = Oscillator>> Stepper for I {
     }
 }
 
-/// The energy; infinite where it is above the range of f64, as that of forward Euler–Maruyama is in a very long run.
+/// Returns the energy. It is infinite above the range of f64, which forward Euler–Maruyama reaches
+/// in a very long run.
 pub(crate) fn energy(state: &State<[f64; 1]>) -> Result<f64, StepError> {
     match OSCILLATOR.hamiltonian(state) {
         Err(StepError::NonFiniteResult { .. }) => Ok(f64::INFINITY),
@@ -67,7 +70,7 @@ pub(crate) fn start() -> State<[f64; 1]> {
     State::new([START[0]], [START[1]])
 }
 
-/// Every scheme; the variational ones last.
+/// Returns every scheme; the variational schemes come last.
 pub(crate) fn entries() -> [Entry; 5] {
     let entry = |name, pen, scheme| Entry { name, pen, scheme };
     [
@@ -99,7 +102,7 @@ pub(crate) fn entries() -> [Entry; 5] {
     ]
 }
 
-/// The scheme as a map of distributions.
+/// Returns the scheme as a map of distributions.
 pub(crate) fn moments((a, b): (Matrix<2>, [f64; 2])) -> Scheme<2> {
     Scheme {
         a,
@@ -131,7 +134,8 @@ impl Exact {
         ];
         let with_dw = [s * 2.0 * (H / 2.0).sin().powi(2), s * sin];
         let slope = with_dw.map(|c| c / H);
-        // Cholesky factor of what ΔW does not determine; the cancellation leaves ten digits at h = 0.1
+        // The Cholesky factor of the part that ΔW does not determine. The cancellation leaves ten
+        // digits at h = 0.1.
         let left: Matrix<2> = from_fn(|i| from_fn(|j| integrals[i][j] - slope[i] * with_dw[j]));
         let first = left[0][0].sqrt();
         let below = left[1][0] / first;
@@ -145,12 +149,13 @@ impl Exact {
         }
     }
 
-    /// The exact solution on a path. Process 0 is that of the schemes; 1 and 2 are what ΔW leaves open.
+    /// Returns the exact solution on a path. Process 0 drives the schemes too; processes 1 and 2
+    /// give the part that ΔW does not determine.
     pub(crate) fn run(&self, path: &Wiener, steps: usize) -> Run {
         let mut states = vec![start()];
         let mut z = START;
         for step in 0..steps {
-            // variance 1 for the last two
+            // The last two have variance 1.
             let draw = |process, variance| path.increment(step as u64, process, variance);
             let (dw, xi, eta) = (draw(0, H), draw(1, 1.0), draw(2, 1.0));
             let [first, below, second] = self.root;
@@ -167,7 +172,7 @@ impl Exact {
         }
     }
 
-    /// The exact solution as a map of distributions.
+    /// Returns the exact solution as a map of distributions.
     pub(crate) fn moments(&self) -> Scheme<2> {
         Scheme {
             a: self.r,
@@ -175,7 +180,8 @@ impl Exact {
         }
     }
 
-    /// A scheme (components 0, 1) and the exact solution (2, 3) on the same path, as a map of distributions.
+    /// Returns a scheme (components 0, 1) and the exact solution (2, 3) on the same path, as a map
+    /// of distributions.
     pub(crate) fn beside(&self, (a, b): (Matrix<2>, [f64; 2])) -> Scheme<4> {
         let mut joint = Scheme {
             a: [[0.0; 4]; 4],
@@ -195,7 +201,7 @@ impl Exact {
     }
 }
 
-/// `scheme − exact` of a joint distribution.
+/// Returns the distribution of `scheme − exact` from the joint distribution.
 pub(crate) fn difference(joint: &Gaussian<4>) -> Gaussian<2> {
     let c = &joint.covariance;
     Gaussian {

@@ -1,4 +1,4 @@
-//! One run of a method: its states until the horizon, or until the numbers end.
+//! One run of a method: its states until the horizon, or until an overflow.
 
 use sve_runtime::noise::Noise;
 use sve_runtime::{Dims, Method, State, StepError, System};
@@ -12,7 +12,8 @@ pub(crate) struct Run {
     pub(crate) overflow: Option<f64>,
 }
 
-/// `steps` steps of length `h` from `start`. An overflow ends a run and is not an error: it is what figure 4 shows.
+/// Makes `steps` steps of length `h` from `start`. An overflow ends a run and is not an error,
+/// since figure 4 shows overflows.
 pub(crate) fn run<I, const M: usize>(
     method: &I,
     start: State<[f64; 1]>,
@@ -44,24 +45,24 @@ where
     })
 }
 
-/// ln √(q² + p²), also where the root itself is above the range of f64.
+/// Returns ln √(q² + p²), even if the root itself is above the range of f64.
 pub(crate) fn ln_radius(z: &State<[f64; 1]>) -> f64 {
     let (q, p) = (z.q[0].abs(), z.p[0].abs());
     q.max(p).ln() + 0.5 * (q.min(p) / q.max(p)).powi(2).ln_1p()
 }
 
 impl Run {
-    /// `(q, p)` of every state.
+    /// Returns `(q, p)` of every state.
     pub(crate) fn orbit(&self) -> Vec<(f64, f64)> {
         self.states.iter().map(|z| (z.q[0], z.p[0])).collect()
     }
 
-    /// `(t, f)` of every state.
+    /// Returns `(t, f)` of every state.
     pub(crate) fn over_time(&self, f: impl Fn(&State<[f64; 1]>) -> f64) -> Vec<(f64, f64)> {
         self.states.iter().map(|z| (z.t, f(z))).collect()
     }
 
-    /// The part up to the first state outside `|q|, |p| ≤ size`, that state included.
+    /// Returns the states up to and including the first state outside `|q|, |p| ≤ size`.
     pub(crate) fn inside(&self, size: f64) -> &[State<[f64; 1]>] {
         let outside = |z: &State<[f64; 1]>| z.q[0].abs().max(z.p[0].abs()) > size;
         match self.states.iter().position(outside) {

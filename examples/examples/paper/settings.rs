@@ -9,8 +9,9 @@ pub(crate) const PAPER_HORIZON: f64 = 2000.0;
 /// The step size of the paper's figures.
 pub(crate) const H: f64 = 0.1;
 
-/// Draws figures 1 to 4 of a text called "Stochastic Variational Integrators" (not Bou-Rabee and Owhadi's, which it cites) from
-/// integrators derived at compile time, and compares numbers with what its schemes must give. Ends with status 1 where one is off.
+/// Draws figures 1 to 4 of a text called "Stochastic Variational Integrators" (not Bou-Rabee and
+/// Owhadi's, which it cites) from integrators derived at compile time, and compares numbers with
+/// what its schemes must give. Ends with status 1 where one is off.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "paper")]
 pub(crate) struct Options {
@@ -30,7 +31,8 @@ pub(crate) struct Options {
 
 fn horizon(text: &str) -> Result<f64, String> {
     let t: f64 = text.parse().map_err(|e| format!("{e}"))?;
-    // below, hardly a revolution is seen; above, a run takes more memory than a figure is worth
+    // Below this range hardly a revolution is visible; above it a run takes too much memory for a
+    // figure.
     if (10.0..=1e5).contains(&t) {
         Ok(t)
     } else {
@@ -38,19 +40,19 @@ fn horizon(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The number of the step that ends at a time, which is not negative.
+/// Returns the number of the step that ends at a time, which is not negative.
 #[allow(clippy::cast_sign_loss)]
 pub(crate) fn step_of(t: f64) -> usize {
     (t / H).round() as usize
 }
 
 impl Options {
-    /// Steps to the horizon.
+    /// Returns the number of steps to the horizon.
     pub(crate) fn steps(&self) -> usize {
         step_of(self.horizon)
     }
 
-    /// Whether numbers stated for the paper's horizon can be compared.
+    /// Returns whether numbers stated for the paper's horizon can be compared.
     pub(crate) fn paper_horizon(&self) -> bool {
         self.horizon == PAPER_HORIZON
     }

@@ -1,4 +1,4 @@
-//! The three systems of the paper. Everything that steps them is derived from what stands here.
+//! The three systems of the paper. All steps are derived from these definitions.
 
 use sve_runtime::prelude::*;
 
@@ -35,7 +35,8 @@ impl Oscillator {
     }
 }
 
-/// The Kubo oscillator, a rotation whose speed is noisy: `dq = p (a dt + σ ∘ dW)`, `dp = −q (a dt + σ ∘ dW)`.
+/// The Kubo oscillator, a rotation whose speed is noisy: `dq = p (a dt + σ ∘ dW)`,
+/// `dp = −q (a dt + σ ∘ dW)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kubo {
     /// Mean angular velocity.

@@ -1,4 +1,4 @@
-//! How accurate a crossing is: the local order of each rule, and the same bits in a repetition.
+//! The accuracy of crossings: the local order of each rule, and the same bits in a repetition.
 
 use std::error::Error;
 
@@ -7,7 +7,7 @@ use sve_runtime::prelude::*;
 
 use crate::{HenonHeiles, Point};
 
-/// All checks.
+/// Returns all checks.
 pub(crate) fn checks() -> Result<Vec<Check>, Box<dyn Error>> {
     let system = HenonHeiles { sigma: 0.0 };
     let midpoint = Integrator::new(system, Midpoint);
@@ -27,7 +27,8 @@ pub(crate) fn checks() -> Result<Vec<Check>, Box<dyn Error>> {
     Ok(checks)
 }
 
-/// The distance of the first crossing from the exact one, which lies at 0.6 of the first step.
+/// Returns the distance of the first crossing from the exact one, which lies at 0.6 of the first
+/// step.
 fn error<I: Method<System = HenonHeiles>>(method: &I, h: f64) -> Result<f64, StepError> {
     let exact = Integrator::new(HenonHeiles { sigma: 0.0 }, Gauss::<8>);
     let crossing = State::new([0.0, 0.25], [0.4, 0.1]);
@@ -58,7 +59,8 @@ where
     Ok(Check::new(what, order).near(expected, 0.1, reason))
 }
 
-/// The largest difference between a section with noise and its repetition: the path within a step is a function of seed, path and step.
+/// Compares a section with noise with its repetition: the path within a step is a function of seed,
+/// path and step.
 fn replay() -> Result<Check, Box<dyn Error>> {
     let motion = Integrator::new(HenonHeiles { sigma: 0.002 }, StormerVerlet);
     let section = || {

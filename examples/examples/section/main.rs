@@ -1,8 +1,11 @@
 //! Poincaré sections of the system of Hénon and Heiles, without noise and with it.
 //!
-//! Many starts with one energy, each followed to its crossings of x = 0 with a positive velocity. Without noise a start gives a closed curve or a cloud; additive noise moves the
-//! energy, and the curves dissolve. Each crossing is a step solved anew with a part of its length. The program checks that: against the rule of order 16, for the local order of
-//! each rule, and for the same bits in a repetition with noise. Status 1 if a number is off. Writes `target/section/`.
+//! Many starts with one energy are followed to their crossings of x = 0 with a positive velocity.
+//! Without noise a start gives a closed curve or a cloud; additive noise moves the energy, and the
+//! curves dissolve. Each crossing is a step solved anew with a part of its length. The program
+//! compares the crossings with the rule of order 16, checks the local order of each rule, and
+//! checks that a repetition with noise has the same bits. Status 1 if a number is off. Writes
+//! `target/section/`.
 
 mod accuracy;
 
@@ -40,14 +43,15 @@ impl HenonHeiles {
 const ENERGIES: [(f64, &str); 2] = [(1.0 / 12.0, "1/12"), (1.0 / 8.0, "1/8")];
 /// Strength of the noise of the lower row.
 const SIGMA: f64 = 3e-4;
-/// Crossings of each start.
+/// Number of crossings of each start.
 const CROSSINGS: usize = 400;
 /// Step size.
 const H: f64 = 0.1;
 
 type Point = State<[f64; 2]>;
 
-/// Returns starts on the section x = 0 with an energy: some on the axis of y, some on that of its momentum.
+/// Returns starts on the section x = 0 with an energy: some on the axis of y, some on the axis of
+/// its momentum.
 fn starts(energy: f64) -> Vec<Point> {
     let start = |y: f64, p: f64| {
         let rest = 2.0 * energy - y * y + 2.0 * y.powi(3) / 3.0 - p * p;
@@ -58,7 +62,7 @@ fn starts(energy: f64) -> Vec<Point> {
     on_axis.chain(off_axis).collect()
 }
 
-/// The points (y, `p_y`) of a section, and the largest relative change of the energy.
+/// Returns the points (y, `p_y`) of a section, and the largest relative change of the energy.
 fn section(sigma: f64, start: Point, path: u64) -> Result<(Vec<(f64, f64)>, f64), StepError> {
     let system = HenonHeiles { sigma };
     let motion = Integrator::new(system, Gauss::<4>);
@@ -77,7 +81,8 @@ fn section(sigma: f64, start: Point, path: u64) -> Result<(Vec<(f64, f64)>, f64)
     Ok((points, drift))
 }
 
-/// A panel with the sections of all starts of an energy. Adds the largest change of the energy to the checks.
+/// Draws a panel with the sections of all starts of an energy. Adds the largest change of the
+/// energy to the checks.
 fn panel(
     (energy, name): (f64, &str),
     sigma: f64,

@@ -1,8 +1,10 @@
-//! The gain of using a system's structure: every scene's derived step against the step without structure.
+//! The gain of using a system's structure: every scene's derived step against the step without
+//! structure.
 //!
-//! The step without structure is one Newton iteration in all unknowns of the rule, displacement, velocity and momentum, with the full
-//! symbolic Jacobian. It computes all values in each iteration, as generic code would. Solver and stopping rule are the same.
-//! Prints the table, and writes it with a picture to `target/structure/`.
+//! The step without structure is one Newton iteration in all unknowns of the rule, displacement,
+//! velocity and momentum, with the full symbolic Jacobian. It computes all values in each
+//! iteration, as generic code would. Solver and stopping rule are the same. Prints the table, and
+//! writes it with a picture to `target/structure/`.
 
 mod scenes;
 
@@ -20,10 +22,11 @@ use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, StateOf, System, Variational, VectorCoordinates};
 
-/// Steps of a run, all from the scene's start.
+/// Number of steps of a run, all from the scene's start.
 const STEPS: usize = 512;
 
-/// Number of timed runs of each step; the result is the median. The runs alternate, so that a busy machine affects both steps.
+/// Number of timed runs of each step; the result is the median. The runs alternate, so that a busy
+/// machine affects both steps.
 const RUNS: usize = 31;
 
 /// Shortest duration of a run.
@@ -137,7 +140,7 @@ where
         Ok(clock.elapsed())
     }
 
-    /// Nanoseconds a step.
+    /// Returns nanoseconds a step.
     fn time(&self) -> Result<f64, StepError> {
         let steps = f64::from(self.passes) * self.increments.len() as f64;
         Ok(self.run()?.as_secs_f64() * 1e9 / steps)
@@ -149,7 +152,8 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// Returns the mean number of iterations of the steps: the smallest limit with which each step succeeds.
+/// Returns the mean number of iterations of the steps: the smallest limit with which each step
+/// succeeds.
 fn iterations<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     mut state: State<Q>,
@@ -233,7 +237,7 @@ fn cells(row: &Row) -> [String; 10] {
     ]
 }
 
-/// A line a scene, from the time without structure to the time with it.
+/// Draws a line for each scene, from the time without structure to the time with it.
 fn figure(rows: &[Row]) -> Figure {
     let place = |at: usize| (rows.len() - at) as f64;
     let points = |side: fn(&Row) -> &Side| -> Vec<(f64, f64)> {

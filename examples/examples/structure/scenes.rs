@@ -1,5 +1,6 @@
-//! The scenes of the paper and of the examples, and facts about their steps: the columns of the table that are the same on every
-//! machine. `tests/tests/structure/comparison.rs` includes this file.
+//! The scenes of the paper and of the examples, and facts about their steps: the columns of the
+//! table that are the same on every machine. `tests/tests/structure/comparison.rs` includes this
+//! file.
 
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
@@ -270,7 +271,8 @@ pub(crate) struct Facts {
     pub(crate) additions: String,
     /// Bytes of the state.
     pub(crate) state: usize,
-    /// Bytes in addition to the state: values that are kept for a step size, and the largest system of equations.
+    /// Bytes in addition to the state: values that are kept for a step size, and the largest system
+    /// of equations.
     pub(crate) beside: usize,
 }
 
@@ -301,7 +303,7 @@ impl Facts {
     }
 }
 
-/// Bytes of a matrix and a right-hand side; a formula needs none.
+/// Returns the bytes of a matrix and a right-hand side; a formula needs none.
 fn system_bytes(k: usize, band: Option<(usize, usize)>) -> usize {
     let width = band.map_or(k, |(before, behind)| before + 1 + behind);
     if k == 1 {

@@ -1,4 +1,5 @@
-//! Methods as a study takes them: one whose trajectories compensate the rounding errors of the state, and one whose iterations are not counted.
+//! Methods for a study: one whose trajectories compensate the rounding errors of the state, and one
+//! whose iterations are not counted.
 
 use core::hash::Hasher;
 
@@ -28,7 +29,7 @@ where
 {
     type System = I::System;
     type Increments = I::Increments;
-    /// What the method prepares, and the low parts of the state.
+    /// The values that the method prepares, and the low parts of the state.
     type Prepared = (I::Prepared, StateOf<I::System>);
 
     fn system(&self) -> &I::System {
@@ -70,8 +71,9 @@ where
     }
 }
 
-/// A method whose iterations are not counted: a Gauss rule with many unknowns is solved by fixed-point iteration in a trajectory, and counting the iterations of
-/// Newton's method from a cold start takes longer than all measurements.
+/// A method whose iterations are not counted: a Gauss rule with many unknowns is solved by
+/// fixed-point iteration in a trajectory, and counting the iterations of Newton's method from a
+/// cold start takes longer than all measurements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Uncounted<I>(pub(crate) I);
 

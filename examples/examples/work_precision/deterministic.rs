@@ -1,7 +1,8 @@
 //! The problems without noise: errors of the coordinates at the end, and of the energy on the way.
 //!
-//! Ends that are not known in closed form were computed by Taylor series in numbers of 113 bits, with tolerances of 1e-27 and 1e-28, which agree to 1e-21 at least;
-//! that of the pendulum also by Jacobi's elliptic functions. `examples/peers` computes its own by extrapolation.
+//! Ends without a closed form were computed by Taylor series in numbers of 113 bits, with
+//! tolerances of 1e-27 and 1e-28, which agree to 1e-21 at least. The end of the pendulum was also
+//! computed by Jacobi's elliptic functions. `examples/peers` computes ends by extrapolation.
 
 use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4, TaylorSeries2};
 use sve_runtime::prelude::*;
@@ -30,7 +31,7 @@ fn doublings(first: usize, doublings: u32, in_each: u32) -> impl Iterator<Item =
     })
 }
 
-/// The methods that every problem without noise is given to.
+/// The methods that are run on every problem without noise.
 struct Common<S: System> {
     verlet: Integrator<S, StormerVerlet>,
     verlet_8: Integrator<S, KahanLi<StormerVerlet>>,
@@ -66,7 +67,8 @@ where
         }
     }
 
-    /// A study of all of them, which watches the energy. `coarsest` is the smallest number of steps of the rule with 8 stages.
+    /// Returns a study of all these methods, which watches the energy. `coarsest` is the smallest
+    /// number of steps of the rule with 8 stages.
     fn study<'a>(&'a self, name: &'static str, coarsest: usize, longest: u32) -> Study<'a, S> {
         Study::new(name)
             .invariant(Mechanics::hamiltonian)
@@ -97,7 +99,7 @@ where
     }
 }
 
-/// The length of the difference.
+/// Returns the length of the difference.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let squares = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b));
     squares.sum::<f64>().sqrt()
@@ -200,7 +202,7 @@ where
     }
 }
 
-/// L = v²/2 + g cos q.
+/// Runs L = v²/2 + g cos q.
 pub(crate) fn pendulum() -> Result<Problem, StudyError> {
     let system = Pendulum { g: 9.8 };
     let (horizon, coarsest, longest) = (2000.0, 3000, 6);
@@ -232,7 +234,7 @@ pub(crate) fn pendulum() -> Result<Problem, StudyError> {
     })
 }
 
-/// Two pendula of unit masses and lengths.
+/// Runs two pendula of unit masses and lengths.
 pub(crate) fn double_pendulum() -> Result<Problem, StudyError> {
     let system = DoublePendulum { g: 9.8 };
     let (horizon, coarsest, longest) = (10.0, 68, 7);
@@ -257,12 +259,13 @@ pub(crate) fn double_pendulum() -> Result<Problem, StudyError> {
     })
 }
 
-/// L = v²/2 + 1/r with eccentricity 0.6.
+/// Runs L = v²/2 + 1/r with eccentricity 0.6.
 pub(crate) fn kepler() -> Result<Problem, StudyError> {
     let system = Kepler { k: 1.0 };
     let e: f64 = 0.6;
     let start = State::new([1.0 - e, 0.0], [0.0, ((1.0 + e) / (1.0 - e)).sqrt()]);
-    // no number of steps divides that of revolutions: errors of such steps cancel after each
+    // No number of steps is a multiple of the number of revolutions: with such a number, errors
+    // would cancel after each revolution.
     let (horizon, coarsest, longest) = (2000.0 * std::f64::consts::PI, 12_345, 4);
     let (common, splittings, others) = (
         Common::new(system),
@@ -275,7 +278,7 @@ pub(crate) fn kepler() -> Result<Problem, StudyError> {
         .start(start)
         .repeats(REPEATS[1])
         .horizon(horizon)
-        // after whole revolutions it is where it was
+        // After whole revolutions the planet is at its start.
         .exact(move |_| State::at(horizon, start.q, start.p))
         .run()?;
     Ok(Problem {
@@ -287,7 +290,7 @@ pub(crate) fn kepler() -> Result<Problem, StudyError> {
     })
 }
 
-/// Hénon–Heiles without noise.
+/// Runs Hénon–Heiles without noise.
 pub(crate) fn quiet_henon_heiles() -> Result<Problem, StudyError> {
     let system = QuietHenonHeiles;
     let (horizon, coarsest, longest) = (1000.0, 430, 8);
@@ -320,13 +323,14 @@ pub(crate) fn quiet_henon_heiles() -> Result<Problem, StudyError> {
     })
 }
 
-/// The Sun and five planets, for a million days.
+/// Runs the Sun and five planets, for a million days.
 pub(crate) fn outer_solar_system() -> Result<Problem, StudyError> {
     let system = OuterSolarSystem {
         gravity: planets::GRAVITY,
         masses: planets::MASSES,
     };
-    // with longer steps the iteration of the stages does not contract, and Newton's method with all of them is slow
+    // With longer steps the iteration of the stages does not contract, and Newton's method for all
+    // stages is slow.
     let (coarsest, longest) = (654, 4);
     let (common, splittings) = (Common::new(system), Splittings::new(system));
     let study = common.study("outer_solar_system", coarsest, longest);

@@ -1,9 +1,9 @@
-//! What the times were measured on.
+//! The machine on which the times were measured.
 
 use std::fs;
 use std::process::Command;
 
-/// Processor, number of cores, compiler and versions, as far as they can be found out.
+/// Returns processor, number of cores, compiler and versions, as far as they are known.
 pub(crate) fn description() -> String {
     let processor = fs::read_to_string("/proc/cpuinfo")
         .ok()

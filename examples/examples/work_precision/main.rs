@@ -1,8 +1,9 @@
-//! Work–precision: what an error costs, for ten problems and all methods.
+//! Work–precision: the time that an error costs, for ten problems and all methods.
 //!
-//! Writes `index.html`, which needs nothing else, and for each problem a figure as SVG and PNG and its numbers as CSV. Further CSV files of the same columns
-//! in the folder `peers` there, from other programs, are drawn into the same figures.
-//! `cargo run --release --example work_precision -- --help` lists options.
+//! Writes `index.html`, without outside resources, and for each problem a figure as SVG and PNG and
+//! its numbers as CSV. CSV files of the same columns from other programs, in the folder `peers`,
+//! are drawn into the same figures. `cargo run --release --example work_precision -- --help` lists
+//! options.
 
 mod compensated;
 mod deterministic;
@@ -29,7 +30,8 @@ use sve_runtime::study::{Record, StudyError, read_csv, write_csv};
 use problem::Problem;
 use report::Section;
 
-/// Measures strong, weak and energy errors against time to solution, for all methods on ten problems.
+/// Measures strong, weak and energy errors against time to solution, for all methods on ten
+/// problems.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "work_precision")]
 struct Options {
@@ -41,7 +43,7 @@ struct Options {
     out: PathBuf,
 }
 
-/// A problem, by the name that files have.
+/// The name of a problem in file names, and the function that runs it.
 type Entry = (&'static str, fn() -> Result<Problem, StudyError>);
 
 const PROBLEMS: [Entry; 10] = [
@@ -57,14 +59,14 @@ const PROBLEMS: [Entry; 10] = [
     ("outer_solar_system", deterministic::outer_solar_system),
 ];
 
-/// Larger errors help nobody: all motions have the size 1.
+/// Largest error that is of interest: all motions have the size 1.
 const LARGEST: f64 = 0.1;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse();
     let begin = Instant::now();
     fs::create_dir_all(&options.out)?;
-    // those that were stored with the repository, unless there are newer ones
+    // The files stored with the repository, unless there are newer files.
     let own = options.out.join("peers");
     let stored = PathBuf::from("docs/numbers/peers");
     let peers = peers(if own.is_dir() { &own } else { &stored })?;
@@ -163,10 +165,11 @@ fn section(
     }))
 }
 
-/// Whether a method's error falls with the step size; of other programs it is taken for granted.
+/// Returns whether a method's error decreases with the step size. For other programs this is
+/// assumed.
 fn converges(problem: &Problem, series: &plots::Series) -> bool {
     const LEAST: f64 = 0.25;
-    // errors that reached the rounding of the problem fall no further
+    // Errors at the rounding level of the problem do not decrease further.
     const FAR: f64 = 1e-4;
     let errors = || series.records.iter().filter_map(|record| record.error);
     let (largest, smallest) = (
@@ -187,7 +190,7 @@ fn converges(problem: &Problem, series: &plots::Series) -> bool {
     series.is_peer || last.is_some_and(|slope| slope.value > LEAST)
 }
 
-/// Whether a record ends at that time, as far as its step size and times tell.
+/// Returns whether a record ends at this time, as far as its step size and times show.
 fn same_horizon(record: &Record, horizon: f64) -> bool {
     let (Some(h), Some(time), Some(ns)) = (record.h, record.time_to_solution_s, record.ns_per_step)
     else {
@@ -197,7 +200,7 @@ fn same_horizon(record: &Record, horizon: f64) -> bool {
     (own - horizon).abs() <= 1e-3 * horizon
 }
 
-/// What other programs wrote.
+/// Reads the records that other programs wrote.
 fn peers(folder: &Path) -> Result<Vec<Record>, Box<dyn Error>> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Ok(Vec::new());
@@ -205,7 +208,7 @@ fn peers(folder: &Path) -> Result<Vec<Record>, Box<dyn Error>> {
     let mut files: Vec<PathBuf> = entries
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<Result<_, _>>()?;
-    // the order of a folder is that of the file system
+    // The file system determines the order of files in a folder.
     files.sort();
     let mut records = Vec::new();
     for file in files

@@ -11,7 +11,7 @@ use crate::uncorrected::{QuadratureNode, Uncorrected};
 
 const SEED: u64 = 42;
 
-/// The methods that every problem with noise is given to.
+/// The methods that are run on every problem with noise.
 struct Methods<S> {
     initial_point: Integrator<S, InitialPoint>,
     endpoint: Integrator<S, Endpoint>,
@@ -47,7 +47,7 @@ where
         }
     }
 
-    /// A study of all of them.
+    /// Returns a study of all these methods.
     fn study<'a>(&'a self, name: &'static str) -> Study<'a, S> {
         Study::new(name)
             .seed(SEED)
@@ -62,7 +62,7 @@ where
     }
 }
 
-/// L = v²/2 − q²/2, γ = σq, from (1, 0).
+/// Runs L = v²/2 − q²/2, γ = σq, from (1, 0).
 pub(crate) fn oscillator() -> Result<Problem, StudyError> {
     let system = Oscillator { sigma: 1.0 };
     let (start, horizon) = (State::new([1.0], [0.0]), 10.0);
@@ -84,8 +84,9 @@ pub(crate) fn oscillator() -> Result<Problem, StudyError> {
     })
 }
 
-/// Increments, and the exact solution: over a step it is the rotation by h plus σ ∫ (sin(h−s), cos(h−s)) dW, a pair that is drawn
-/// jointly with ΔW by the Cholesky factor of their covariance.
+/// Returns increments, and the exact solution. Over a step it is the rotation by h plus σ ∫
+/// (sin(h−s), cos(h−s)) dW, a pair that is drawn jointly with ΔW by the Cholesky factor of the
+/// covariance of all three.
 fn exact_oscillator(
     sigma: f64,
     start: State<[f64; 1]>,
@@ -97,11 +98,11 @@ fn exact_oscillator(
     let h = horizon / steps as f64;
     let (sin, cos) = h.sin_cos();
     let w = h.sqrt();
-    // 1 − cos h = 2 sin²(h/2), as the difference would cancel
+    // 1 − cos h = 2 sin²(h/2), since the difference would cancel.
     let (xw, yw) = (2.0 * (h / 2.0).sin().powi(2) / w, sin / w);
     let x = (0.5 * (h - sin * cos) - xw * xw).sqrt();
     let yx = (0.5 * sin * sin - xw * yw) / x;
-    // what is left is of the size of h⁵, and rounding may make it negative
+    // The remaining variance has the size of h⁵, and rounding may make it negative.
     let y = (0.5 * (h + sin * cos) - yw * yw - yx * yx).max(0.0).sqrt();
     let mut end = start;
     let increments: Vec<[f64; 1]> = (0..steps as u64)
@@ -114,11 +115,11 @@ fn exact_oscillator(
         })
         .collect();
     let recorded = Recorded::new(h, increments);
-    // normals are finite, and so is h
+    // Normals are finite, and so is h.
     (recorded.expect("finite increments"), end)
 }
 
-/// L = v²/2a − aq²/2, H₁ = σ(q² + p²)/2, from (1, 0), with rules that lack the correction.
+/// Runs L = v²/2a − aq²/2, H₁ = σ(q² + p²)/2, from (1, 0), and rules without the correction.
 pub(crate) fn kubo() -> Result<Problem, StudyError> {
     let system = Kubo { a: 1.0, sigma: 0.5 };
     let horizon = 4.0;
@@ -155,7 +156,7 @@ pub(crate) fn kubo() -> Result<Problem, StudyError> {
     })
 }
 
-/// L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q).
+/// Runs L = v²/2 + ω² cos q, γ = (−σ₁ cos q, −σ₂ sin q).
 pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
     let system = Synchrotron {
         omega: 1.0,
@@ -183,7 +184,7 @@ pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
     })
 }
 
-/// Hénon–Heiles with γ = (σx, σy).
+/// Runs Hénon–Heiles with γ = (σx, σy).
 pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
     let system = HenonHeiles { sigma: 0.02 };
     let methods = Methods::new(system);
@@ -206,7 +207,7 @@ pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
     })
 }
 
-/// L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q.
+/// Runs L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q.
 pub(crate) fn langevin() -> Result<Problem, StudyError> {
     let system = Langevin {
         a: 1.0,

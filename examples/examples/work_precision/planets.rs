@@ -1,7 +1,9 @@
 //! The outer solar system: masses, start and end.
 //!
-//! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration* (2006), section I.2.4, for 5 September 1994 at 0h; here the centre of mass rests at the origin.
-//! In order: the Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune, Pluto. Lengths in astronomical units, times in days, masses in that of the Sun.
+//! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration* (2006), section
+//! I.2.4, for 5 September 1994 at 0h; here the centre of mass rests at the origin. In order: the
+//! Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune, Pluto. Lengths are in astronomical
+//! units, times in days, masses in solar masses.
 
 use sve_runtime::prelude::*;
 
@@ -51,7 +53,7 @@ const END: &str = "
 2.3495087826332798e-11 -8.210637343494017e-12 -9.667074389690436e-12
 ";
 
-/// The state at a time, read from a table.
+/// Returns the state at a time, read from a table.
 fn state(t: f64, table: &str) -> State<[[f64; 3]; 6]> {
     let numbers = table.split_whitespace().map(str::parse);
     let numbers: Vec<f64> = numbers.map(|number| number.expect("a number")).collect();
@@ -64,7 +66,7 @@ pub(crate) fn start() -> State<[[f64; 3]; 6]> {
     state(0.0, START)
 }
 
-/// The state after [`HORIZON`].
+/// Returns the state after [`HORIZON`].
 pub(crate) fn end() -> State<[[f64; 3]; 6]> {
     state(HORIZON, END)
 }

@@ -1,7 +1,8 @@
-//! The figure of a problem: errors against time to solution and against the step size, as logarithms.
+//! The figure of a problem: errors against time to solution and against the step size, on
+//! logarithmic axes.
 //!
-//! Variational rules have solid lines, methods to compare with dashed ones, other programs dotted ones. The wide band under the first
-//! panel's lines follows the fastest method at each error.
+//! Variational rules have solid lines, methods for comparison dashed lines, other programs dotted
+//! lines. The wide band under the first panel's lines follows the fastest method at each error.
 
 use std::ops::Range;
 
@@ -11,7 +12,7 @@ use sve_runtime::study::Record;
 
 use crate::verdict::{Curve, Winner};
 
-/// Weak errors below so many standard errors cannot be told from none.
+/// Number of standard errors below which a weak error is not distinguishable from zero.
 const SIGNIFICANT: f64 = 2.0;
 
 /// The range of errors that an axis can show.
@@ -21,7 +22,7 @@ const BAND: Color = (253, 231, 160);
 const WIDTH: u32 = 1240;
 const HEIGHT: u32 = 380;
 
-/// Methods to compare with.
+/// The methods for comparison.
 const BASELINES: [&str; 6] = [
     "Heun",
     "Runge–Kutta 4",
@@ -31,7 +32,8 @@ const BASELINES: [&str; 6] = [
     "backward Euler–Maruyama",
 ];
 
-/// Methods that figures of problems without noise leave out: others need less time for every error. Their numbers are in the tables.
+/// The methods that figures of problems without noise omit, since other methods need less time for
+/// every error. The tables have their numbers.
 const LEFT_OUT: [&str; 15] = [
     "endpoint",
     "initial point",
@@ -50,14 +52,14 @@ const LEFT_OUT: [&str; 15] = [
     "midpoint, Kahan–Li 8",
 ];
 
-/// A quantity of a record, where it is known.
+/// A quantity of a record, if it is known.
 pub(crate) type Quantity = fn(&Record) -> Option<f64>;
 
 /// One method's records, in order of the step size.
 pub(crate) struct Series {
     pub(crate) name: String,
     pub(crate) records: Vec<Record>,
-    /// Whether the records are of another program.
+    /// True if the records come from another program.
     pub(crate) is_peer: bool,
 }
 
@@ -67,7 +69,7 @@ fn shown(all: &[Series], has_noise: bool) -> Vec<&Series> {
     all.iter().filter(shown).collect()
 }
 
-/// The records of each method, those of other programs with the program's name.
+/// Returns the records of each method. Records of other programs have the program's name.
 pub(crate) fn series(own: &[Record], peers: &[Record]) -> Vec<Series> {
     let mut all: Vec<Series> = Vec::new();
     for (record, is_peer) in own
@@ -109,13 +111,13 @@ fn weak(record: &Record) -> Option<f64> {
     record.weak_error.map(f64::abs)
 }
 
-/// No standard error.
+/// Returns zero as the standard error of an exact quantity.
 #[allow(clippy::unnecessary_wraps)] // a quantity
 fn certain(_: &Record) -> Option<f64> {
     Some(0.0)
 }
 
-/// The standard error of a strong error, 0 where there is none.
+/// Returns the standard error of a strong error; 0 if there is none.
 #[allow(clippy::unnecessary_wraps)] // a quantity
 fn strong_spread(record: &Record) -> Option<f64> {
     Some(record.error_se.unwrap_or(0.0))
@@ -146,7 +148,7 @@ impl Series {
         self.records.iter().filter_map(point).collect()
     }
 
-    /// A kind of error against time.
+    /// Returns a kind of error against time.
     pub(crate) fn curve(&self, error: Quantity) -> Curve {
         Curve {
             name: self.name.clone(),
@@ -155,7 +157,8 @@ impl Series {
     }
 }
 
-/// The look of a method, the same in all figures; of other programs by their number. Methods that share a look are in no figure together.
+/// Returns the look of a method, the same in all figures; the look of other programs follows their
+/// number. Methods with the same look occur in no figure together.
 #[allow(clippy::match_same_arms)] // a line for each method
 fn pen(series: &Series, number: usize) -> Pen {
     let (color, shape) = match series.name.as_str() {
@@ -195,7 +198,7 @@ fn pen(series: &Series, number: usize) -> Pen {
         }
     };
     let (width, dash) = if series.is_peer {
-        // as many gaps as there are rounds of shapes
+        // The number of gaps is the number of rounds of shapes.
         (1.6, Some((1.5, 3.0 * (1 + number / 7) as f64)))
     } else if series.name.ends_with("uncorrected") {
         (1.6, Some((2.0, 4.0)))
@@ -219,7 +222,7 @@ fn exponents(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.iter().map(|(x, y)| (x.log10(), y.log10())).collect()
 }
 
-/// The range of some numbers with room around them; a decade where there are none.
+/// Returns the range of some numbers with room around them; a decade if there are no numbers.
 fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
@@ -231,10 +234,11 @@ fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
     }
 }
 
-/// A kind of error: its name, and how a record has it and its standard error.
+/// A kind of error: its name, and the functions that return it and its standard error from a
+/// record.
 type Kind<'a> = (&'a str, Quantity, Quantity);
 
-/// A panel of one kind of error against another quantity.
+/// Draws a panel of one kind of error against another quantity.
 fn panel(
     title: String,
     (x_name, x): (&str, Quantity),
@@ -248,7 +252,8 @@ fn panel(
             let shown = |y: &f64| ERRORS.contains(y);
             let point =
                 |record: &Record| Some((x(record)?, y(record).filter(shown)?, spread(record)?));
-            // a method without points is in the legend all the same: its errors are too large or too small to be shown
+            // A method without points is in the legend too: its errors are too large or too small
+            // to be shown.
             let points = series.records.iter().filter_map(point);
             Layer::errors(series.name.clone(), pen(series, number), points)
         })
@@ -265,7 +270,7 @@ fn panel(
     panel
 }
 
-/// Short lines whose slopes are orders, beside each other below all errors.
+/// Adds short lines whose slopes are orders, beside each other below all errors.
 fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
     panel.y.range.start -= 0.2 * (panel.y.range.end - panel.y.range.start);
     let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
@@ -273,7 +278,7 @@ fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
     let bottom = y.start + 0.02 * height;
     for (k, &order) in orders.iter().enumerate() {
         let left = x.start + (0.25 + 0.24 * k as f64) * width;
-        // no higher than the room below the errors
+        // The lines are no higher than the room below the errors.
         let length = (0.07 * width).min(0.12 * height / f64::from(order));
         let end = (left + length, bottom + f64::from(order) * length);
         let line = Layer::new("", vec![(left, bottom), end], Pen::line(palette::GREY, 1.0));
@@ -285,19 +290,20 @@ fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
     panel
 }
 
-/// What a figure shows beside the errors at the end.
+/// The texts and quantities that a figure shows beside the errors at the end.
 pub(crate) struct Shown<'a> {
     /// The problem, as a title.
     pub(crate) problem: &'a str,
     /// The norm of the error at the end.
     pub(crate) norm: &'a str,
-    /// The observable of the weak error, where there is noise.
+    /// The observable of the weak error, for problems with noise.
     pub(crate) weak: Option<&'a str>,
     /// The conserved quantity, if there is one.
     pub(crate) invariant: Option<&'a str>,
 }
 
-/// The figure: strong errors in the first row; weak errors, or errors of the invariant, in the second.
+/// Draws the figure: strong errors in the first row; weak errors, or errors of the invariant, in
+/// the second row.
 pub(crate) fn figure(
     name: &'static str,
     all: &[Series],

@@ -16,7 +16,7 @@ pub(crate) struct Problem {
     pub(crate) report: Report,
 }
 
-/// Powers of two.
+/// Returns powers of two.
 pub(crate) fn powers(exponents: RangeInclusive<u32>) -> impl Iterator<Item = usize> {
     exponents.map(|k| 1 << k)
 }

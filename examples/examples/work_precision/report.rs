@@ -8,10 +8,10 @@ use sve_runtime::study::Record;
 use crate::problem::Problem;
 use crate::verdict::{Winner, duration, rounded};
 
-/// What the page says of a problem.
+/// The text and the figure of a problem on the page.
 pub(crate) struct Section<'a> {
     pub(crate) problem: &'a Problem,
-    /// Who wins where, in words.
+    /// The fastest methods by ranges of errors, in words.
     pub(crate) conclusions: &'a str,
     pub(crate) svg: &'a str,
     pub(crate) records: &'a [Record],
@@ -24,7 +24,7 @@ details { margin: 0 0 2rem }
 @media print { details { display: none } }
 </style>";
 
-/// The conclusion for a kind of error in words, with times.
+/// Returns the conclusion for a kind of error in words, with times.
 pub(crate) fn conclusion(what: &str, winners: &[Winner]) -> String {
     let parts: Vec<String> = winners
         .iter()
@@ -51,18 +51,18 @@ pub(crate) fn conclusion(what: &str, winners: &[Winner]) -> String {
     }
 }
 
-/// Conclusions for a terminal, a line each, with the problem before them.
+/// Returns conclusions for a terminal, one line each, starting with the problem.
 pub(crate) fn plain(problem: &str, conclusions: &str) -> String {
     let text = conclusions.replace("<strong>", "").replace("</strong>", "");
     let mut lines = String::new();
     for line in text.split("<p>").filter(|line| !line.is_empty()) {
-        // writing into a String cannot fail
+        // Writing into a String cannot fail.
         let _ = writeln!(lines, "{problem} | {}", line.replace("</p>", ""));
     }
     lines
 }
 
-/// Orders where there are any, local slopes where the errors do not have one.
+/// Returns the orders, or local slopes if the errors have no order.
 fn orders(problem: &Problem) -> String {
     let report = &problem.report;
     let orders = report.orders().iter().map(ToString::to_string);
@@ -135,7 +135,7 @@ fn table(records: &[Record]) -> String {
     text
 }
 
-/// The body of a section.
+/// Returns the body of a section.
 pub(crate) fn body(section: &Section<'_>) -> String {
     let problem = section.problem;
     format!(
@@ -149,7 +149,7 @@ pub(crate) fn body(section: &Section<'_>) -> String {
     )
 }
 
-/// What stands before the problems.
+/// Returns the text before the problems.
 pub(crate) fn head(machine: &str, peers: usize) -> String {
     let peers = match peers {
         0 => String::from(

@@ -1,4 +1,4 @@
-//! The systems of the study. Everything that steps them is derived from what stands here.
+//! The systems of the study. All steps are derived from these definitions.
 
 use sve_runtime::prelude::*;
 
@@ -172,7 +172,8 @@ impl QuietHenonHeiles {
     }
 }
 
-/// The Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune and Pluto: astronomical units, days, solar masses.
+/// The Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune and Pluto: astronomical units,
+/// days, solar masses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OuterSolarSystem {
     /// The constant of gravitation.

@@ -1,7 +1,8 @@
-//! The Kubo oscillator's rules without the Stratonovich correction of the discrete action, which the macro never leaves out.
+//! The Kubo oscillator's rules without the Stratonovich correction of the discrete action, which
+//! the macro never omits.
 //!
-//! With x = a h + σ ΔW, endpoint: q₁ = q₀ + x p₀, p₁ = p₀ − x q₁; initial point: p₁ = p₀ − x q₀, q₁ = q₀ + x p₁.
-//! They converge, but to another equation.
+//! With x = a h + σ ΔW, endpoint: q₁ = q₀ + x p₀, p₁ = p₀ − x q₁; initial point: p₁ = p₀ − x q₀,
+//! q₁ = q₀ + x p₁. They converge, but to the solution of another equation.
 
 use sve_runtime::prelude::*;
 

@@ -1,7 +1,9 @@
-//! Which method reaches an error in the least time.
+//! The method that reaches an error in the least time.
 //!
-//! Input: times and errors of methods. Output: the range of errors divided among the fastest ones. Between two measured points a method is taken to
-//! lie on the straight line through them, in logarithms; beyond its points nothing is claimed. An error counts as reached if the next finer step has it too.
+//! Input: times and errors of methods. Output: the range of errors divided among the fastest
+//! methods. Between two measured points a method follows the straight line through them, in
+//! logarithms; beyond its points nothing is claimed. An error counts as reached if the next finer
+//! step reaches it too.
 
 /// A method's measured points, times in seconds.
 pub(crate) struct Curve {
@@ -19,20 +21,22 @@ pub(crate) struct Winner {
 }
 
 impl Winner {
-    /// The first and the last point of the trace.
+    /// Returns the first and the last point of the trace.
     pub(crate) fn ends(&self) -> [(f64, f64); 2] {
-        // a winner has won somewhere
+        // A winner has won at some error.
         [self.trace[0], self.trace[self.trace.len() - 1]]
     }
 }
 
-/// Errors that are asked for, in a decade.
+/// Number of errors in a decade for which the fastest method is found.
 const IN_A_DECADE: i32 = 8;
 
-/// A method replaces the previous winner only if its time is below this fraction; smaller differences are scatter of the times.
+/// Fraction of the previous winner's time below which a method replaces it; smaller differences are
+/// scatter of the times.
 const CLEARLY: f64 = 0.9;
 
-/// The points with the larger error of each and the next finer one: an error that is small by chance, where its sign changes, does not count.
+/// Returns the points, each with the larger of its error and the next finer one: an error that is
+/// small by chance, where its sign changes, does not count.
 fn lasting(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let next = points.iter().skip(1).chain(points.last());
     points
@@ -42,7 +46,7 @@ fn lasting(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The least time in which a method reaches an error.
+/// Returns the least time in which a method reaches an error.
 fn time_to(points: &[(f64, f64)], error: f64) -> Option<f64> {
     let points = &lasting(points)[..];
     let coarse = points
@@ -62,7 +66,7 @@ fn time_to(points: &[(f64, f64)], error: f64) -> Option<f64> {
     coarse.chain(between).min_by(f64::total_cmp)
 }
 
-/// The winners from the largest error to the smallest, up to `largest`.
+/// Returns the winners from the largest error to the smallest, up to `largest`.
 pub(crate) fn winners(curves: &[Curve], largest: f64) -> Vec<Winner> {
     let errors = || curves.iter().flat_map(|curve| &curve.points).map(|p| p.1);
     let (Some(low), Some(high)) = (
@@ -101,7 +105,7 @@ pub(crate) fn winners(curves: &[Curve], largest: f64) -> Vec<Winner> {
     winners
 }
 
-/// A time with a unit.
+/// Returns a time with a unit.
 pub(crate) fn duration(seconds: f64) -> String {
     let (value, unit) = match seconds {
         s if s < 1e-6 => (1e9 * s, "ns"),
@@ -113,7 +117,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     format!("{value:.decimals$} {unit}")
 }
 
-/// An error to one digit.
+/// Returns an error to one digit.
 pub(crate) fn rounded(error: f64) -> String {
     if error >= 0.095 {
         format!("{error:.1}")
