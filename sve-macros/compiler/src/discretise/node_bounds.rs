@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::domain;
-use crate::model::{Axis, Meaning, Model, Symbols};
+use crate::model::{Argument, Meaning, Model, Symbols};
 use crate::system::mechanics::{Mechanics, NoiseJet};
 
 /// Largest number of coordinates of a system with bounds. The bounds take about as long to compute
@@ -78,19 +78,19 @@ pub(crate) fn uniqueness(
 
 fn ranges(model: &Model, symbols: &mut Symbols) -> HashMap<Symbol, Range> {
     let mut ranges = HashMap::new();
-    let mut within = |symbol: Symbol, axis: Axis| {
+    let mut within = |symbol: Symbol, axis: Argument| {
         let radius = symbols.declare(Meaning::Radius(axis));
         ranges.insert(symbol, Range::Within(radius));
     };
-    within(model.time, Axis::Time);
+    within(model.time, Argument::Time);
     for (i, &symbol) in model.q.iter().enumerate() {
-        within(symbol, Axis::Position(i));
+        within(symbol, Argument::Position(i));
     }
     for (i, &symbol) in model.v.iter().enumerate() {
-        within(symbol, Axis::Velocity(i));
+        within(symbol, Argument::Velocity(i));
     }
     for (i, &symbol) in model.p.iter().enumerate() {
-        within(symbol, Axis::Momentum(i));
+        within(symbol, Argument::Momentum(i));
     }
     ranges
 }

@@ -17,7 +17,7 @@ use crate::algebra::{Arena, Bits, Expr, Node, Symbol};
 use configuration::Configuration;
 pub(crate) use names::{SymbolNames, unknown};
 pub(crate) use nodes::{AtNode, END, NodeQuantity};
-pub(crate) use symbols::{Axis, Meaning, Quantity, Symbols};
+pub(crate) use symbols::{Argument, Meaning, Quantity, Symbols};
 pub(crate) use unknowns::{Family, Unknown};
 
 /// A noise Hamiltonian: `−γ` or `H₁`.

@@ -38,12 +38,12 @@ pub(crate) enum Meaning {
     /// A component of the momentum at the end of the step, which follows from the action.
     End(usize),
     /// Half the width of a box around a point, in the direction of a coordinate.
-    Radius(Axis),
+    Radius(Argument),
 }
 
 /// A coordinate of the space of times, configurations, velocities and momenta.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Axis {
+pub(crate) enum Argument {
     Time,
     Position(usize),
     Velocity(usize),
@@ -124,10 +124,10 @@ impl Symbols {
             Meaning::NodeEntry(i) => format!("node_{i}"),
             Meaning::Attitude(i) => format!("attitude_{i}"),
             Meaning::End(i) => format!("p1_{i}"),
-            Meaning::Radius(Axis::Time) => "radius_t".to_owned(),
-            Meaning::Radius(Axis::Position(i)) => format!("radius_q{i}"),
-            Meaning::Radius(Axis::Velocity(i)) => format!("radius_v{i}"),
-            Meaning::Radius(Axis::Momentum(i)) => format!("radius_p{i}"),
+            Meaning::Radius(Argument::Time) => "radius_t".to_owned(),
+            Meaning::Radius(Argument::Position(i)) => format!("radius_q{i}"),
+            Meaning::Radius(Argument::Velocity(i)) => format!("radius_v{i}"),
+            Meaning::Radius(Argument::Momentum(i)) => format!("radius_p{i}"),
         }
     }
 }

@@ -5,9 +5,10 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{ToTokens, quote};
 
+use super::axis::Axis;
 use super::function::Formulas;
 use super::{ident, number};
-use crate::model::{Axis, Meaning, Quantity};
+use crate::model::{Argument, Meaning, Quantity};
 use crate::program::limits::{SPARSE_ENTRY, SPARSE_SIZE};
 use crate::program::{
     Array, Labels, Names, Operation, Program, Shape, Tier, Value, operands, symbol_name,
@@ -20,17 +21,17 @@ const DECLARED: &str = "angle limit q v p h t dw dq dv dp dqt dvt time state val
     solution start stage stages poison impulses inverse masses offset motion kicks memory \
     carried tangents pairs varied seeds radii system";
 
-/// What printed statements are part of.
+/// Where printed statements stand.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Place {
-    /// A step of a single state.
+    /// In a step of a single state.
     Single,
-    /// A loop over states.
-    Lanes,
-    /// A step of a single state, with bounds of the rounding errors.
+    /// The same, with bounds of the rounding errors.
     Rounded,
-    /// A loop over stages or states. Inputs are those of a single state, bound before the statements.
-    Stages,
+    /// In a function of a single state that a loop over lanes calls, and so without branches.
+    WithinLoop,
+    /// In a loop over an axis, without branches.
+    Over(Axis),
 }
 
 /// Prints a program.
@@ -83,9 +84,9 @@ impl<'a> Printer<'a> {
         self
     }
 
-    /// Whether functions are those without branches, for vectors.
+    /// Returns whether elementary functions are evaluated without branches, for vectors.
     pub(super) fn is_vector(&self) -> bool {
-        matches!(self.place, Place::Lanes | Place::Stages)
+        matches!(self.place, Place::WithinLoop | Place::Over(_))
     }
 
     /// Chooses what `prepare` returns: values of its tier that anything later, or `roots`, uses.
@@ -223,7 +224,7 @@ impl<'a> Printer<'a> {
             }
             Operation::Input(symbol) => {
                 let meaning = self.formulas.symbols.meaning(symbol);
-                let Some(access) = input(meaning, self.place == Place::Lanes) else {
+                let Some(access) = input(meaning, self.place) else {
                     return TokenStream::new();
                 };
                 let access = match meaning {
@@ -257,21 +258,24 @@ impl<'a> Printer<'a> {
 }
 
 /// How an input is read; nothing where it is bound otherwise.
-fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
-    let state = if lanes { quote!(states) } else { quote!(state) };
+fn input(meaning: &Meaning, place: Place) -> Option<TokenStream> {
+    if let Place::Over(axis) = place
+        && let Some(access) = axis.input(meaning)
+    {
+        return Some(access);
+    }
     let (row, i) = match *meaning {
         Meaning::Parameter { ref access, .. } => return Some(access.clone()),
-        Meaning::Time if lanes => return Some(quote!(states.t[lane])),
         Meaning::Time => return Some(quote!(time)),
-        Meaning::Radius(Axis::Time) => return Some(quote!(radii.t)),
+        Meaning::Radius(Argument::Time) => return Some(quote!(radii.t)),
         Meaning::Position(i) => (quote!(q), i),
         Meaning::Velocity(i) => (quote!(v), i),
         Meaning::Momentum(i) => (quote!(p), i),
-        Meaning::Radius(Axis::Position(i)) => (quote!(radii.q), i),
-        Meaning::Radius(Axis::Velocity(i)) => (quote!(radii.v), i),
-        Meaning::Radius(Axis::Momentum(i)) => (quote!(radii.p), i),
-        Meaning::Start(Quantity::Position, i) => (quote!(#state.q), i),
-        Meaning::Start(Quantity::Momentum, i) => (quote!(#state.p), i),
+        Meaning::Radius(Argument::Position(i)) => (quote!(radii.q), i),
+        Meaning::Radius(Argument::Velocity(i)) => (quote!(radii.v), i),
+        Meaning::Radius(Argument::Momentum(i)) => (quote!(radii.p), i),
+        Meaning::Start(Quantity::Position, i) => (quote!(state.q), i),
+        Meaning::Start(Quantity::Momentum, i) => (quote!(state.p), i),
         Meaning::Wiener(i) => (quote!(dw), i),
         Meaning::StepSize
         | Meaning::Unknown(_)
@@ -280,8 +284,6 @@ fn input(meaning: &Meaning, lanes: bool) -> Option<TokenStream> {
         | Meaning::NodeEntry(_)
         | Meaning::Attitude(_) => return None,
     };
-    let is_of_lane = lanes && matches!(meaning, Meaning::Start(..) | Meaning::Wiener(_));
-    let lane = is_of_lane.then(|| quote!([lane]));
     let i = Literal::usize_unsuffixed(i);
-    Some(quote!(#row[#i] #lane))
+    Some(quote!(#row[#i]))
 }

@@ -7,8 +7,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::Context;
+use super::axis::Axis;
 use super::code::Place;
-use super::start::row_of_lane;
 use crate::program::limits::in_lanes;
 use crate::program::{Array, Kernel, Scheduler, Tier, Tiers, Value, entries};
 use crate::system::energy::Energy;
@@ -37,7 +37,7 @@ pub(super) fn energy_lanes(energy: &Energy, context: &Context<'_>) -> Option<Tok
     if kernel.program.all().count() > in_lanes::INSTRUCTIONS {
         return None;
     }
-    let printer = formulas.printer(&kernel, Place::Stages);
+    let printer = formulas.printer(&kernel, Place::Over(Axis::Lanes));
     let [before, known, late] =
         [Tier::Prepare, Tier::State, Tier::Iterate(0)].map(|tier| printer.statements(tier));
     let [mass, at_rest, lagrangian] = [0, 1, 2].map(|at| &kernel.arrays[at]);
@@ -47,29 +47,30 @@ pub(super) fn energy_lanes(energy: &Energy, context: &Context<'_>) -> Option<Tok
     } else {
         (quote!(solve), printer.shaped(mass))
     };
-    let index = || (0..n).map(Literal::usize_unsuffixed);
-    let [q, p] = [quote!(states.q), quote!(states.p)].map(|rows| row_of_lane(&rows, n));
-    let rhs = index().zip(at_rest.entries()).map(|(i, value)| {
-        let at_rest = printer.operand(value);
-        quote!(p[#i] - #at_rest)
+    let momentum = |i: usize| Axis::Lanes.entry(&quote!(states.p), i);
+    let rhs = at_rest.entries().enumerate().map(|(i, value)| {
+        let (p, at_rest) = (momentum(i), printer.operand(value));
+        quote!(#p - #at_rest)
     });
-    let terms = index().map(|i| quote!(+ p[#i] * v[#i]));
+    let terms = (0..n).map(|i| {
+        let (p, i) = (momentum(i), Literal::usize_unsuffixed(i));
+        quote!(+ #p * v[#i])
+    });
     let lagrangian = printer.operand(lagrangian.rows[0][0]);
     let size = Literal::usize_unsuffixed(n);
+    let body = quote! {
+        #known
+        let rhs: [f64; #size] = [#(#rhs),*];
+        let v: [f64; #size] = #private::lane::#solve(&#matrix, &rhs);
+        #late
+        next[lane] = -#lagrangian #(#terms)*;
+    };
+    let sweep = Axis::Lanes.sweep(&body, private);
     Some(quote! {
         #[inline(always)]
         fn energy_lanes(&self, states: &#private::lane::StateLanes<#size>, next: &mut #private::lane::Lane) {
             #before
-            for lane in 0..#private::lane::LANES {
-                let time: f64 = states.t[lane];
-                let q: [f64; #size] = #q;
-                let p: [f64; #size] = #p;
-                #known
-                let rhs: [f64; #size] = [#(#rhs),*];
-                let v: [f64; #size] = #private::lane::#solve(&#matrix, &rhs);
-                #late
-                next[lane] = -#lagrangian #(#terms)*;
-            }
+            #sweep
         }
     })
 }

@@ -125,7 +125,7 @@ impl Writer<'_> {
     /// The increment of a state in a loop over the lanes.
     fn in_lane(&self, stages: usize) -> TokenStream {
         let stages = Literal::usize_unsuffixed(stages);
-        let mut printer = self.formulas.printer(self.kernel, Place::Stages);
+        let mut printer = self.formulas.printer(self.kernel, Place::WithinLoop);
         let kept = printer.split_prepared(&self.used());
         let name = quote!(euler_increment_in_lane);
         let ty = self.numbers(kept.len());

@@ -7,11 +7,14 @@
 mod advance;
 mod single;
 
+pub(super) use advance::stores;
+
 use std::collections::BTreeMap;
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::axis::Axis;
 use super::code::{Place, Printer};
 use super::function::Formulas;
 use super::judge::accepted;
@@ -38,7 +41,12 @@ pub(super) fn lanes(
         private,
     } = formulas;
     let (step, loops) = in_lanes(scheme, symbols, arena)?;
-    let printer = Printer::new(Place::Lanes, &step.program, &step.labels, formulas);
+    let printer = Printer::new(
+        Place::Over(Axis::Lanes),
+        &step.program,
+        &step.labels,
+        formulas,
+    );
     let printer = printer
         .without(&loops.omitted)
         .keeping(loops.rows.keys().chain(loops.moved.values()));
@@ -136,34 +144,28 @@ impl Writer<'_> {
         }
     }
 
-    /// A loop over the lanes: what it takes from earlier ones, its statements, what it keeps for later ones.
+    /// Prints a loop over the lanes: loads values that earlier loops kept, computes, keeps values for later loops.
     fn one(&self, number: usize, statements: &TokenStream) -> TokenStream {
-        let private = self.private;
         let take = self.loops.uses[number].iter().map(|&value| {
             let instruction = self.step.program.get(value);
             if self.is_read_again(value) {
                 return self.printer.statement(value, instruction.operation);
             }
-            let (name, row) = (self.printer.operand(value), self.row(value));
-            quote!(let #name = kept.0[#row][lane];)
+            let (name, kept) = (self.printer.operand(value), self.kept(value));
+            quote!(let #name = #kept;)
         });
         let keep = self.loops.rows.keys().filter_map(|&value| {
             let tier = self.step.program.get(value).tier;
             let computed = self.loops.of_tier(tier, self.step) == Some(number);
-            let (name, row) = (self.printer.operand(value), self.row(value));
-            (computed && !self.is_read_again(value)).then(|| quote!(kept.0[#row][lane] = #name;))
+            let (name, kept) = (self.printer.operand(value), self.kept(value));
+            (computed && !self.is_read_again(value)).then(|| quote!(#kept = #name;))
         });
-        quote! {
-            for lane in 0..#private::lane::LANES {
-                #(#take)*
-                #statements
-                #(#keep)*
-            }
-        }
+        let body = quote!(#(#take)* #statements #(#keep)*);
+        Axis::Lanes.sweep(&body, self.private)
     }
 
-    fn row(&self, value: Value) -> Literal {
-        Literal::usize_unsuffixed(self.loops.rows.get(&value).copied().unwrap_or_default())
+    fn kept(&self, value: Value) -> TokenStream {
+        Axis::Lanes.kept(self.loops.rows.get(&value).copied().unwrap_or_default())
     }
 
     /// Whether a value is an input that each loop can read: a state is not changed before the last one.

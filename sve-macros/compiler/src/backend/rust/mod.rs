@@ -3,6 +3,7 @@
 //! A generic parameter hides a type or a constant of the user with the same name, so the names of generic parameters begin with two
 //! underscores.
 
+mod axis;
 mod calls;
 mod code;
 mod cold;

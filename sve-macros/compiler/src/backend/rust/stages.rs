@@ -8,6 +8,7 @@ mod masses;
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use super::axis::Axis;
 use super::code::Place;
 use super::function::Formulas;
 use super::jets::{parameter_jets, with_potential};
@@ -17,8 +18,8 @@ use super::{Context, attributes, ident};
 use crate::algebra::Expr;
 use crate::derivation::Nodes;
 use crate::discretise::stages::{Form, Impulse, Stages};
-use crate::model::Model;
 use crate::model::domain::Condition;
+use crate::model::{Meaning, Model};
 use crate::program::{Array, Kernel, Operations, Scheduler, Tier, Tiers};
 
 /// The implementations, and the operations of a sweep at one stage.
@@ -126,7 +127,7 @@ impl Writer<'_> {
         let mut scheduler = Scheduler::new(arena, symbols, tiers, roots);
         scheduler.join_reciprocals();
         let kernel = Kernel::new(scheduler, &[Array::unnamed(roots)]);
-        let printer = self.formulas.printer(&kernel, Place::Stages);
+        let printer = self.formulas.printer(&kernel, Place::Over(Axis::Stages));
         let print = |tier| printer.statements(tier);
         let results = kernel.arrays[0].entries();
         Body {
@@ -138,32 +139,6 @@ impl Writer<'_> {
         }
     }
 
-    /// Reads what belongs to a stage. Momenta relative to the start are in `kicks`, where there are some.
-    fn inputs(&self, has_momenta: bool) -> TokenStream {
-        let index = Literal::usize_unsuffixed;
-        let (n, m) = (self.model.dof(), self.model.noises.len());
-        let moved = |start: &TokenStream, rows: &TokenStream| {
-            let entries = (0..n)
-                .map(index)
-                .map(|i| quote!(#start[#i] + #rows[#i][stage]));
-            quote!([#(#entries),*])
-        };
-        let q = moved(&quote!(stages.q), &quote!(stages.moves));
-        let p = has_momenta.then(|| {
-            let p = moved(&quote!(stages.p), &quote!(kicks));
-            quote!(let p = #p;)
-        });
-        let dw = (0..m).map(index).map(|i| quote!(stages.noise[#i][stage]));
-        let dw = quote!([#(#dw),*]);
-        quote! {
-            let time: f64 = stages.times[stage];
-            let h: f64 = stages.weights[stage];
-            let q = #q;
-            let dw: [f64; #m] = #dw;
-            #p
-        }
-    }
-
     /// A function with a loop over the stages: its name with further arguments, what it returns, what stands around the loop.
     fn function(
         &self,
@@ -172,6 +147,7 @@ impl Writer<'_> {
         [before, body, after]: [&TokenStream; 3],
     ) -> TokenStream {
         let (private, sizes, name) = (self.private, self.sizes, ident(name));
+        let sweep = Axis::Stages.sweep(body, private);
         quote! {
             #[inline(always)]
             fn #name<const __S: usize>(
@@ -180,9 +156,7 @@ impl Writer<'_> {
                 #arguments
             ) -> #output {
                 #before
-                for stage in 0..__S {
-                    #body
-                }
+                #sweep
                 #after
             }
         }
@@ -200,16 +174,15 @@ impl Writer<'_> {
             results,
             operations,
         } = self.body(&roots);
-        let inputs = self.inputs(false);
         let [poison, poisoned] = poison(&impulse.domain, &results[n..]);
-        let stores = stores(&quote!(impulses), &results[..n], &poisoned);
+        let stores = store(&quote!(impulses), &results[..n], &poisoned);
         let n = Literal::usize_unsuffixed(n);
         let tokens = self.function(
             ("impulses", &TokenStream::new()),
             &quote!([[f64; __S]; #n]),
             [
                 &quote!(#before let mut impulses = [[0f64; __S]; #n];),
-                &quote!(#inputs #known #late #poison #stores),
+                &quote!(#known #late #poison #stores),
                 &quote!(impulses),
             ],
         );
@@ -256,10 +229,10 @@ impl Writer<'_> {
         let (matrix, offsets) = results[first_of_mass..].split_at(n * n);
         let inverse = self.inverse(matrix, is_diagonal);
         let [poison, poisoned] = poison(&impulse.domain, &results[n..first_of_mass]);
-        let keep_impulses = stores(&quote!(impulses), &results[..n], &poisoned);
-        let keep_offsets = stores(&quote!(masses.offset), offsets, &TokenStream::new());
+        let keep_impulses = store(&quote!(impulses), &results[..n], &poisoned);
+        let keep_offsets = store(&quote!(masses.offset), offsets, &TokenStream::new());
         let [keep_inverse, _] = self.kept_inverse(is_diagonal);
-        let (inputs, velocity) = (self.inputs(true), self.velocity(is_diagonal));
+        let velocity = self.velocity(is_diagonal);
         let (size, private) = (Literal::usize_unsuffixed(n), self.private);
         let tokens = self.function(
             ("impulses", &quote!(kicks: &[[f64; __S]; #size])),
@@ -274,7 +247,6 @@ impl Writer<'_> {
                     #before
                 },
                 &quote! {
-                    #inputs
                     #known
                     #inverse
                     #keep_inverse
@@ -300,11 +272,16 @@ impl Writer<'_> {
             operations,
         } = self.body(shift);
         let [_, kept_inverse] = self.kept_inverse(is_diagonal);
-        let (inputs, velocity) = (self.inputs(true), self.velocity(is_diagonal));
+        let velocity = self.velocity(is_diagonal);
         let (size, private) = (Literal::usize_unsuffixed(self.model.dof()), self.private);
-        let numbers: Vec<Literal> = (0..self.model.dof())
-            .map(Literal::usize_unsuffixed)
-            .collect();
+        let offset = Axis::Stages.entries(&quote!(masses.offset), self.model.dof());
+        let weight = Axis::Stages.input(&Meaning::StepSize);
+        let velocities = || (0..self.model.dof()).map(Literal::usize_unsuffixed);
+        let displacements = velocities().zip(&results);
+        let displacements = displacements.map(|(i, shift)| quote!(#weight * v[#i] + #shift));
+        let keep_displacements = Axis::Stages.store(&quote!(motion.displacements), displacements);
+        let velocities = velocities().map(|i| quote!(v[#i]));
+        let keep_velocities = Axis::Stages.store(&quote!(motion.velocities), velocities);
         let tokens = self.function(
             (
                 "displacements",
@@ -320,16 +297,13 @@ impl Writer<'_> {
                     #before
                 },
                 &quote! {
-                    #inputs
                     #kept_inverse
-                    let offset: [f64; #size] = [#(masses.offset[#numbers][stage]),*];
+                    let offset: [f64; #size] = #offset;
                     let v: [f64; #size] = #velocity;
                     #known
                     #late
-                    #(
-                        motion.displacements[#numbers][stage] = h * v[#numbers] + #results;
-                        motion.velocities[#numbers][stage] = v[#numbers];
-                    )*
+                    #keep_displacements
+                    #keep_velocities
                 },
                 &quote!(motion),
             ],
@@ -338,13 +312,9 @@ impl Writer<'_> {
     }
 }
 
-/// Writes values to the rows of an array.
-fn stores(rows: &TokenStream, values: &[TokenStream], more: &TokenStream) -> TokenStream {
-    let stores = values.iter().enumerate().map(|(i, value)| {
-        let i = Literal::usize_unsuffixed(i);
-        quote!(#rows[#i][stage] = #value #more;)
-    });
-    quote!(#(#stores)*)
+/// Writes values to the rows of an array, with `more` added to each.
+fn store(rows: &TokenStream, values: &[TokenStream], more: &TokenStream) -> TokenStream {
+    Axis::Stages.store(rows, values.iter().map(|value| quote!(#value #more)))
 }
 
 /// `+ 0`, or `+ NaN` where a function is not defined.

@@ -3,9 +3,10 @@
 //! Input: the blocks of the mass matrix that may be singular. Output: an implementation, which is empty where nothing has to be tested. A lane that is not sure takes
 //! the scalar step, which decides.
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::TokenStream;
 use quote::quote;
 
+use super::axis::Axis;
 use super::code::Place;
 use super::configuration::{Received, received};
 use super::function::Printed;
@@ -99,29 +100,22 @@ fn singular_lanes(blocks: &[Matrix<Expr>], context: &Context<'_>) -> Option<Toke
     if kernel.program.all().count() > in_lanes::INSTRUCTIONS {
         return None;
     }
-    let printer = formulas.printer(&kernel, Place::Stages);
+    let printer = formulas.printer(&kernel, Place::Over(Axis::Lanes));
     let [before, known] = [Tier::Prepare, Tier::State].map(|tier| printer.statements(tier));
     let blocks = kernel.arrays.iter().map(|block| printer.shaped(block));
-    let ([n, _], q) = (context.sizes(), row_of_lane(&quote!(states.q), model.dof()));
+    let body = quote! {
+        #known
+        let is_regular = #(#private::lane::is_regular(&#blocks))&*;
+        unsure[lane] = if is_regular { 0f64 } else { 1f64 };
+    };
+    let ([n, _], sweep) = (context.sizes(), Axis::Lanes.sweep(&body, private));
     Some(quote! {
         #[inline(always)]
         fn lanes_of_singular_mass(&self, states: &#private::lane::StateLanes<#n>) -> ::core::option::Option<#private::lane::Mask> {
             #before
             let mut unsure: #private::lane::Lane = [0f64; #private::lane::LANES];
-            for lane in 0..#private::lane::LANES {
-                let time: f64 = states.t[lane];
-                let q: [f64; #n] = #q;
-                #known
-                let is_regular = #(#private::lane::is_regular(&#blocks))&*;
-                unsure[lane] = if is_regular { 0f64 } else { 1f64 };
-            }
+            #sweep
             ::core::option::Option::Some(#private::lane::marked(&unsure))
         }
     })
-}
-
-/// The numbers of a lane in `rows`.
-pub(super) fn row_of_lane(rows: &TokenStream, count: usize) -> TokenStream {
-    let numbers = (0..count).map(Literal::usize_unsuffixed);
-    quote!([#(#rows[#numbers][lane]),*])
 }

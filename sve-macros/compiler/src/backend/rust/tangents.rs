@@ -10,7 +10,9 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use super::Context;
+use super::axis::Axis;
 use super::code::{Place, Printer};
+use super::lanes::stores;
 use super::solve::names;
 use crate::derivation::Derived;
 use crate::linearise::{Entry, Linearisation};
@@ -51,7 +53,7 @@ pub(super) fn linearise_lanes(context: &Context<'_>, derived: &Derived) -> Optio
     let matrices = linearisation.matrices.iter().zip(&kernel.arrays);
     let writer = Writer {
         private,
-        printer: &formulas.printer(&kernel, Place::Lanes),
+        printer: &formulas.printer(&kernel, Place::Over(Axis::Lanes)),
         linearisation,
         kept,
         program: &kernel.program,
@@ -157,18 +159,18 @@ impl Writer<'_> {
         let statements = [Tier::Noise, Tier::State, Tier::Solved(0)].map(|t| printer.statements(t));
         let solved = (unknowns > 0).then(|| {
             let pattern = names(&self.linearisation.unknowns, symbols);
-            let numbers = (0..unknowns).map(Literal::usize_unsuffixed);
-            quote!(let #pattern = [#(unknowns.0[#numbers][lane]),*];)
+            let solution = Axis::Lanes.entries(&quote!(unknowns.0), unknowns);
+            quote!(let #pattern = #solution;)
         });
         let entries = self.kept.rows.iter().map(|(&value, &row)| {
-            let (value, row) = (printer.operand(value), Literal::usize_unsuffixed(row));
-            quote!(kept.0[#row][lane] = #value;)
+            let (value, kept) = (printer.operand(value), Axis::Lanes.kept(row));
+            quote!(#kept = #value;)
         });
         let of_inverse = self.kept.inverse.into_iter().flat_map(|first| {
             (0..unknowns * unknowns).map(move |at| {
-                let [i, j, row] =
-                    [at / unknowns, at % unknowns, first + at].map(Literal::usize_unsuffixed);
-                quote!(kept.0[#row][lane] = inverse[#i][#j];)
+                let kept = Axis::Lanes.kept(first + at);
+                let [i, j] = [at / unknowns, at % unknowns].map(Literal::usize_unsuffixed);
+                quote!(#kept = inverse[#i][#j];)
             })
         });
         let (early, late) = match self.kept.inverse {
@@ -176,17 +178,13 @@ impl Writer<'_> {
             Some(_) => (None, inverse),
         };
         let rows = Literal::usize_unsuffixed(self.kept.count);
+        let body = quote!(#solved #(#statements)* #late #(#entries)* #(#of_inverse)*);
+        let sweep = Axis::Lanes.sweep(&body, private);
         quote! {
             #prepare
             #early
             let mut kept = #private::lane::rows::<#rows>();
-            for lane in 0..#private::lane::LANES {
-                #solved
-                #(#statements)*
-                #late
-                #(#entries)*
-                #(#of_inverse)*
-            }
+            #sweep
         }
     }
 
@@ -206,8 +204,7 @@ impl Writer<'_> {
         if !is_in_lanes(self.program, value) {
             return self.printer.operand(value);
         }
-        let row = Literal::usize_unsuffixed(self.kept.rows[&value]);
-        quote!(kept.0[#row][lane])
+        Axis::Lanes.kept(self.kept.rows[&value])
     }
 
     /// The loop over the tangent vectors, and the mask of the lanes where one is not finite.
@@ -238,14 +235,7 @@ impl Writer<'_> {
         });
         let result = |row: usize| self.result(row, n);
         let (q, p) = ((0..n).map(result), (n..2 * n).map(result));
-        let store = |name: &TokenStream, lane: &TokenStream| -> TokenStream {
-            let numbers = (0..n).map(Literal::usize_unsuffixed);
-            numbers
-                .map(|i| quote!(next.#name[#i][lane] = #lane[#i];))
-                .collect()
-        };
-        let store_q = store(&quote!(q), &quote!(q_lane));
-        let store_p = store(&quote!(p), &quote!(p_lane));
+        let [store_q, store_p] = stores(n);
         let [outputs, inputs] = [self.linearisation.outputs, self.linearisation.inputs];
         let has_seeds = (self.matrices.iter().skip(1).flatten())
             .any(|(entry, _)| entry.column >= outputs && inputs > outputs);
@@ -253,19 +243,21 @@ impl Writer<'_> {
         let seeds =
             has_seeds.then(|| quote!(let seeds = #private::lane::seeds::<#parameters>(*varied);));
         let varied = if has_seeds { quote!(varied) } else { quote!(_) };
+        let body = quote! {
+            #solve
+            let q_lane = [#(#q),*];
+            let p_lane = [#(#p),*];
+            #store_q
+            #store_p
+            any |= #private::lane::needs_scalar_step(q_lane, p_lane, true);
+        };
+        let sweep = Axis::Lanes.sweep(&body, private);
         quote! {
             let mut any = 0u64;
             let pairs = ::core::iter::Iterator::zip(tangents.start.iter(), tangents.next.iter_mut());
             for ((start, next), #varied) in ::core::iter::Iterator::zip(pairs, tangents.parameters) {
                 #seeds
-                for lane in 0..#private::lane::LANES {
-                    #solve
-                    let q_lane = [#(#q),*];
-                    let p_lane = [#(#p),*];
-                    #store_q
-                    #store_p
-                    any |= #private::lane::needs_scalar_step(q_lane, p_lane, true);
-                }
+                #sweep
             }
             #private::lane::unfinished(any, tangents.next)
         }
@@ -275,10 +267,7 @@ impl Writer<'_> {
     fn inverse(&self, i: usize, j: usize) -> TokenStream {
         let unknowns = self.linearisation.unknowns.len();
         match self.kept.inverse {
-            Some(first) => {
-                let row = Literal::usize_unsuffixed(first + i * unknowns + j);
-                quote!(kept.0[#row][lane])
-            }
+            Some(first) => Axis::Lanes.kept(first + i * unknowns + j),
             None => {
                 let [i, j] = [i, j].map(Literal::usize_unsuffixed);
                 quote!(inverse[#i][#j])
@@ -315,11 +304,9 @@ fn of_row<'a>(entries: &'a Entries<'a>, row: usize) -> impl Iterator<Item = (&'a
 /// A component of the vector before the step, or the derivative of a parameter.
 fn input(column: usize, n: usize) -> TokenStream {
     if column < n {
-        let i = Literal::usize_unsuffixed(column);
-        quote!(start.q[#i][lane])
+        Axis::Lanes.entry(&quote!(start.q), column)
     } else if column < 2 * n {
-        let i = Literal::usize_unsuffixed(column - n);
-        quote!(start.p[#i][lane])
+        Axis::Lanes.entry(&quote!(start.p), column - n)
     } else {
         let i = Literal::usize_unsuffixed(column - 2 * n);
         quote!(seeds[#i])

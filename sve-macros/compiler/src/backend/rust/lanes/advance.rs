@@ -3,6 +3,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::super::axis::Axis;
 use super::super::step::inside;
 use super::{Value, Writer, course};
 use crate::structure::{Returns, Solution};
@@ -13,17 +14,15 @@ impl Writer<'_> {
         let (dq, dp) = (&self.step.scheme.dq, &self.step.scheme.dp);
         let new = |row: &TokenStream, values: &[Value]| {
             let entries = values.iter().enumerate().map(|(i, &value)| {
-                let (i, value) = (Literal::usize_unsuffixed(i), self.printer.operand(value));
+                let (start, value) = (Axis::Lanes.entry(row, i), self.printer.operand(value));
                 match self.step.scheme.returns {
-                    Returns::Increment | Returns::MatrixTimesState => {
-                        quote!(states.#row[#i][lane] + #value)
-                    }
+                    Returns::Increment | Returns::MatrixTimesState => quote!(#start + #value),
                     Returns::State => quote!(#value),
                 }
             });
             quote!([#(#entries),*])
         };
-        let (q, p) = (new(&quote!(q), dq), new(&quote!(p), dp));
+        let (q, p) = (new(&quote!(states.q), dq), new(&quote!(states.p), dp));
         let (solved, domain) = self.solved();
         // a state outside of the domain of L is none
         let has_conditions =
@@ -32,21 +31,14 @@ impl Writer<'_> {
             let n = Literal::usize_unsuffixed(dq.len());
             quote!(let p_lane = if true #domain { p_lane } else { [f64::NAN; #n] };)
         });
-        let store = |row: &str| {
-            let (row, new) = (format_ident!("{row}"), format_ident!("{row}_lane"));
-            (0..dq.len()).map(move |i| {
-                let i = Literal::usize_unsuffixed(i);
-                quote!(next.#row[#i][lane] = #new[#i];)
-            })
-        };
-        let (store_q, store_p) = (store("q"), store("p"));
+        let [store_q, store_p] = stores(dq.len());
         let private = self.private;
         quote! {
             let q_lane = #q;
             let p_lane = #p;
             #poison
-            #(#store_q)*
-            #(#store_p)*
+            #store_q
+            #store_p
             any |= #private::lane::needs_scalar_step(q_lane, p_lane, #solved);
         }
     }
@@ -70,4 +62,16 @@ impl Writer<'_> {
         });
         (quote!(true #(#arrived)*), quote!(#(#domain)* #(#guards)*))
     }
+}
+
+/// The statements that store the new state of a lane, which is in `q_lane` and `p_lane`.
+pub(in super::super) fn stores(count: usize) -> [TokenStream; 2] {
+    ["q", "p"].map(|quantity| {
+        let (row, new) = (
+            format_ident!("{quantity}"),
+            format_ident!("{quantity}_lane"),
+        );
+        let entries = (0..count).map(Literal::usize_unsuffixed);
+        Axis::Lanes.store(&quote!(next.#row), entries.map(|i| quote!(#new[#i])))
+    })
 }

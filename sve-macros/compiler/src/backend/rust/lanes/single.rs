@@ -7,6 +7,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
+use super::super::axis::Axis;
 use super::super::ident;
 use super::super::solve::names;
 use super::{Operation, Residual, Tier, Value, Writer, course, is_single};
@@ -55,7 +56,9 @@ impl Writer<'_> {
             else {
                 return printer.statement(value, operation);
             };
-            let [i, j, k] = [0, 1, 2].map(|k| Literal::usize_unsuffixed(place + k));
+            let rows = quote!(#angles.0);
+            let kept = [0, 1, 2].map(|k| Axis::Lanes.entry(&rows, place + k));
+            let [at_sin, at_cos, distance] = kept;
             place += KEPT;
             let [sin, cos] = printer.pair(value).map(|name| ident(&name));
             let (base, by) = (printer.operand(base), printer.operand(by));
@@ -63,16 +66,16 @@ impl Writer<'_> {
                 quote! {
                     let angle = #base + #by;
                     let (#sin, #cos) = #private::lane::sin_cos(angle);
-                    #angles.0[#i][lane] = #sin;
-                    #angles.0[#j][lane] = #cos;
-                    #angles.0[#k][lane] = angle - #base;
+                    #at_sin = #sin;
+                    #at_cos = #cos;
+                    #distance = angle - #base;
                 }
             } else {
                 quote! {
                     let (#sin, #cos) = #private::lane::sin_cos_of_sum(
-                        #angles.0[#i][lane],
-                        #angles.0[#j][lane],
-                        #by - #angles.0[#k][lane],
+                        #at_sin,
+                        #at_cos,
+                        #by - #distance,
                     );
                 }
             }

@@ -3,7 +3,8 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-use super::Writer;
+use super::{Axis, Writer};
+use crate::model::Meaning;
 
 impl Writer<'_> {
     /// The inverse of the mass matrix at a stage; of a diagonal one the diagonal.
@@ -23,8 +24,8 @@ impl Writer<'_> {
         let n = self.model.dof();
         let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
         let entry = |i: usize, j: usize| {
-            let [i, j] = [i, j].map(Literal::usize_unsuffixed);
-            quote!(masses.inverse[#i][#j][stage])
+            let i = Literal::usize_unsuffixed(i);
+            Axis::Stages.entry(&quote!(masses.inverse[#i]), j)
         };
         let keep = places
             .filter(|(i, j)| !is_diagonal || i == j)
@@ -42,14 +43,15 @@ impl Writer<'_> {
         [quote!(#(#keep)*), quote!(let inverse = [#(#rows),*];)]
     }
 
-    /// The velocity of the momentum `p` at a stage.
+    /// The velocity at a stage.
     pub(super) fn velocity(&self, is_diagonal: bool) -> TokenStream {
         let n = self.model.dof();
         let components = (0..n).map(|i| {
             let terms = (0..n).filter(|&j| !is_diagonal || i == j).map(|j| {
                 let entry = inverse_entry(is_diagonal, i, j);
+                let momentum = Axis::Stages.input(&Meaning::Momentum(j));
                 let j = Literal::usize_unsuffixed(j);
-                quote!(#entry * (p[#j] - offset[#j]))
+                quote!(#entry * (#momentum - offset[#j]))
             });
             let mut sum = TokenStream::new();
             for (at, term) in terms.enumerate() {
