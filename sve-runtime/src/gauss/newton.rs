@@ -231,13 +231,19 @@ where
     /// Evaluates the jets at all stages.
     #[inline]
     pub(super) fn stages(&self, unknowns: &Unknowns<S, N>) -> [Stage<N>; S] {
-        core::array::from_fn(|i| {
+        let stage = |i: usize| {
             let mut q = self.state.q;
             for n in 0..N {
                 q[n] += unknowns.moves[i][n];
             }
             self.stage(i, &q, &unknowns.velocities[i])
-        })
+        };
+        // in place: `array::from_fn` would pass copies of the largest arrays through the stack
+        let mut stages = [stage(0); S];
+        for i in 1..S {
+            stages[i] = stage(i);
+        }
+        stages
     }
 
     /// Evaluates the residuals, the magnitudes of their terms and the Jacobian.

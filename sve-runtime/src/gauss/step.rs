@@ -35,6 +35,7 @@ pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> 
 }
 
 /// Jets at a stage, and the impulses and displacements with their derivatives.
+#[derive(Clone, Copy)]
 pub(super) struct Stage<const N: usize> {
     pub(super) lagrangian: LagrangianJet<N>,
     /// `F_i`.

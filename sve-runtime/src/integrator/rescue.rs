@@ -36,12 +36,6 @@ where
     Q: Coordinates<N>,
 {
     let system = walker.system;
-    let explained = |error| {
-        if const { is_degenerate::<S>() } {
-            return degenerate::explained(system, state, error);
-        }
-        error
-    };
     if let Some(error) = gradient_error(system, state) {
         return Err(error);
     }
@@ -56,7 +50,38 @@ where
             return Ok((end, x));
         }
     }
-    let found = match continuation::follow(walker, state, h, dw) {
+    let mut end = *state;
+    let error = match followed(walker, failure, state, h, dw)? {
+        Ok((q, p, x))
+            if S::RETURNS.is_state() && replace(&mut end, h, &Q::Flat::of_row(&q), &p) =>
+        {
+            return Ok((end, x));
+        }
+        Ok((q, p, x)) if !S::RETURNS.is_state() && add(&mut end, h, &q, &p) => return Ok((end, x)),
+        Ok((dq, ..)) => refusal::<Q::Flat, N>(&dq),
+        Err(error) => error,
+    };
+    Err(explain_step(walker, error, state, h, dw))
+}
+
+/// What a step returns, or the failure of its solve.
+type Solved<S, R, const N: usize> =
+    Result<([f64; N], [f64; N], <S as StepEquations<R>>::Unknowns), SolveError>;
+
+/// Follows the solution by continuation. The outer error says where it was lost.
+fn followed<S, R, Q, const N: usize, const M: usize>(
+    walker: Walker<'_, S, R>,
+    failure: SolveError,
+    state: &State<Q::Flat>,
+    h: f64,
+    dw: &S::Increments,
+) -> Result<Solved<S, R, N>, StepError>
+where
+    S: StepEquations<R> + System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    let system = walker.system;
+    Ok(match continuation::follow(walker, state, h, dw) {
         Ok(found) => Ok(found),
         // The path ends at once: the failure of the fast path says more.
         Err(ContinuationError::PathEnds { step: 0.0, .. })
@@ -65,14 +90,16 @@ where
             Err(failure)
         }
         Err(ContinuationError::PathEnds { step, noise }) => {
-            let lost = StepError::BranchLost {
+            let mut lost = StepError::BranchLost {
                 t: state.t,
                 h,
                 dw: dw.as_ref().to_vec(),
                 step,
                 reached: noise,
             };
-            let lost = explained(lost);
+            if const { is_degenerate::<S>() } {
+                lost = degenerate::explained(system, state, lost);
+            }
             return Err(constraint_error(system, &lost, state, h, dw.as_ref()).unwrap_or(lost));
         }
         Err(ContinuationError::NearFold { step, noise, part }) => {
@@ -93,19 +120,7 @@ where
             system.increment(&system.prepare(h), memory, state, h, dw, &solver)
         }
         Err(ContinuationError::NoStart(error)) => Err(error),
-    };
-    let mut end = *state;
-    let error = match found {
-        Ok((q, p, x))
-            if S::RETURNS.is_state() && replace(&mut end, h, &Q::Flat::of_row(&q), &p) =>
-        {
-            return Ok((end, x));
-        }
-        Ok((q, p, x)) if !S::RETURNS.is_state() && add(&mut end, h, &q, &p) => return Ok((end, x)),
-        Ok((dq, ..)) => refusal::<Q::Flat, N>(&dq),
-        Err(error) => error,
-    };
-    Err(explain_step(walker, error, state, h, dw))
+    })
 }
 
 /// Returns the error of a step in the words of the first thing that is wrong: the start, the domain, or the solution.

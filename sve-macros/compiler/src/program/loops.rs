@@ -122,50 +122,11 @@ impl Loops {
             omitted: BTreeSet::new(),
         };
         loops.move_bases(step);
-        for (value, instruction) in step.program.all() {
-            if loops.omitted.contains(&value) {
-                continue;
-            }
-            let user = loops.of_tier(instruction.tier, step);
-            let guess = evaluated_at_guess(instruction.tier, step);
-            for operand in operands(instruction.operation) {
-                if !loops.omitted.contains(&operand) {
-                    loops.note(operand, user, step);
-                    loops.note_at_guess(operand, guess, step);
-                }
-            }
-            if let Some(&base) = loops.moved.get(&value) {
-                loops.note_at_guess(base, guess, step);
-            }
-        }
-        for (at, block) in scheme.blocks.iter().enumerate() {
-            let begin = loops.of_block[at];
-            if is_single(&block.solution) {
-                for value in block.solution.each() {
-                    loops.note_at_guess(value, Some(at), step);
-                }
-            }
-            for value in block.solution.before() {
-                loops.note(value, Some(begin), step);
-            }
-            for value in block.solution.each() {
-                loops.note(value, Some(begin + 1), step);
-            }
-        }
-        for (at, block) in scheme.blocks.iter().enumerate() {
-            let end = loops.of_block[at] + 2;
-            for value in block.solution.after() {
-                loops.note(value, Some(end), step);
-            }
-        }
+        loops.note_operands(step);
+        loops.note_solves(step);
         let domain = scheme.domain.iter().map(|c| &c.value);
-        for &value in scheme
-            .dq
-            .iter()
-            .chain(&scheme.dp)
-            .chain(&scheme.guards)
-            .chain(domain)
-        {
+        let results = scheme.dq.iter().chain(&scheme.dp).chain(&scheme.guards);
+        for &value in results.chain(domain) {
             loops.note(value, Some(current), step);
         }
         for uses in &mut loops.uses {
@@ -173,6 +134,51 @@ impl Loops {
             uses.dedup();
         }
         loops
+    }
+
+    /// Records the values that instructions use.
+    fn note_operands(&mut self, step: &Step) {
+        for (value, instruction) in step.program.all() {
+            if self.omitted.contains(&value) {
+                continue;
+            }
+            let user = self.of_tier(instruction.tier, step);
+            let guess = evaluated_at_guess(instruction.tier, step);
+            for operand in operands(instruction.operation) {
+                if !self.omitted.contains(&operand) {
+                    self.note(operand, user, step);
+                    self.note_at_guess(operand, guess, step);
+                }
+            }
+            if let Some(&base) = self.moved.get(&value) {
+                self.note_at_guess(base, guess, step);
+            }
+        }
+    }
+
+    /// Records the values that the solves of the blocks use.
+    fn note_solves(&mut self, step: &Step) {
+        let blocks = &step.scheme.blocks;
+        for (at, block) in blocks.iter().enumerate() {
+            let begin = self.of_block[at];
+            if is_single(&block.solution) {
+                for value in block.solution.each() {
+                    self.note_at_guess(value, Some(at), step);
+                }
+            }
+            for value in block.solution.before() {
+                self.note(value, Some(begin), step);
+            }
+            for value in block.solution.each() {
+                self.note(value, Some(begin + 1), step);
+            }
+        }
+        for (at, block) in blocks.iter().enumerate() {
+            let end = self.of_block[at] + 2;
+            for value in block.solution.after() {
+                self.note(value, Some(end), step);
+            }
+        }
     }
 
     /// Returns the loop in which values of a tier are computed; `None` if they are computed once for all lanes.

@@ -21,7 +21,7 @@ use quote::format_ident;
 use crate::algebra::{Arena, Expr, Symbol, Vanishing};
 use crate::errors::Errors;
 use crate::model::configuration::{Block, Factor, cross};
-use crate::model::{Generator, Model};
+use crate::model::{Generator, Model, NoiseTerm};
 use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::degeneracy::Degeneracy;
 
@@ -176,10 +176,36 @@ fn changes(
             scaled.collect()
         }
     };
-    let xi = &xi;
-    let v: Vec<Expr> = model.v.iter().map(|&s| arena.symbol(s)).collect();
-    let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
+    let mut changes = vec![change_of_lagrangian(&xi, model, arena)];
+    let noises = model.noises.iter();
+    changes.extend(noises.map(|noise| change_of_noise(noise, &xi, model, arena)));
+    for constraint in &model.constraints {
+        let (value, scale) = scaled(constraint.value, arena);
+        changes.push(Change {
+            of: Changed::Function(format!("the constraint `{}`", constraint.name)),
+            rate: pairing(value, &model.q, &xi, arena),
+            scale,
+        });
+    }
+    if let Some(force) = &model.force {
+        let names = block.forces.iter();
+        let names: Vec<String> = names.map(|f| format!("`{}`", f.name)).collect();
+        let scale = arena.scale_of(force);
+        let force: Vec<Expr> = force.iter().map(|&f| arena.scale(scale, f)).collect();
+        changes.push(Change {
+            of: Changed::Work(names.join(" + ")),
+            rate: dot(&force, &xi, arena),
+            scale,
+        });
+    }
+    for change in &mut changes {
+        change.scale *= unit;
+    }
+    changes
+}
 
+fn change_of_lagrangian(xi: &[Expr], model: &Model, arena: &mut Arena) -> Change {
+    let v: Vec<Expr> = model.v.iter().map(|&s| arena.symbol(s)).collect();
     let mut flow = carried(xi, &v, model, arena);
     for (at, &x) in xi.iter().enumerate() {
         let drift = arena.diff(x, model.time);
@@ -188,55 +214,31 @@ fn changes(
     let (lagrangian, scale) = scaled(model.lagrangian, arena);
     let along_q = along(lagrangian, xi, model, arena);
     let along_v = pairing(lagrangian, &model.v, &flow, arena);
-    let mut changes = vec![Change {
+    Change {
         of: Changed::Function("the Lagrangian".to_owned()),
         rate: arena.add(along_q, along_v),
-        scale: scale * unit,
-    }];
-    for noise in &model.noises {
-        let (hamiltonian, scale) = scaled(noise.hamiltonian, arena);
-        let along_q = along(hamiltonian, xi, model, arena);
-        let by_p: Vec<Expr> = model
-            .p
-            .iter()
-            .map(|&s| arena.diff(hamiltonian, s))
-            .collect();
-        let along_p = carried(xi, &by_p, model, arena);
-        let along_p = dot(&p, &along_p, arena);
-        let mut rate = arena.sub(along_q, along_p);
-        if noise.is_gamma {
-            // the noise Hamiltonian is −γ
-            rate = arena.neg(rate);
-        }
-        changes.push(Change {
-            of: Changed::Function(format!("the noise `{}`", noise.name)),
-            rate,
-            scale: scale * unit,
-        });
+        scale,
     }
-    for constraint in &model.constraints {
-        let (value, scale) = scaled(constraint.value, arena);
-        changes.push(Change {
-            of: Changed::Function(format!("the constraint `{}`", constraint.name)),
-            rate: pairing(value, &model.q, xi, arena),
-            scale: scale * unit,
-        });
+}
+
+fn change_of_noise(noise: &NoiseTerm, xi: &[Expr], model: &Model, arena: &mut Arena) -> Change {
+    let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
+    let (hamiltonian, scale) = scaled(noise.hamiltonian, arena);
+    let along_q = along(hamiltonian, xi, model, arena);
+    let by_p = model.p.iter().map(|&s| arena.diff(hamiltonian, s));
+    let by_p: Vec<Expr> = by_p.collect();
+    let along_p = carried(xi, &by_p, model, arena);
+    let along_p = dot(&p, &along_p, arena);
+    let mut rate = arena.sub(along_q, along_p);
+    if noise.is_gamma {
+        // the noise Hamiltonian is −γ
+        rate = arena.neg(rate);
     }
-    if let Some(force) = &model.force {
-        let names: Vec<String> = block
-            .forces
-            .iter()
-            .map(|function| format!("`{}`", function.name))
-            .collect();
-        let scale = arena.scale_of(force);
-        let force: Vec<Expr> = force.iter().map(|&f| arena.scale(scale, f)).collect();
-        changes.push(Change {
-            of: Changed::Work(names.join(" + ")),
-            rate: dot(&force, xi, arena),
-            scale: scale * unit,
-        });
+    Change {
+        of: Changed::Function(format!("the noise `{}`", noise.name)),
+        rate,
+        scale,
     }
-    changes
 }
 
 /// Returns the derivative of `f` along a direction of the configuration.

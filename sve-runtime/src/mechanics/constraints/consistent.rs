@@ -39,16 +39,27 @@ where
             return Err(StepError::NonFiniteInput { what, value, t });
         }
     }
-    let singular = |q: &[f64; N]| StepError::Singular {
-        t,
-        h: 0.0,
-        q: q.to_vec(),
-        iteration: 0,
-    };
+    let (q, here) = configuration_on(system, given)?;
+    if let Some(error) = rank_error::<S, Q, N, M>(system, &here, t, &q) {
+        return Err(error);
+    }
+    let p = momentum_along(&here, given.p).ok_or_else(|| singular(t, &q))?;
+    Ok(State { t, q, p })
+}
+
+/// Returns the configuration on the constraints, with the constraints and masses there.
+fn configuration_on<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    given: &State<[f64; N]>,
+) -> Result<([f64; N], Linearised<N>), StepError>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+{
+    let t = given.t;
     let mut q = given.q;
-    let mut here = Linearised::at(system, t, &q).ok_or_else(|| singular(&q))?;
-    let mut iterations = 0;
-    loop {
+    let mut here = Linearised::at(system, t, &q).ok_or_else(|| singular(t, &q))?;
+    for iterations in 0.. {
         let (worst, violation) = here.worst();
         if violation <= ROUNDING {
             break;
@@ -73,7 +84,7 @@ where
         let (mut part, mut next) = (1.0, None);
         while part > 1e-4 {
             let to: [f64; N] = core::array::from_fn(|i| q[i] - part * step[i]);
-            let there = Linearised::at(system, t, &to).ok_or_else(|| singular(&to))?;
+            let there = Linearised::at(system, t, &to).ok_or_else(|| singular(t, &to))?;
             if there.worst().1 < violation {
                 next = Some((to, there));
                 break;
@@ -85,34 +96,39 @@ where
             None if violation <= ROUNDING_OF_FUNCTIONS => break,
             None => return Err(lost()),
         }
-        iterations += 1;
     }
-    if let Some(error) = rank_error::<S, Q, N, M>(system, &here, t, &q) {
-        return Err(error);
-    }
-    let mut p = given.p;
+    Ok((q, here))
+}
+
+/// Returns the momentum whose velocity keeps the constraints; `None` if the mass matrix is singular.
+fn momentum_along<const N: usize>(here: &Linearised<N>, given: [f64; N]) -> Option<[f64; N]> {
+    let mut p = given;
     // the second pass removes the rounding errors of the first
     for _ in 0..2 {
         let relative = DVector::from_fn(N, |i, _| p[i] - here.rest[i]);
-        let velocity = here
-            .mass
-            .clone()
-            .lu()
-            .solve(&relative)
-            .ok_or_else(|| singular(&q))?;
+        let velocity = here.mass.clone().lu().solve(&relative)?;
         let rates = here.jets.iter().map(|jet| {
             let along = jet.dq.iter().zip(velocity.iter());
             jet.dt + along.map(|(a, v)| a * v).sum::<f64>()
         });
         let rates = DVector::from_iterator(here.jets.len(), rates);
-        let multipliers = here.solve(&rates).ok_or_else(|| singular(&q))?;
+        let multipliers = here.solve(&rates)?;
         for (jet, &multiplier) in here.jets.iter().zip(multipliers.iter()) {
             for i in 0..N {
                 p[i] -= multiplier * jet.dq[i];
             }
         }
     }
-    Ok(State { t, q, p })
+    Some(p)
+}
+
+fn singular<const N: usize>(t: f64, q: &[f64; N]) -> StepError {
+    StepError::Singular {
+        t,
+        h: 0.0,
+        q: q.to_vec(),
+        iteration: 0,
+    }
 }
 
 /// Returns the error of dependent constraints, or of a constraint whose gradient vanishes with it.

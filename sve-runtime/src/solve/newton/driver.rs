@@ -59,6 +59,51 @@ impl RootTest {
             Acceptance::Any => true,
         }
     }
+
+    /// Returns whether the root of an iteration is accepted at once. Otherwise the segment from the guess has to be followed.
+    #[inline(always)]
+    fn accepts<const K: usize>(self, iteration: &Iteration<K>) -> Result<bool, SolveError> {
+        let accepts_any = self.accepts_without_contraction(K);
+        if iteration.is_contracting || (accepts_any && self.sign.is_unknown()) {
+            return Ok(true);
+        }
+        if accepts_any {
+            Ok(false)
+        } else {
+            Err(SolveError::OtherBranch)
+        }
+    }
+}
+
+/// The attempts after the first: full steps from a second guess, then damped steps from the first.
+struct Attempts<F> {
+    fallback: Option<F>,
+    are_over: bool,
+}
+
+impl<F> Attempts<F> {
+    /// Returns the start of the next attempt.
+    #[cold]
+    fn next<const K: usize>(&mut self, guess: &[f64; K]) -> Option<Iteration<K>>
+    where
+        F: FnOnce() -> [f64; K],
+    {
+        if self.are_over {
+            return None;
+        }
+        if let Some(fallback) = self.fallback.take() {
+            // Contraction from another point proves nothing about the guess.
+            return Some(Iteration {
+                is_contracting: false,
+                ..Iteration::new(fallback())
+            });
+        }
+        self.are_over = true;
+        Some(Iteration {
+            phase: Phase::DampedSteps,
+            ..Iteration::new(*guess)
+        })
+    }
 }
 
 impl Newton {
@@ -99,11 +144,14 @@ impl Newton {
         &self,
         guess: &[f64; K],
         test: RootTest,
-        mut fallback: Option<impl FnOnce() -> [f64; K]>,
+        fallback: Option<impl FnOnce() -> [f64; K]>,
         rounding: impl Fn(&[f64; K]) -> [f64; K],
         evaluate: impl Fn(&[f64; K]) -> Evaluation<K, J>,
     ) -> Result<[f64; K], SolveError> {
-        let mut is_last_attempt = fallback.is_none() || !test.accepts_without_contraction(K);
+        let mut attempts = Attempts {
+            are_over: fallback.is_none() || !test.accepts_without_contraction(K),
+            fallback,
+        };
         let mut iteration = Iteration::new(*guess);
         loop {
             // The only call of `evaluate`, so that the equations are compiled once, into this loop.
@@ -148,32 +196,15 @@ impl Newton {
                         iteration = next;
                         continue;
                     }
-                    Err(error) if is_last_attempt => return Err(error),
-                    Err(_) => {
-                        iteration = if let Some(fallback) = fallback.take() {
-                            // Contraction from another point proves nothing about the guess.
-                            Iteration {
-                                is_contracting: false,
-                                ..Iteration::new(fallback())
-                            }
-                        } else {
-                            is_last_attempt = true;
-                            Iteration {
-                                phase: Phase::DampedSteps,
-                                ..Iteration::new(*guess)
-                            }
-                        };
+                    Err(error) => {
+                        iteration = attempts.next(guess).ok_or(error)?;
                         continue;
                     }
                 }
             };
             if is_root {
-                let accepts_any = test.accepts_without_contraction(K);
-                if iteration.is_contracting || (accepts_any && test.sign.is_unknown()) {
+                if test.accepts(&iteration)? {
                     return Ok(iteration.x);
-                }
-                if !accepts_any {
-                    return Err(SolveError::OtherBranch);
                 }
                 iteration = iteration.into_verification(guess);
             }

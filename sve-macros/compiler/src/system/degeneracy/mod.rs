@@ -160,72 +160,38 @@ pub(crate) fn classify(
         .map_err(|refused| refused.error(block, model.dof(), &undetermined))
 }
 
+/// Takes the Lagrangian apart into its massive, massless and algebraic coordinates.
 fn taken_apart(
     model: &Model,
     mechanics: &Mechanics,
     arena: &mut Arena,
 ) -> Result<Degeneracy, Refused> {
     let n = model.dof();
-    let jet = &mechanics.lagrangian;
-    let vanishes = |e: Expr, arena: &Arena| {
-        matches!(
-            arena.vanishing(e),
-            Some(Vanishing::Proved | Vanishing::Evaluated)
-        )
-    };
-    let is_massless = |i: usize, arena: &Arena| jet.dvv[i].iter().all(|&e| vanishes(e, arena));
-    let (light, massive): (Vec<usize>, Vec<usize>) = (0..n).partition(|&i| is_massless(i, arena));
-    if light.is_empty() {
-        return Err(Refused::NoSplit);
-    }
-    if !is_regular(&jet.dvv, &massive, arena) {
-        return Err(Refused::NoSplit);
-    }
-    let zero = arena.constant(0.0);
-    let at_rest = |list: &[usize]| -> HashMap<Symbol, Expr> {
-        list.iter().map(|&i| (model.v[i], zero)).collect()
-    };
-    let (still, all_still) = (at_rest(&light), at_rest(&(0..n).collect::<Vec<_>>()));
-    let mut alpha = vec![zero; n];
-    for &i in &light {
-        let momentum = arena.substitute(jet.dv[i], &all_still);
-        if !arena.is_zero(momentum) {
-            alpha[i] = momentum;
-        }
-    }
+    let (light, massive) = by_mass(mechanics, n, arena)?;
+    let alpha = momenta_at_rest(&light, model, mechanics, arena);
     // ∂_iα_j
     let slopes: Vec<Vec<Expr>> = model
         .q
         .iter()
         .map(|&q| alpha.iter().map(|&a| arena.diff(a, q)).collect())
         .collect();
+    let zero = arena.constant(0.0);
     let is_free = |i: &usize, arena: &Arena| {
         alpha[*i] == zero && light.iter().all(|&j| arena.is_zero(slopes[*i][j]))
     };
     let (algebraic, paired): (Vec<usize>, Vec<usize>) =
         light.iter().partition(|&i| is_free(i, arena));
+    let still = light.iter().map(|&i| (model.v[i], zero)).collect();
     let rest = arena.substitute(model.lagrangian, &still);
     check_algebraic(&algebraic, &massive, rest, model, arena)?;
     if massive.is_empty() && paired.is_empty() {
         return Err(Refused::Undetermined(light));
     }
-    if let Some(&i) = paired
-        .iter()
-        .find(|&&i| arena.contains(alpha[i], model.time))
-    {
-        return Err(Refused::TimeDependent(i));
-    }
     let two_form = two_form(&slopes, arena);
-    if let Some(columns) = null_columns(&part(&two_form, &paired), arena) {
-        return Err(Refused::SingularForm(
-            columns.into_iter().map(|k| paired[k]).collect(),
-        ));
-    }
+    check_paired(&paired, &alpha, &two_form, model, arena)?;
     let rest_slopes = model.q.iter().map(|&q| arena.diff(rest, q)).collect();
-    let is_affine = slopes
-        .iter()
-        .flatten()
-        .all(|&e| is_constant(e, model, arena));
+    let mut entries = slopes.iter().flatten();
+    let is_affine = entries.all(|&e| is_constant(e, model, arena));
     let internal = massive
         .is_empty()
         .then(|| internal::find(&alpha, &paired, model, arena))
@@ -247,6 +213,64 @@ fn taken_apart(
         is_affine,
         internal,
     })
+}
+
+/// Returns the coordinates whose row of ∂²L/∂v² vanishes, and the others, whose block is regular.
+fn by_mass(
+    mechanics: &Mechanics,
+    n: usize,
+    arena: &Arena,
+) -> Result<(Vec<usize>, Vec<usize>), Refused> {
+    let mass = &mechanics.lagrangian.dvv;
+    let vanishes = |&e: &Expr| {
+        let vanishing = arena.vanishing(e);
+        matches!(vanishing, Some(Vanishing::Proved | Vanishing::Evaluated))
+    };
+    let (light, massive): (Vec<usize>, Vec<usize>) =
+        (0..n).partition(|&i| mass[i].iter().all(vanishes));
+    if light.is_empty() || !is_regular(mass, &massive, arena) {
+        return Err(Refused::NoSplit);
+    }
+    Ok((light, massive))
+}
+
+/// Returns α(q): ∂L/∂v at rest for coordinates without mass, zero for the others.
+fn momenta_at_rest(
+    light: &[usize],
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &mut Arena,
+) -> Vec<Expr> {
+    let zero = arena.constant(0.0);
+    let at_rest: HashMap<Symbol, Expr> = model.v.iter().map(|&v| (v, zero)).collect();
+    let mut alpha = vec![zero; model.dof()];
+    for &i in light {
+        let momentum = arena.substitute(mechanics.lagrangian.dv[i], &at_rest);
+        if !arena.is_zero(momentum) {
+            alpha[i] = momentum;
+        }
+    }
+    alpha
+}
+
+/// Checks that the momenta of paired coordinates do not depend on time, and that their two-form is regular.
+fn check_paired(
+    paired: &[usize],
+    alpha: &[Expr],
+    two_form: &[Vec<Expr>],
+    model: &Model,
+    arena: &mut Arena,
+) -> Result<(), Refused> {
+    let depends_on_time = |&i: &usize| arena.contains(alpha[i], model.time);
+    if let Some(i) = paired.iter().copied().find(depends_on_time) {
+        return Err(Refused::TimeDependent(i));
+    }
+    match null_columns(&part(two_form, paired), arena) {
+        Some(columns) => Err(Refused::SingularForm(
+            columns.into_iter().map(|k| paired[k]).collect(),
+        )),
+        None => Ok(()),
+    }
 }
 
 /// Checks that the equations 0 = ∂L/∂q determine the algebraic coordinates and contain no
