@@ -51,7 +51,29 @@ struct Candidate {
     pivot: Option<Pivot>,
 }
 
-impl Reduced<'_> {
+impl<'a> Reduced<'a> {
+    /// The equations before any elimination.
+    pub(super) fn new(
+        equations: Equations,
+        symbols: &'a mut Symbols,
+        arena: &'a mut Arena,
+    ) -> Self {
+        Self {
+            kept: Vec::new(),
+            arena,
+            symbols,
+            unknowns: equations.unknowns,
+            residuals: equations.residuals,
+            dq: equations.dq,
+            dp: equations.dp,
+            domain: Vec::new(),
+            leading: equations.leading,
+            torn: equations.torn,
+            guards: equations.guards,
+            reported: equations.reported,
+        }
+    }
+
     /// Returns the conditions of the domain at the solution of all blocks.
     pub(super) fn domain_at(&mut self, known: &HashMap<Symbol, Expr>) -> Vec<Condition<Expr>> {
         let conditions = self.domain.clone().into_iter();

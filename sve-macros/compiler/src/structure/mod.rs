@@ -54,23 +54,14 @@ pub(crate) fn analyse(
     arena: &mut Arena,
 ) -> Result<Scheme<Expr>, Degenerate> {
     let kept = elimination::kept_unknowns(&equations, symbols);
+    let conditions = equations.conditions.clone();
     let mut system = Reduced {
         kept,
-        arena,
-        symbols,
-        unknowns: equations.unknowns,
-        residuals: equations.residuals,
-        dq: equations.dq,
-        dp: equations.dp,
-        domain: Vec::new(),
-        leading: equations.leading,
-        torn: equations.torn,
-        guards: equations.guards,
-        reported: equations.reported,
+        ..Reduced::new(equations, symbols, arena)
     };
     let roots = roots(action, system.arena);
     system.domain = domain::conditions(&roots, system.arena);
-    system.domain.extend(equations.conditions);
+    system.domain.extend(conditions);
     if !action.ends.momentum.is_empty() {
         system.keep_coupled();
     }
@@ -84,25 +75,12 @@ pub(crate) fn analyse(
         blocks.push(block);
         blocks.extend(system.explicit_blocks(torn.formulas, &mut known));
     }
-    let reported = system.reported.clone();
-    let reported = system.arena.substitute_all(&reported, &known);
-    let guards = system.guards.clone();
-    let guards = system.arena.substitute_all(&guards, &known);
-    let dq: Vec<Expr> = system
-        .dq
-        .clone()
-        .iter()
-        .map(|&e| system.arena.substitute(e, &known))
-        .collect();
-    let candidates: Vec<Vec<Expr>> = system
-        .dp
-        .clone()
-        .iter()
-        .map(|list| {
-            list.iter()
-                .map(|&e| system.arena.substitute(e, &known))
-                .collect()
-        })
+    let reported = system.arena.substitute_all(&system.reported, &known);
+    let guards = system.arena.substitute_all(&system.guards, &known);
+    let dq = system.arena.substitute_all(&system.dq, &known);
+    let forms = system.dp.iter();
+    let candidates: Vec<Vec<Expr>> = forms
+        .map(|list| system.arena.substitute_all(list, &known))
         .collect();
     let dp = cheapest(system.arena, &candidates, &dq, &blocks);
     let increments = Scheme {
@@ -131,18 +109,10 @@ pub(crate) fn unstructured(
     arena: &mut Arena,
 ) -> Scheme<Expr> {
     let mut system = Reduced {
-        kept: Vec::new(),
-        arena,
-        symbols,
-        unknowns: equations.unknowns,
-        residuals: equations.residuals,
-        dq: equations.dq,
-        dp: equations.dp,
-        domain: Vec::new(),
         leading: None,
         torn: Vec::new(),
         guards: Vec::new(),
-        reported: equations.reported,
+        ..Reduced::new(equations, symbols, arena)
     };
     let mut known = HashMap::new();
     let block = system.unstructured(&mut known);

@@ -38,28 +38,14 @@ pub(super) fn linear_map(
         .chain(&action.start_p)
         .copied()
         .collect();
-    let zero = arena.constant(0.0);
-    let origin: HashMap<Symbol, Expr> = state.iter().map(|&s| (s, zero)).collect();
-    let is_noisy = |arena: &Arena, e: Expr| {
-        arena
-            .symbols_of(e)
-            .any(|s| matches!(symbols.meaning(s), Meaning::Wiener(_)))
+    let Some(rows) = affine(&scheme, &state, arena) else {
+        return scheme;
     };
-    let mut rows = Vec::new();
-    let mut noisy = true;
-    for (at, &increment) in scheme.dq.iter().chain(&scheme.dp).enumerate() {
-        let mut row = Vec::new();
-        for &s in &state {
-            let entry = arena.diff(increment, s);
-            if state.iter().any(|&other| arena.contains(entry, other)) {
-                return scheme;
-            }
-            row.push(entry);
-        }
-        noisy &= is_noisy(arena, row[at]);
-        rows.push((row, arena.substitute(increment, &origin)));
-    }
-    let returns = if noisy {
+    let is_noisy = |(at, (row, _)): (usize, &(Vec<Expr>, Expr))| {
+        let mut symbols_of = arena.symbols_of(row[at]);
+        symbols_of.any(|s| matches!(symbols.meaning(s), Meaning::Wiener(_)))
+    };
+    let returns = if rows.iter().enumerate().all(is_noisy) {
         Returns::State
     } else {
         Returns::MatrixTimesState
@@ -85,6 +71,27 @@ pub(super) fn linear_map(
         dp,
         ..scheme
     }
+}
+
+/// Returns, for each increment, its row of A and its entry of b. `None` if an increment is not
+/// affine in the state.
+fn affine(
+    scheme: &Scheme<Expr>,
+    state: &[Symbol],
+    arena: &mut Arena,
+) -> Option<Vec<(Vec<Expr>, Expr)>> {
+    let zero = arena.constant(0.0);
+    let origin: HashMap<Symbol, Expr> = state.iter().map(|&s| (s, zero)).collect();
+    let mut rows = Vec::new();
+    for &increment in scheme.dq.iter().chain(&scheme.dp) {
+        let row: Vec<Expr> = state.iter().map(|&s| arena.diff(increment, s)).collect();
+        let moves = |e: &Expr| state.iter().any(|&s| arena.contains(*e, s));
+        if row.iter().any(moves) {
+            return None;
+        }
+        rows.push((row, arena.substitute(increment, &origin)));
+    }
+    Some(rows)
 }
 
 /// Cost of a call of a function, in operations.

@@ -83,6 +83,15 @@ pub(super) struct Constrained<'a> {
     pub(super) unknowns: &'a [Symbol],
 }
 
+/// The Jacobian and the equations of a block, in a form that has a limit for a small step.
+struct Scaled {
+    /// The entries of the Jacobian, row by row.
+    entries: Vec<Expr>,
+    defects: Vec<Expr>,
+    /// Symbols that vanish in the limit.
+    small: Vec<Symbol>,
+}
+
 /// A block in terms of its solution, with its limit.
 struct NamedBlock<'a> {
     /// The Jacobian.
@@ -113,60 +122,21 @@ impl Reduced<'_> {
         if unknowns.len() > self.largest_judged(block) {
             return None;
         }
-        let is_step = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::StepSize);
-        let step = *self.small(block.residual).iter().find(|s| is_step(s))?;
-        let h = self.arena.symbol(step);
+        let scaled = self.scaled(block)?;
         let zero = self.arena.constant(0.0);
-        let is_wiener = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::Wiener(_));
-        let wiener = self.small(block.residual).into_iter().filter(is_wiener);
-        let without_noise: Replacement = wiener.map(|s| (s, zero)).collect();
-        let whole = self.symbols.declare(Meaning::StepSize);
-        let mut cancellation = Cancellation {
-            h,
-            whole: self.arena.symbol(whole),
-            arena: self.arena,
-            still: &without_noise,
-            done: HashMap::new(),
-        };
-        let entries = cancellation.all(&block.jacobian.concat())?;
-        let defects: Vec<Expr> = {
-            let means = block.mean_values.iter().zip(block.residual);
-            means
-                .map(|(mean, &r)| mean.map_or(r, |mean| mean.rate))
-                .collect()
-        };
-        let defects = cancellation.all(&defects)?;
-        let small = self.small(&[entries.as_slice(), &defects].concat());
-        let small: Vec<Symbol> = small.into_iter().filter(|&s| s != whole).collect();
-        let still: Replacement = small.iter().map(|&s| (s, zero)).collect();
-        let at_limit = self.arena.substitute_all(&entries, &still);
-        let resting = self.arena.substitute_all(&defects, &still);
-        let moves = |e: &Expr| unknowns.iter().any(|&u| self.arena.contains(*e, u));
-        if at_limit.iter().any(moves) || !self.is_defined(&[at_limit.as_slice(), &resting].concat())
-        {
-            return None;
-        }
+        let still: Replacement = scaled.small.iter().map(|&s| (s, zero)).collect();
+        let at_limit = self.at_limit(&scaled, unknowns, &still)?;
         let mut limit_of: Replacement = unknowns.iter().map(|&u| (u, zero)).collect();
         limit_of.extend(still);
         let limit_rhs = self.arena.substitute_all(block.leading, &limit_of);
         let limit_rhs: Vec<Expr> = limit_rhs.into_iter().map(|r| self.arena.neg(r)).collect();
-        let (mut limit, mut solution) = (Vec::new(), Vec::new());
-        for unknown in unknowns {
-            let Meaning::Unknown(named) = *self.symbols.meaning(*unknown) else {
-                return None;
-            };
-            let Node::Symbol(solved) = *self.arena.node(known[unknown]) else {
-                return None;
-            };
-            limit.push(self.symbols.declare(Meaning::Limit(named)));
-            solution.push(solved);
-        }
+        let [limit, solution] = self.names(unknowns, known)?;
         let at: Replacement = {
             let limits = unknowns.iter().zip(&limit);
             limits.map(|(&u, &l)| (u, self.arena.symbol(l))).collect()
         };
-        let defects = self.arena.substitute_all(&defects, &at);
-        let entries = self.arena.substitute_all(&entries, known);
+        let defects = self.arena.substitute_all(&scaled.defects, &at);
+        let entries = self.arena.substitute_all(&scaled.entries, known);
         let is_open = |&e: &Expr| {
             let mut symbols = self.arena.symbols_of(e);
             let is_unknown = |s: Symbol| matches!(self.symbols.meaning(s), Meaning::Unknown(_));
@@ -182,17 +152,15 @@ impl Reduced<'_> {
         let at_limit = rows(&at_limit);
         let matrix = Matrix::dense(at_limit.clone());
         let pivots = self.pivots(block.variations, unknowns, &matrix)?.0;
+        let starts = block.mean_values.iter();
         let block = NamedBlock {
             matrix: rows(&entries),
             at_limit,
             defects,
-            starts: {
-                let means = block.mean_values.iter();
-                means.map(|mean| mean.map(|mean| mean.start)).collect()
-            },
+            starts: starts.map(|mean| mean.map(|mean| mean.start)).collect(),
             solution,
             limit: limit.clone(),
-            small: &small,
+            small: &scaled.small,
             pivots,
         };
         let of_limit = self.linear((block.at_limit.clone(), limit_rhs));
@@ -204,6 +172,68 @@ impl Reduced<'_> {
             reach,
             defects,
         })
+    }
+
+    /// Returns the Jacobian and the equations of a block without divisions by the step size.
+    fn scaled(&mut self, block: &Constrained<'_>) -> Option<Scaled> {
+        let small = self.small(block.residual);
+        let is_step = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::StepSize);
+        let is_wiener = |s: &Symbol| matches!(self.symbols.meaning(*s), Meaning::Wiener(_));
+        let step = *small.iter().find(|s| is_step(s))?;
+        let h = self.arena.symbol(step);
+        let zero = self.arena.constant(0.0);
+        let wiener = small.into_iter().filter(is_wiener);
+        let without_noise: Replacement = wiener.map(|s| (s, zero)).collect();
+        let whole = self.symbols.declare(Meaning::StepSize);
+        let mut cancellation = Cancellation {
+            h,
+            whole: self.arena.symbol(whole),
+            arena: self.arena,
+            still: &without_noise,
+            done: HashMap::new(),
+        };
+        let entries = cancellation.all(&block.jacobian.concat())?;
+        let means = block.mean_values.iter().zip(block.residual);
+        let defects = means.map(|(mean, &r)| mean.map_or(r, |mean| mean.rate));
+        let defects = cancellation.all(&defects.collect::<Vec<Expr>>())?;
+        let small = self.small(&[entries.as_slice(), &defects].concat());
+        Some(Scaled {
+            small: small.into_iter().filter(|&s| s != whole).collect(),
+            entries,
+            defects,
+        })
+    }
+
+    /// Returns the Jacobian in the limit. `None` if it depends on the unknowns, or if it or the
+    /// equations are not defined there.
+    fn at_limit(
+        &mut self,
+        scaled: &Scaled,
+        unknowns: &[Symbol],
+        still: &Replacement,
+    ) -> Option<Vec<Expr>> {
+        let at_limit = self.arena.substitute_all(&scaled.entries, still);
+        let resting = self.arena.substitute_all(&scaled.defects, still);
+        let moves = |e: &Expr| unknowns.iter().any(|&u| self.arena.contains(*e, u));
+        let is_defined =
+            !at_limit.iter().any(moves) && self.is_defined(&[&at_limit, &resting[..]].concat());
+        is_defined.then_some(at_limit)
+    }
+
+    /// Declares names of the limit of some unknowns. Returns these and the names of the solution.
+    fn names(&mut self, unknowns: &[Symbol], known: &Replacement) -> Option<[Vec<Symbol>; 2]> {
+        let (mut limit, mut solution) = (Vec::new(), Vec::new());
+        for unknown in unknowns {
+            let Meaning::Unknown(named) = *self.symbols.meaning(*unknown) else {
+                return None;
+            };
+            let Node::Symbol(solved) = *self.arena.node(known[unknown]) else {
+                return None;
+            };
+            limit.push(self.symbols.declare(Meaning::Limit(named)));
+            solution.push(solved);
+        }
+        Some([limit, solution])
     }
 
     /// Returns the bounds of the Jacobian, half the widths of the box and the residuals at the

@@ -66,10 +66,6 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     let p: Vec<Expr> = p.collect();
     let rhs = p.iter().zip(&at_rest).map(|(&p, &r)| arena.sub(p, r));
     let rhs: Vec<Expr> = rhs.collect();
-    let depends = |e: Expr, arena: &Arena| {
-        let mut moving = model.q.iter().chain([&model.time]);
-        moving.any(|&s| arena.contains(e, s))
-    };
     let mut kick = jet.dq.clone();
     if let Some(force) = &mechanics.force {
         let sum = kick.iter().zip(&force.value);
@@ -77,18 +73,12 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     }
     let mut v: Vec<Expr> = model.v.iter().map(|&v| arena.symbol(v)).collect();
     let solved = if is_diagonal {
-        for i in 0..n {
-            v[i] = arena.div(rhs[i], mass[i][i]);
-            if depends(mass[i][i], arena) {
-                // the force refers to the velocity, not to a formula that divides once more
-                v[i] = arena.opaque(v[i]);
-            }
-        }
+        v = divided(&rhs, &mass, model, arena);
         let formulas = model.v.iter().copied().zip(v.iter().copied()).collect();
         kick = arena.substitute_all(&kick, &formulas);
         None
     } else {
-        let is_constant = !mass.iter().flatten().any(|&e| depends(e, arena));
+        let is_constant = !mass.iter().flatten().any(|&e| moves(e, model, arena));
         Some(Solved {
             mass,
             is_constant,
@@ -121,6 +111,28 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
         dp,
         correction,
     })
+}
+
+/// Returns whether an expression depends on position or time.
+fn moves(e: Expr, model: &Model, arena: &Arena) -> bool {
+    let mut moving = model.q.iter().chain([&model.time]);
+    moving.any(|&s| arena.contains(e, s))
+}
+
+/// Returns the velocity of a system whose mass matrix is diagonal.
+fn divided(rhs: &[Expr], mass: &[Vec<Expr>], model: &Model, arena: &mut Arena) -> Vec<Expr> {
+    let mut v = Vec::new();
+    for (i, &rhs) in rhs.iter().enumerate() {
+        let quotient = arena.div(rhs, mass[i][i]);
+        // the force takes the velocity, and not a formula that divides once more
+        let is_shared = moves(mass[i][i], model, arena);
+        v.push(if is_shared {
+            arena.opaque(quotient)
+        } else {
+            quotient
+        });
+    }
+    v
 }
 
 /// The terms of an entry of the Itô correction: for two coordinates, signed products of two
