@@ -1,6 +1,7 @@
 //! A step on which the fast path failed: continuation, and the error if continuation fails too.
 //!
-//! Input: the step and the failure of the fast path. Output: the state after the step, or a [`StepError`].
+//! Input: the step and the failure of the fast path. Output: the state after the step, or a
+//! [`StepError`].
 
 use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
@@ -17,11 +18,13 @@ use crate::system::equations::Memory;
 use crate::system::equations::StepEquations;
 use crate::system::{Dims, System};
 
-/// Solves a step on which the fast path failed with `failure`: follows the solution by continuation from zero noise and h → 0. If constraints hold and the mass
-/// matrix is singular at the start, continuation cannot start, and Newton's result is accepted without that check.
+/// Solves a step on which the fast path failed with `failure`: follows the solution by continuation
+/// from zero noise and h → 0. If constraints hold and the mass matrix is singular at the start,
+/// continuation cannot start, and Newton's result is accepted without that check.
 ///
 /// # Errors
-/// The [`StepError`] if this yields no solution, or if no isolated velocity has the momentum at the start.
+/// The [`StepError`] if this yields no solution, or if no isolated velocity has the momentum at the
+/// start.
 #[cold]
 #[inline(never)]
 pub(super) fn solve_by_continuation<S, R, Q, const N: usize, const M: usize>(
@@ -123,7 +126,8 @@ where
     })
 }
 
-/// Returns the error of a step in the words of the first thing that is wrong: the start, the domain, or the solution.
+/// Returns the error of a step in the words of the first thing that is wrong: the start, the
+/// domain, or the solution.
 #[cold]
 pub(super) fn explain_step<S, R, Q, const N: usize, const M: usize>(
     walker: Walker<'_, S, R>,
@@ -165,7 +169,8 @@ where
     }
 }
 
-/// Returns why no step starts from `state`: no velocity of its momentum was found, or none that is isolated.
+/// Returns why no step starts from `state`: no velocity of its momentum was found, or none that is
+/// isolated.
 fn start_error<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,

@@ -1,3 +1,3 @@
-//! What prints a derived system. Rust is one back end.
+//! Printers of a derived system. Rust is one back end.
 
 pub(crate) mod rust;

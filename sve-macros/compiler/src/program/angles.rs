@@ -1,12 +1,15 @@
-//! Sines and cosines. They are the most expensive operations of most mechanical systems, so each is computed in the cheapest way that
-//! its angle allows.
+//! Sines and cosines. They are the most expensive operations of most mechanical systems, so each is
+//! computed in the cheapest way that its angle allows.
 //!
 //! - Sine and cosine of one angle are one call.
-//! - If sine and cosine of both `a` and `b` are needed anyway, sine and cosine of `a ± b` follow by the addition theorems.
-//! - In an iteration an angle is `base + increment`, where the base is known before the iteration. Sine and cosine of the base are
-//!   computed once. The increment is small, so its sine and cosine are short polynomials (`sin_cos_of_sum` in the runtime).
+//! - If sine and cosine of both `a` and `b` are needed anyway, sine and cosine of `a ± b` follow by
+//!   the addition theorems.
+//! - In an iteration an angle is `base + increment`, where the base is known before the iteration.
+//!   Sine and cosine of the base are computed once. The increment is small, so its sine and cosine
+//!   are short polynomials (`sin_cos_of_sum` in the runtime).
 //!
-//! The absolute error of the results is a few units of rounding of 1, as large as the error that rounding the angle causes.
+//! The absolute error of the results is a few units of rounding of 1, as large as the error that
+//! rounding the angle causes.
 
 use std::collections::{HashMap, HashSet};
 
@@ -18,9 +21,10 @@ use crate::algebra::{Arena, Expr, Function, Node, Symbol};
 pub(super) struct Angles {
     /// For each angle, whether its sine and whether its cosine is needed.
     needed: HashMap<Expr, (bool, bool)>,
-    /// Angles that are known before an iteration and to which the iteration adds an increment. Sine and cosine of each are needed.
+    /// Angles that are known before an iteration and to which the iteration adds an increment. Sine
+    /// and cosine of each are needed.
     bases: HashSet<Expr>,
-    /// Whether sines and cosines may be computed by angle addition.
+    /// True if sines and cosines may be computed by angle addition.
     has_addition: bool,
 }
 
@@ -142,8 +146,8 @@ impl Scheduler<'_> {
         }
     }
 
-    /// Returns the operation that adds the increment of an iteration to the base of an angle. Returns `None` if the angle does not
-    /// change in an iteration or has no base.
+    /// Returns the operation that adds the increment of an iteration to the base of an angle.
+    /// Returns `None` if the angle does not change in an iteration or has no base.
     fn angle_addition(&mut self, angle: Expr) -> Option<Operation> {
         if !self.is_late(angle) {
             return None;

@@ -1,7 +1,9 @@
-//! What a step computes at q₁ and the next step would compute again at q₀: the force at the end of a step is that at the start of the next.
+//! Values that a step computes at q₁ and the next step would compute again at q₀: the force at the
+//! end of a step is the force at the start of the next.
 //!
-//! Input: a scheduled step. Output: pairs of values, of which the next step takes the second in place of the first. Invariant: the second
-//! value comes from q₁ by the same operations as the first from q₀, and q₁ is rounded as the state is, so that carrying changes no bit.
+//! Input: a scheduled step. Output: pairs of values, of which the next step takes the second in
+//! place of the first. Invariant: the second value comes from q₁ by the same operations as the
+//! first from q₀, and q₁ is rounded as the state is, so that carrying changes no bit.
 
 use std::collections::{HashMap, HashSet};
 
@@ -67,7 +69,8 @@ fn weight(program: &Program, value: Value) -> usize {
     }
 }
 
-/// Returns, for each value that depends on q₀ and the parameters alone, the value that the same operations give at q₁, if the step computes it.
+/// Returns, for each value that depends on q₀ and the parameters alone, the value that the same
+/// operations give at q₁, if the step computes it.
 fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, Value> {
     let mut images = HashMap::new();
     let mut fixed = HashSet::new();

@@ -1,7 +1,9 @@
-//! Counts of the operations of a step, for its plan: the operations of its program and of its linear solves, and those that a trajectory saves.
+//! Counts of the operations of a step, for its plan: the operations of its program and of its
+//! linear solves, and those that a trajectory saves.
 //!
-//! A sine and the cosine of the same angle count as one call. Comparisons, the choice of pivots, tests for singular matrices, and
-//! the operations of Newton's method other than evaluations and solves are not counted.
+//! A sine and the cosine of the same angle count as one call. Comparisons, the choice of pivots,
+//! tests for singular matrices, and the operations of Newton's method other than evaluations and
+//! solves are not counted.
 
 use std::iter::Sum;
 use std::ops::Add;
@@ -46,7 +48,8 @@ impl Work {
         work.with_solves(&step.scheme, |block| block.factored(&step.program))
     }
 
-    /// Adds the operations of the linear solves of a scheme, whose matrices are factored where `factored` says.
+    /// Adds the operations of the linear solves of a scheme, whose matrices are factored where
+    /// `factored` says.
     pub(crate) fn with_solves<T: Copy + PartialEq, R>(
         self,
         scheme: &Scheme<T, R>,
@@ -124,7 +127,8 @@ fn arithmetic(count: usize) -> Operations {
     }
 }
 
-/// Counts the operations of the linear solves of a block before any iteration: in `prepare`, and in the step.
+/// Counts the operations of the linear solves of a block before any iteration: in `prepare`, and in
+/// the step.
 fn first_solves<T: Copy + PartialEq, R>(block: &Block<T, R>, factored: Factored) -> [usize; 2] {
     let Some(matrix) = block.solution.first_matrix() else {
         return [0, 0];
@@ -172,7 +176,8 @@ fn solve<T: Copy>(matrix: &Matrix<T>) -> usize {
         (_, Storage::Diagonal) => k,
         // Cramer's rule: the determinant, its reciprocal, two numerators with a product each
         (2, Storage::Dense) => 3 + 1 + 2 * 4,
-        // three cross products, the determinant, its reciprocal, three numerators with a product each
+        // three cross products, the determinant, its reciprocal, three numerators with a product
+        // each
         (_, Storage::Cofactors) => 3 * 9 + 5 + 1 + 3 * 6,
         (_, Storage::Dense) => elimination(k, |at| k - at - 1, |at| k - at - 1),
         (_, Storage::Banded(band)) => {
@@ -182,8 +187,8 @@ fn solve<T: Copy>(matrix: &Matrix<T>) -> usize {
     }
 }
 
-/// Counts the operations of an elimination. `below` is the number of rows below the pivot of a column, `right` the number of entries
-/// to the right of the pivot in its row.
+/// Counts the operations of an elimination. `below` is the number of rows below the pivot of a
+/// column, `right` the number of entries to the right of the pivot in its row.
 fn elimination(k: usize, below: impl Fn(usize) -> usize, right: impl Fn(usize) -> usize) -> usize {
     let column = |at: usize| {
         let forward = below(at) * (3 + 2 * right(at));

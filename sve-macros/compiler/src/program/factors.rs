@@ -1,7 +1,8 @@
 //! When the matrix of a block's first solves is factored.
 //!
-//! A guess, its second stage and its limit have one matrix. Dense matrices of three and more unknowns are factored once for all of
-//! them, and in `prepare` if they depend on parameters and step size alone. The runtime solves fewer unknowns by formulas.
+//! A guess, its second stage and its limit have one matrix. Dense matrices of three and more
+//! unknowns are factored once for all of them, and in `prepare` if they depend on parameters and
+//! step size alone. The runtime solves fewer unknowns by formulas.
 
 use super::{Program, Residual, Tier, Value};
 use crate::structure::{Block, Matrix, Solution, Storage};

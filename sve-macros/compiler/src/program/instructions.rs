@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use super::limits::OPERATIONS_OF_STATEMENT;
 use crate::algebra::{Binary, Function, Map, Symbol};
 
-/// The stage of a step in which a value is computed. Each tier adds inputs to those of the earlier tiers.
+/// The stage of a step in which a value is computed. Each tier adds inputs to the inputs of the
+/// earlier tiers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Tier {
     /// From parameters and step size alone.
@@ -74,12 +75,13 @@ pub(crate) enum Operation {
     SinOf(Value),
     /// The cosine in a pair.
     CosOf(Value),
-    /// Sine and cosine of the sum of two angles, as a pair: from sine and cosine of the first angle, and the second angle.
+    /// Sine and cosine of the sum of two angles, as a pair: from sine and cosine of the first
+    /// angle, and the second angle.
     AngleAddition(Value, Value, Value),
 }
 
 impl Operation {
-    /// Whether the operation gives a single number from others.
+    /// Returns whether the operation gives a single number from others.
     fn is_arithmetic(self) -> bool {
         !matches!(
             self,
@@ -105,7 +107,8 @@ pub(crate) struct Instruction {
 pub(crate) struct Program {
     pub(super) instructions: Vec<Instruction>,
     pub(super) numbers: Map<Operation, Value>,
-    /// For each instruction, whether a result depends on it. The other instructions are omitted from the lists below.
+    /// For each instruction, whether a result depends on it. The other instructions are omitted
+    /// from the lists below.
     live: Vec<bool>,
     /// For each instruction, how often other instructions use it; no count for a result.
     uses: Vec<Option<u32>>,
@@ -116,7 +119,8 @@ impl Program {
         self.instructions[value.0 as usize]
     }
 
-    /// Returns the value of an operation that a result depends on. The operands of a sum or a product may be exchanged, which changes no bit.
+    /// Returns the value of an operation that a result depends on. The operands of a sum or a
+    /// product may be exchanged, which changes no bit.
     pub(super) fn value_of(&self, operation: Operation) -> Option<Value> {
         let exchanged = match operation {
             Operation::Add(a, b) => Operation::Add(b, a),
@@ -158,8 +162,8 @@ impl Program {
         self.instructions.len()
     }
 
-    /// Counts the instructions that were added after a checkpoint and run in every step. Negations are not counted, since most of
-    /// them become subtractions in a sum.
+    /// Counts the instructions that were added after a checkpoint and run in every step. Negations
+    /// are not counted, since most of them become subtractions in a sum.
     pub(super) fn work_since(&self, checkpoint: usize) -> usize {
         let is_counted =
             |i: &&Instruction| i.tier != Tier::Prepare && !matches!(i.operation, Operation::Neg(_));
@@ -196,8 +200,9 @@ impl Program {
         }
     }
 
-    /// Returns the values that are computed within the statement of the only instruction that uses them: an instruction of the same
-    /// tier. `is_named` holds for values that have a statement of their own, since their name tells what they are.
+    /// Returns the values that are computed within the statement of the only instruction that uses
+    /// them: an instruction of the same tier. `is_named` holds for values that have a statement of
+    /// their own, since their name tells what they are.
     pub(crate) fn inlined(&self, is_named: impl Fn(Value) -> bool) -> BTreeSet<Value> {
         let mut inlined = BTreeSet::new();
         let mut operations = vec![1; self.instructions.len()];

@@ -1,7 +1,7 @@
 //! Functions as data: named arrays of expressions → a program with the values of the arrays.
 //!
-//! Each function of a system or a rule that has no solve within it is such a list of arrays: jets, the linearised step, energies,
-//! multipliers, guesses, bounds.
+//! Each function of a system or a rule that has no solve within it is such a list of arrays: jets,
+//! the linearised step, energies, multipliers, guesses, bounds.
 
 use super::{Labels, Program, Scheduler, Value};
 use crate::algebra::Expr;

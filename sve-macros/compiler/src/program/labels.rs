@@ -51,7 +51,8 @@ impl Labels {
         }
     }
 
-    /// Labels the entries of the matrix that is multiplied with the state `map_0_1`, rows and columns in the order q, p.
+    /// Labels the entries of the matrix that is multiplied with the state `map_0_1`, rows and
+    /// columns in the order q, p.
     pub(crate) fn map(&mut self, scheduler: &Scheduler<'_>, rows: &[Expr]) {
         let (arena, symbols) = (scheduler.arena, scheduler.symbols);
         let column = |e: Expr| match arena.node(e) {
@@ -82,7 +83,8 @@ impl Labels {
         }
     }
 
-    /// Labels all subexpressions of the scheduler's roots that are quantities at a node, are in `given`, or are functions of such expressions.
+    /// Labels all subexpressions of the scheduler's roots that are quantities at a node, are in
+    /// `given`, or are functions of such expressions.
     pub(crate) fn expressions(&mut self, scheduler: &Scheduler<'_>, given: &[(Expr, String)]) {
         let (arena, symbols) = (scheduler.arena, scheduler.symbols);
         let words = Words {
@@ -124,7 +126,8 @@ struct Words<'a> {
 }
 
 impl Words<'_> {
-    /// Returns the given name of an expression, or the name of a quantity at a node, such as `q_node_0`.
+    /// Returns the given name of an expression, or the name of a quantity at a node, such as
+    /// `q_node_0`.
     fn named(&self, expr: Expr) -> Option<String> {
         if let Some((_, name)) = self.given.iter().find(|g| g.0 == expr) {
             return Some(name.clone());
@@ -132,7 +135,8 @@ impl Words<'_> {
         AtNode::of(expr, self.arena).map(|quantity| quantity.to_string())
     }
 
-    /// Returns the label of a symbol, of a named expression, or of a sum or difference of two of them, such as `a_minus_b`.
+    /// Returns the label of a symbol, of a named expression, or of a sum or difference of two of
+    /// them, such as `a_minus_b`.
     fn of(&self, expr: Expr) -> Option<String> {
         let word = match self.arena.node(expr) {
             algebra::Node::Sum(constant, terms) if constant.get() == 0.0 => {

@@ -1,7 +1,8 @@
 //! The loops over the lanes in a step of many states.
 //!
-//! Input: a scheme. Output: its program and its loops, or `None` if the system is too large for lanes. A loop ends where an iteration
-//! begins or ends. A value that a later loop uses is kept in an array over the lanes.
+//! Input: a scheme. Output: its program and its loops, or `None` if the system is too large for
+//! lanes. A loop ends where an iteration begins or ends. A value that a later loop uses is kept in
+//! an array over the lanes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,9 +34,11 @@ pub(crate) fn in_lanes(
     (loops.rows.len() <= limits::KEPT).then_some((step, loops))
 }
 
-/// Returns whether a block can be solved in lanes: it is small, its Jacobian is dense, and no matrix is banded. If the block is
-/// iterated, bounds must judge its solution, since only the scalar step can follow a solution by continuation. A block with multipliers of constraints is accepted by
-/// the path of its iteration, in lanes as in the scalar step; it needs an order of pivots.
+/// Returns whether a block can be solved in lanes: it is small, its Jacobian is dense, and no
+/// matrix is banded. If the block is iterated, bounds must judge its solution, since only the
+/// scalar step can follow a solution by continuation. A block with multipliers of constraints is
+/// accepted by the path of its iteration, in lanes as in the scalar step; it needs an order of
+/// pivots.
 fn fits(block: &Block<Expr>, is_constrained: bool, arena: &Arena) -> bool {
     let is_banded = |matrix: &Matrix<Expr>| matches!(matrix.storage, Storage::Banded(_));
     let has_pivots = |matrix: &Matrix<Expr>| {
@@ -63,8 +66,8 @@ fn fits(block: &Block<Expr>, is_constrained: bool, arena: &Arena) -> bool {
     fits && block.unknowns.len() <= largest
 }
 
-/// Returns the variant of a scheme that is used in lanes. Lanes have no second attempt after a failure, so the tightest bounds judge
-/// their solutions.
+/// Returns the variant of a scheme that is used in lanes. Lanes have no second attempt after a
+/// failure, so the tightest bounds judge their solutions.
 fn for_lanes(scheme: &Scheme<Expr>) -> Scheme<Expr> {
     let mut scheme = scheme.clone();
     for block in &mut scheme.blocks {
@@ -80,7 +83,8 @@ fn for_lanes(scheme: &Scheme<Expr>) -> Scheme<Expr> {
     scheme
 }
 
-/// Returns whether a block is iterated in a single unknown whose root is accepted by bounds. The evaluation at its guess belongs to the loop before its iteration.
+/// Returns whether a block is iterated in a single unknown whose root is accepted by bounds. The
+/// evaluation at its guess belongs to the loop before its iteration.
 pub(crate) fn is_single<E, R>(solution: &Solution<E, R>) -> bool {
     match solution {
         Solution::Iteration(iteration) => iteration.iterates.len() == 1 && !iteration.needs_guess,
@@ -88,16 +92,19 @@ pub(crate) fn is_single<E, R>(solution: &Solution<E, R>) -> bool {
     }
 }
 
-/// The loops that compute and use each value. Loop 0 runs up to the first iteration, loop 1 is this iteration, loop 2 runs from there
-/// to the second iteration, and so on.
+/// The loops that compute and use each value. Loop 0 runs up to the first iteration, loop 1 is this
+/// iteration, loop 2 runs from there to the second iteration, and so on.
 pub(crate) struct Loops {
-    /// For each block, the loop that ends where the iteration of the block begins. A block without iteration is in this loop.
+    /// For each block, the loop that ends where the iteration of the block begins. A block without
+    /// iteration is in this loop.
     pub(crate) of_block: Vec<usize>,
     /// For each loop, the values of earlier loops that it uses, in order.
     pub(crate) uses: Vec<Vec<Value>>,
-    /// The row of each of these values in the array `kept`. Inputs have rows too, but are read again.
+    /// The row of each of these values in the array `kept`. Inputs have rows too, but are read
+    /// again.
     pub(crate) rows: BTreeMap<Value, usize>,
-    /// The angle additions whose base moves to the guess, each with its base. Sine and cosine of the base itself are not needed.
+    /// The angle additions whose base moves to the guess, each with its base. Sine and cosine of
+    /// the base itself are not needed.
     pub(crate) moved: BTreeMap<Value, Value>,
     /// The values that are not needed since a base moves.
     pub(crate) omitted: BTreeSet<Value>,
@@ -181,7 +188,8 @@ impl Loops {
         }
     }
 
-    /// Returns the loop in which values of a tier are computed; `None` if they are computed once for all lanes.
+    /// Returns the loop in which values of a tier are computed; `None` if they are computed once
+    /// for all lanes.
     pub(crate) fn of_tier(&self, tier: Tier, step: &Step) -> Option<usize> {
         let iterates =
             |at: usize| matches!(step.scheme.blocks[at].solution, Solution::Iteration(_));
@@ -195,7 +203,8 @@ impl Loops {
         }
     }
 
-    /// Finds the angle additions of blocks in a single unknown whose base has no other use, so that the angle at the guess can be the base.
+    /// Finds the angle additions of blocks in a single unknown whose base has no other use, so that
+    /// the angle at the guess can be the base.
     fn move_bases(&mut self, step: &Step) {
         let program = &step.program;
         let mut used: BTreeSet<Value> = step.results().into_iter().collect();
@@ -254,7 +263,8 @@ impl Loops {
     }
 }
 
-/// Returns the block in a single unknown that values of a tier are computed for, first at its guess.
+/// Returns the block in a single unknown that values of a tier are computed for, first at its
+/// guess.
 fn evaluated_at_guess(tier: Tier, step: &Step) -> Option<usize> {
     match tier {
         Tier::Iterate(at) if is_single(&step.scheme.blocks[at].solution) => Some(at),

@@ -1,7 +1,9 @@
-//! Names of temporaries. The name of a value is its label; without a label, it is the value's operation with a number.
+//! Names of temporaries. The name of a value is its label; without a label, it is the value's
+//! operation with a number.
 //!
-//! Input: a program and the labels of some of its values. Output: a name for each value. Invariant: names that are in scope together
-//! differ from one another, from the names of inputs, and from reserved names.
+//! Input: a program and the labels of some of its values. Output: a name for each value. Invariant:
+//! names that are in scope together differ from one another, from the names of inputs, and from
+//! reserved names.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,7 +12,8 @@ use super::{Operation, Program, Tier, Value};
 use crate::algebra::{Function, Symbol};
 use crate::model::{Meaning, Symbols};
 
-/// Returns the name of a symbol in generated code. The prefix of parameters separates them from all other names.
+/// Returns the name of a symbol in generated code. The prefix of parameters separates them from all
+/// other names.
 pub(crate) fn symbol_name(symbols: &Symbols, symbol: Symbol) -> String {
     match symbols.meaning(symbol) {
         Meaning::Parameter { name, .. } => format!("self_{name}"),
@@ -18,15 +21,17 @@ pub(crate) fn symbol_name(symbols: &Symbols, symbol: Symbol) -> String {
     }
 }
 
-/// The name of each value that has a statement of its own. A pair of sine and cosine has the name of its angle.
+/// The name of each value that has a statement of its own. A pair of sine and cosine has the name
+/// of its angle.
 pub(crate) struct Names {
     names: HashMap<Value, String>,
-    /// Values of which the name tells the operation alone.
+    /// Values whose names tell the operation alone.
     numbered: HashSet<Value>,
 }
 
 impl Names {
-    /// Names the values of a program. The names differ from those in `reserved`, the other variables that a back end declares.
+    /// Names the values of a program. The names differ from those in `reserved`, the other
+    /// variables that a back end declares.
     pub(crate) fn new(
         program: &Program,
         symbols: &Symbols,
@@ -84,7 +89,7 @@ impl Names {
         Self { names, numbered }
     }
 
-    /// Whether the name of a value tells its operation alone.
+    /// Returns whether the name of a value tells its operation alone.
     pub(crate) fn is_numbered(&self, value: Value) -> bool {
         self.numbered.contains(&value)
     }
@@ -146,7 +151,8 @@ impl Scope {
         }
     }
 
-    /// Returns `wanted`, with a suffix if one of its `parts` is in use. The parts of the returned name are then in use.
+    /// Returns `wanted`, with a suffix if one of its `parts` is in use. The parts of the returned
+    /// name are then in use.
     fn free<const N: usize>(
         &mut self,
         wanted: String,

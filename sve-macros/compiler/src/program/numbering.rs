@@ -1,13 +1,15 @@
 //! Value numbering: equal operations are one value, and trivial operations are simplified away.
 //!
-//! Negations move outwards until they reach a sum, where an addition becomes a subtraction. Constant factors move outwards, so that
-//! products which differ by a constant factor share their other factors.
+//! Negations move outwards until they reach a sum, where an addition becomes a subtraction.
+//! Constant factors move outwards, so that products which differ by a constant factor share their
+//! other factors.
 
 use super::instructions::{Instruction, Operation, Tier, Value, operands};
 use super::scheduler::{Scheduler, tier_of};
 
 impl Scheduler<'_> {
-    /// Multiplies values in the order of their tiers, then of their creation, so that equal factors give equal partial products.
+    /// Multiplies values in the order of their tiers, then of their creation, so that equal factors
+    /// give equal partial products.
     pub(super) fn chain(&mut self, mut values: Vec<Value>) -> Value {
         values.sort_by_key(|&v| (self.program.get(v).tier.rank(), v));
         let mut product = None;
@@ -52,8 +54,9 @@ impl Scheduler<'_> {
         }
     }
 
-    /// Computes `(c·x)·y` as `c·(x·y)` if y is known as early as x, so that products which differ by a constant factor share `x·y`.
-    /// Values that are prepared once for all steps stay as they are.
+    /// Computes `(c·x)·y` as `c·(x·y)` if y is known as early as x, so that products which differ
+    /// by a constant factor share `x·y`. Values that are prepared once for all steps stay as they
+    /// are.
     fn constant_outwards(&mut self, operation: Operation) -> Option<Value> {
         let Operation::Mul(a, b) = operation else {
             return None;
@@ -76,7 +79,8 @@ impl Scheduler<'_> {
         None
     }
 
-    /// Returns the value of an operation that needs no instruction: equal operands that cancel, or an operand 0 or 1.
+    /// Returns the value of an operation that needs no instruction: equal operands that cancel, or
+    /// an operand 0 or 1.
     fn trivial(&mut self, operation: Operation) -> Option<Value> {
         let constant = |v: Value| match self.program.get(v).operation {
             Operation::Constant(bits) => Some(f64::from_bits(bits)),

@@ -1,4 +1,5 @@
-//! Expressions → instructions. In sums and products of many operands, the operands of the earliest tiers are combined first.
+//! Expressions → instructions. In sums and products of many operands, the operands of the earliest
+//! tiers are combined first.
 
 use std::collections::{HashMap, HashSet};
 
@@ -22,9 +23,10 @@ pub(crate) struct Scheduler<'a> {
     pub(super) angles: Angles,
     /// Bases that are denominators of more than one product.
     pub(super) shared_denominators: HashSet<Expr>,
-    /// What is computed.
+    /// The expressions that the program computes.
     pub(super) roots: Vec<Expr>,
-    /// Whether the denominators of a product that are shared have one reciprocal together. A division in vectors takes as long as many multiplications.
+    /// True if the denominators of a product that are shared have one reciprocal together. A
+    /// division in vectors takes as long as many multiplications.
     joins_reciprocals: bool,
 }
 
@@ -92,7 +94,8 @@ impl<'a> Scheduler<'a> {
         self.program
     }
 
-    /// Returns the value of an expression that has already been scheduled, alone or as part of another one.
+    /// Returns the value of an expression that has already been scheduled, alone or as part of
+    /// another one.
     pub(crate) fn known(&self, expr: Expr) -> Option<Value> {
         self.done.get(&expr).copied()
     }
@@ -101,7 +104,8 @@ impl<'a> Scheduler<'a> {
         self.program.get(value).operation
     }
 
-    /// Schedules an expression and returns its value. Operands are scheduled first, so the recursion is shallow.
+    /// Schedules an expression and returns its value. Operands are scheduled first, so the
+    /// recursion is shallow.
     pub(crate) fn value(&mut self, expr: Expr) -> Value {
         if let Some(&known) = self.done.get(&expr) {
             return known;
@@ -150,7 +154,8 @@ impl<'a> Scheduler<'a> {
         self.program.get(self.done[&expr]).tier.rank()
     }
 
-    /// Computes `c · Π factors`: as one product, or as `c` times the product without it, whichever adds less work.
+    /// Computes `c · Π factors`: as one product, or as `c` times the product without it, whichever
+    /// adds less work.
     pub(super) fn scaled(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
         if c == 1.0 || factors.len() < 2 {
             return self.lower_product(c, factors);
@@ -165,7 +170,8 @@ impl<'a> Scheduler<'a> {
         )
     }
 
-    /// Computes `c Π base^k`, with the factors in the order of their tiers. Denominators of the last tier become one division.
+    /// Computes `c Π base^k`, with the factors in the order of their tiers. Denominators of the
+    /// last tier become one division.
     pub(super) fn lower_product(&mut self, c: f64, factors: &[(Expr, i32)]) -> Value {
         let last = factors.iter().map(|f| self.rank(f.0)).max().unwrap_or(0);
         let is_divisor = |this: &Self, &(base, k): &(Expr, i32)| {
@@ -222,7 +228,8 @@ impl<'a> Scheduler<'a> {
         values
     }
 
-    /// Multiplies values: with the products among them split into their factors, or as they are, whichever adds less work.
+    /// Multiplies values: with the products among them split into their factors, or as they are,
+    /// whichever adds less work.
     pub(super) fn multiply(&mut self, values: Vec<Value>) -> Value {
         let factors = self.split_products(&values);
         if factors.len() == values.len() || factors.len() > MAX_FACTORS {
@@ -234,7 +241,7 @@ impl<'a> Scheduler<'a> {
         )
     }
 
-    /// Splits those of the values that are products of the last tier into their factors.
+    /// Splits the values that are products of the last tier into their factors.
     fn split_products(&self, values: &[Value]) -> Vec<Value> {
         let tier = |v: Value| self.program.get(v).tier;
         let last = values.iter().map(|&v| tier(v).rank()).max().unwrap_or(0);

@@ -1,6 +1,7 @@
 //! A scheduled step: the common input of the printers for single states and for lanes.
 //!
-//! Input: a scheme. Output: one program in tiers, the scheme with values in place of its expressions, and labels of the values.
+//! Input: a scheme. Output: one program in tiers, the scheme with values in place of its
+//! expressions, and labels of the values.
 
 use super::labels::Labels;
 use super::{Factored, Operation, Program, Scheduler, Tier, Tiers, Value};
@@ -79,7 +80,8 @@ impl Step {
         }
     }
 
-    /// Returns the values that the step uses outside of its instructions: in solves, in conditions and as results.
+    /// Returns the values that the step uses outside of its instructions: in solves, in conditions
+    /// and as results.
     pub(crate) fn results(&self) -> Vec<Value> {
         results(&self.scheme, |block| {
             block.factored(&self.program) != Factored::InPrepare
@@ -87,7 +89,8 @@ impl Step {
     }
 }
 
-/// Every value that is used other than by an instruction; of first solves, the matrices of those blocks whose matrix is wanted.
+/// Every value that is used other than by an instruction; of first solves, the matrices of those
+/// blocks whose matrix is wanted.
 fn results(
     scheme: &Scheme<Value, Residual>,
     wants_matrix: impl Fn(&Block<Value, Residual>) -> bool,

@@ -1,8 +1,9 @@
 //! Sums of products, with common factors taken out.
 //!
-//! The late factors of a term are those in the tier of the whole sum. Terms with equal late factors are collected,
-//! `a·x + b·x = (a + b)·x`, so that `a + b` is computed in the tier of a and b. Late factors that several terms share are factored
-//! out, `x·y + x·z = x·(y + z)`, which saves a multiplication.
+//! The late factors of a term are those in the tier of the whole sum. Terms with equal late factors
+//! are collected, `a·x + b·x = (a + b)·x`, so that `a + b` is computed in the tier of a and b. Late
+//! factors that several terms share are factored out, `x·y + x·z = x·(y + z)`, which saves a
+//! multiplication.
 
 use super::instructions::{Operation, Value};
 use super::scheduler::{Factors, Scheduler};
@@ -22,7 +23,8 @@ struct Item {
 }
 
 impl Scheduler<'_> {
-    /// Computes a residual and the sum of the magnitudes of its terms. The rounding error of the residual is relative to this sum.
+    /// Computes a residual and the sum of the magnitudes of its terms. The rounding error of the
+    /// residual is relative to this sum.
     pub(crate) fn residual(&mut self, expr: Expr) -> (Value, Value) {
         let value = self.value(expr);
         let Node::Sum(constant, terms) = self.arena.node(expr) else {
@@ -77,8 +79,8 @@ impl Scheduler<'_> {
         items
     }
 
-    /// Adds items. If all constants have the same modulus, the modulus is factored out where this adds less work, for example because
-    /// the sum without it exists already.
+    /// Adds items. If all constants have the same modulus, the modulus is factored out where this
+    /// adds less work, for example because the sum without it exists already.
     fn sum_items(&mut self, items: &[Item]) -> Value {
         let with_constants = |this: &mut Self| {
             let mut values = this.factor(items.to_vec());
@@ -105,7 +107,8 @@ impl Scheduler<'_> {
         })
     }
 
-    /// Splits the factors of a term into those of earlier tiers than `last` and those of `last`.
+    /// Splits the factors of a term into factors of earlier tiers than `last` and factors of
+    /// `last`.
     fn split(&self, term: Expr, last: usize) -> (Factors, Factors) {
         let factors = match self.arena.node(term) {
             Node::Product(factors) => factors.clone(),
@@ -114,7 +117,8 @@ impl Scheduler<'_> {
         factors.into_iter().partition(|f| self.rank(f.0) < last)
     }
 
-    /// Repeatedly factors out the late factor that most items share. Returns the terms of the remaining sum.
+    /// Repeatedly factors out the late factor that most items share. Returns the terms of the
+    /// remaining sum.
     fn factor(&mut self, mut items: Vec<Item>) -> Vec<SignedValue> {
         let mut found = Vec::new();
         while let Some((base, sign)) = common_factor(&items) {
@@ -125,7 +129,8 @@ impl Scheduler<'_> {
             };
             let (mut with, without): (Vec<Item>, Vec<Item>) = items.into_iter().partition(shared);
             items = without;
-            // all common factors of these items at once: each single factor would double the number of ways to compare
+            // all common factors of these items at once: each single factor would double the number
+            // of ways to compare
             let common = shared_factors(&with);
             for item in &mut with {
                 for factor in &mut item.late {
@@ -167,7 +172,8 @@ impl Scheduler<'_> {
         found
     }
 
-    /// Computes a value in the way that adds less work to a step, in the first way if both add the same.
+    /// Computes a value in the way that adds less work to a step, in the first way if both add the
+    /// same.
     pub(super) fn cheaper(
         &mut self,
         a: impl Fn(&mut Self) -> Value,
@@ -208,7 +214,8 @@ impl Scheduler<'_> {
     }
 }
 
-/// Returns the late factor that most items have, with the sign of its exponent; `None` if no two items have a common factor.
+/// Returns the late factor that most items have, with the sign of its exponent; `None` if no two
+/// items have a common factor.
 fn common_factor(items: &[Item]) -> Option<(Expr, i32)> {
     let mut counts: Vec<((Expr, i32), usize)> = Vec::new();
     for item in items {

@@ -100,7 +100,8 @@ where
     Ok((q, here))
 }
 
-/// Returns the momentum whose velocity keeps the constraints; `None` if the mass matrix is singular.
+/// Returns the momentum whose velocity keeps the constraints; `None` if the mass matrix is
+/// singular.
 fn momentum_along<const N: usize>(here: &Linearised<N>, given: [f64; N]) -> Option<[f64; N]> {
     let mut p = given;
     // the second pass removes the rounding errors of the first

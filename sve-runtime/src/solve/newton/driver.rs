@@ -60,7 +60,8 @@ impl RootTest {
         }
     }
 
-    /// Returns whether the root of an iteration is accepted at once. Otherwise the segment from the guess has to be followed.
+    /// Returns whether the root of an iteration is accepted at once. Otherwise the segment from the
+    /// guess has to be followed.
     #[inline(always)]
     fn accepts<const K: usize>(self, iteration: &Iteration<K>) -> Result<bool, SolveError> {
         let accepts_any = self.accepts_without_contraction(K);

@@ -1,15 +1,16 @@
 //! Loops over an axis: each pass of the loop is a state of an ensemble, or a stage of a Gauss rule.
 //!
-//! A quantity over an axis is an array of rows, with one number for each pass: `rows[i][pass]`. The axis decides where a pass reads
-//! the inputs of its program and where it writes its results. Invariant: the body of a loop has no branches, so that the compiler
-//! turns the loop into vector instructions.
+//! A quantity over an axis is an array of rows, with one number for each pass: `rows[i][pass]`. The
+//! axis decides where a pass reads the inputs of its program and where it writes its results.
+//! Invariant: the body of a loop has no branches, so that the compiler turns the loop into vector
+//! instructions.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::model::{Meaning, Quantity};
 
-/// What the passes of a loop are.
+/// The kind of the passes of a loop.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Axis {
     /// States, which are the argument `states`.
@@ -61,7 +62,8 @@ impl Axis {
         self.entry(&quote!(kept.0), row)
     }
 
-    /// Where a pass reads an input of its program; nothing where it is bound before the loop, or by a solve within it.
+    /// Where a pass reads an input of its program; nothing where it is bound before the loop, or by
+    /// a solve within it.
     pub(super) fn input(self, meaning: &Meaning) -> Option<TokenStream> {
         match self {
             Self::Lanes => self.input_of_state(meaning),
@@ -80,7 +82,8 @@ impl Axis {
         Some(self.entry(&rows, *i))
     }
 
-    /// A stage has its own time, weight and increments; its position and momentum are stored relative to the start.
+    /// A stage has its own time, weight and increments; its position and momentum are stored
+    /// relative to the start.
     fn input_of_stage(self, meaning: &Meaning) -> Option<TokenStream> {
         let (start, rows, i) = match meaning {
             Meaning::Time => return Some(quote!(stages.times[stage])),

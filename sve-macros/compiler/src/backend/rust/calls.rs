@@ -1,4 +1,5 @@
-//! Calls of functions in printed code: of the standard library for a single state, of the runtime's functions without branches in loops over lanes.
+//! Calls of functions in printed code: of the standard library for a single state, of the runtime's
+//! functions without branches in loops over lanes.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;

@@ -106,7 +106,8 @@ impl<'a> Printer<'a> {
         wanted
     }
 
-    /// Whether a value is worth keeping: computed in `prepare`, neither a constant nor an input.
+    /// Returns whether a value is worth keeping: computed in `prepare`, neither a constant nor an
+    /// input.
     fn is_prepared(&self, value: Value) -> bool {
         let instruction = self.program.get(value);
         instruction.tier == Tier::Prepare
@@ -215,7 +216,8 @@ impl<'a> Printer<'a> {
         self.program.get(value).operation == Operation::Constant(0)
     }
 
-    /// The statement of a value; nothing where it is bound otherwise, or computed within another statement.
+    /// The statement of a value; nothing where it is bound otherwise, or computed within another
+    /// statement.
     pub(super) fn statement(&self, value: Value, operation: Operation) -> TokenStream {
         let private = self.formulas.private;
         match operation {

@@ -1,6 +1,8 @@
-//! Functions beside a step for what is rarely computed: the second guess of an iteration, its rounding errors, the full bounds of its root.
+//! Functions beside a step for what is rarely computed: the second guess of an iteration, its
+//! rounding errors, the full bounds of its root.
 //!
-//! Such a function begins with nothing known but the start of the step and the unknowns that its formulas contain.
+//! Such a function begins with nothing known but the start of the step and the unknowns that its
+//! formulas contain.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -26,7 +28,8 @@ pub(super) struct Cold<'a> {
 }
 
 impl Cold<'_> {
-    /// Declares a function for a block, with the formulas that it computes and the symbols that its body binds. Returns the call.
+    /// Declares a function for a block, with the formulas that it computes and the symbols that its
+    /// body binds. Returns the call.
     pub(super) fn function(
         &self,
         (name, block): (&str, usize),

@@ -11,8 +11,9 @@ use crate::syntax::nalgebra::Written;
 use crate::syntax::parse::{Annotated, is_f64};
 use crate::syntax::signature::is_rotation;
 
-/// The type of the configuration, unless it is `f64` or a row `[f64; N]`: the type of `q` in the Lagrangian, with a quaternion in place of each
-/// rotation, and a tuple where a rotation stands beside a vector.
+/// The type of the configuration, unless it is `f64` or a row `[f64; N]`: the type of `q` in the
+/// Lagrangian, with a quaternion in place of each rotation, and a tuple where a rotation stands
+/// beside a vector.
 pub(super) fn written(block: &Annotated, private: &TokenStream) -> Option<TokenStream> {
     let types: Vec<&Type> = block.configuration().collect();
     if block.arguments.is_reduced {
@@ -67,7 +68,8 @@ pub(super) struct Received {
     pub(super) start: TokenStream,
 }
 
-/// How generated functions receive a configuration: a row in a vector space, otherwise a value from which the entries are read.
+/// How generated functions receive a configuration: a row in a vector space, otherwise a value from
+/// which the entries are read.
 pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) -> Received {
     let n = Literal::usize_unsuffixed(model.dof());
     if !model.configuration().has_rotations() {
@@ -95,7 +97,7 @@ pub(super) fn received(block: &Annotated, model: &Model, private: &TokenStream) 
     }
 }
 
-/// Whether a type is `f64` or a row of such numbers.
+/// Returns whether a type is `f64` or a row of such numbers.
 fn is_row(ty: &Type) -> bool {
     let entry = match bare(ty) {
         Type::Array(array) => bare(&array.elem),
@@ -104,7 +106,8 @@ fn is_row(ty: &Type) -> bool {
     is_f64(entry)
 }
 
-/// Whether a type is a vector of nalgebra, or an array of vectors or of arrays of `f64`, as deep as may be.
+/// Returns whether a type is a vector of nalgebra, or an array of vectors or of arrays of `f64` of
+/// any depth.
 pub(super) fn is_vector_or_nested(ty: &Type) -> bool {
     fn consists_of_numbers(ty: &Type) -> bool {
         match bare(ty) {

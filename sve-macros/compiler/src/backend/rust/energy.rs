@@ -1,7 +1,8 @@
-//! `energy_lanes`: the energies of many states at once, as a loop over the lanes without branches and calls.
+//! `energy_lanes`: the energies of many states at once, as a loop over the lanes without branches
+//! and calls.
 //!
-//! Input: the energy as a function of q and p. Output: a function of the implementation of `System`. An energy that is not finite is left to the
-//! function of a single state.
+//! Input: the energy as a function of q and p. Output: a function of the implementation of
+//! `System`. An energy that is not finite is left to the function of a single state.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;

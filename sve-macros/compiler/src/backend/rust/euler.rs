@@ -1,7 +1,9 @@
-//! `euler_increment` and `euler_increment_in_lane`: the increment of Euler's method as straight-line code, of which the explicit baselines consist.
+//! `euler_increment` and `euler_increment_in_lane`: the increment of Euler's method as
+//! straight-line code. The explicit baselines consist of such increments.
 //!
-//! Input: the increment as expressions. Output: items of the implementation of `System`. What depends on parameters and step size alone is computed in
-//! `euler_numbers`, with the inverse of a mass matrix that is constant and not diagonal.
+//! Input: the increment as expressions. Output: items of the implementation of `System`. What
+//! depends on parameters and step size alone is computed in `euler_numbers`, with the inverse of a
+//! mass matrix that is constant and not diagonal.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -53,7 +55,7 @@ pub(super) fn euler_increment(
     })
 }
 
-/// Returns the number of instructions, of which those that call a function count more.
+/// Returns the number of instructions. Calls of functions have a larger weight.
 fn weight(program: &Program) -> usize {
     let late = program.all().filter(|(_, i)| i.tier != Tier::Prepare);
     let work = Operations::of(program, |tier| tier != Tier::Prepare);
@@ -61,7 +63,7 @@ fn weight(program: &Program) -> usize {
 }
 
 impl Euler {
-    /// What is computed: increments of q and p, their corrections, and what the velocity is solved from.
+    /// The increments of q and p, their corrections, and the linear system for the velocity.
     fn arrays(&self) -> Vec<Array<Expr>> {
         let mut arrays = vec![Array::vector("dq", &self.dq), Array::vector("dp", &self.dp)];
         if let Some([dq, dp]) = &self.correction {
@@ -159,7 +161,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The type of what `euler_numbers` returns, which has so many numbers beside the inverse of a constant mass matrix.
+    /// The type of what `euler_numbers` returns, which has so many numbers beside the inverse of a
+    /// constant mass matrix.
     fn numbers(&self, count: usize) -> TokenStream {
         let (count, [n, _]) = (Literal::usize_unsuffixed(count), &self.sizes);
         match self.constant_mass() {
@@ -181,7 +184,8 @@ impl Writer<'_> {
         entries(&arrays[..arrays.len() - early])
     }
 
-    /// The body of the increment, with the solve for the velocity between the statements before and after it.
+    /// The body of the increment, with the solve for the velocity between the statements before and
+    /// after it.
     fn body(&self, printer: &Printer<'_>, in_lane: bool) -> TokenStream {
         let private = self.formulas.private;
         let load = printer.load(&self.used());

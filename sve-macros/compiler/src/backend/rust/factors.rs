@@ -1,4 +1,5 @@
-//! The factors of matrices that depend on parameters and step size alone: computed in `prepare`, beside its numbers.
+//! The factors of matrices that depend on parameters and step size alone: computed in `prepare`,
+//! beside its numbers.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -29,7 +30,8 @@ impl<'a> Factors<'a> {
         }
     }
 
-    /// An expression of the factors of a block's matrix, `Some` if it is regular. Nothing if it is not factored apart from the solve.
+    /// An expression of the factors of a block's matrix, `Some` if it is regular. Nothing if it is
+    /// not factored apart from the solve.
     pub(super) fn of(
         &self,
         block: usize,
@@ -48,7 +50,8 @@ impl<'a> Factors<'a> {
         }
     }
 
-    /// The type of what `prepare` returns, its value, and the statement with which a step takes it apart; `array` has the numbers.
+    /// The type of what `prepare` returns, its value, and the statement with which a step takes it
+    /// apart; `array` has the numbers.
     pub(super) fn beside(
         &self,
         numbers: &[Value],

@@ -1,4 +1,5 @@
-//! Functions as data → code: the statements of named arrays of expressions, computed where they stand.
+//! Functions as data → code: the statements of named arrays of expressions, computed where they
+//! stand.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -9,7 +10,8 @@ use crate::algebra::{Arena, Expr};
 use crate::model::Symbols;
 use crate::program::{Array, Kernel, Operations, Scheduler, Tier, entries};
 
-/// What formulas are printed with: the owner of their expressions, the meaning of their symbols, the path of what generated code calls.
+/// The context of formulas in print: the owner of their expressions, the meanings of their symbols,
+/// and the path of the functions that generated code calls.
 #[derive(Clone, Copy)]
 pub(super) struct Formulas<'a> {
     pub(super) arena: &'a Arena,

@@ -1,4 +1,5 @@
-//! `impl StepEquations<Gauss<S>>`: a thin layer over the runtime's functions for steps of many stages.
+//! `impl StepEquations<Gauss<S>>`: a thin layer over the runtime's functions for steps of many
+//! stages.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{ToTokens, quote};
@@ -12,7 +13,8 @@ use crate::discretise::stages::{Form, Stages};
 use crate::explain::StepTexts;
 use crate::program::{Operations, Work};
 
-/// Prints the step of a rule; `half_factor` is ½κ of the option `weak2`, if the action has its term.
+/// Prints the step of a rule; `half_factor` is ½κ of the option `weak2`, if the action has its
+/// term.
 pub(crate) fn gauss(
     context: &Context<'_>,
     (rule, weak_order): (Rule, u32),
@@ -75,7 +77,7 @@ pub(crate) fn gauss(
     implementation.print()
 }
 
-/// What depends on the form of the system: types and bodies of the step.
+/// The types and bodies of a step, which depend on the form of the system.
 struct Solve {
     /// The type of what `prepare` returns, and its body.
     prepared: TokenStream,
@@ -112,7 +114,7 @@ fn solve(context: &Context<'_>, count: usize, stages: &Stages, noise: &Noise) ->
         1 + rows * dof * count,
     ];
     let [s, n, k, l] = sizes.map(Literal::usize_unsuffixed);
-    // with noise, stages say nothing of those of the next step
+    // with noise, stages do not predict the stages of the next step
     let carries = processes == 0 && rows > 0;
     let (memory_type, memory) = if carries {
         (quote!(::core::option::Option<[f64; #l]>), quote!(memory))
@@ -234,7 +236,8 @@ fn names(stages: usize, dof: usize, moves_position: bool) -> Vec<String> {
     names
 }
 
-/// What the plan says of the cost: an iteration is a sweep over the stages, with the products with the matrix of the rule.
+/// The cost in the plan: an iteration is a sweep over the stages, with the products with the matrix
+/// of the rule.
 fn cost<'a>(names: &'a [String], code: &StageCode, stages: usize, dof: usize) -> Cost<'a> {
     let Operations {
         arithmetic,

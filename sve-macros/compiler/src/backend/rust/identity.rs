@@ -1,7 +1,8 @@
-//! What tells a system from others: a hash of its formulas, and the values of its parameters.
+//! The identity of a system: a hash of its formulas, and the values of its parameters.
 //!
-//! Input: the model. Output: members of `impl System`. Invariant: the hash is that of the expressions as they were read, so that
-//! names of functions, comments and the rules do not matter; equal formulas that are written in another way may have another one.
+//! Input: the model. Output: members of `impl System`. Invariant: the hash is that of the
+//! expressions as they were read, so that names of functions, comments and the rules do not matter;
+//! equal formulas that are written in another way may have another one.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -38,7 +39,8 @@ pub(super) fn identity(model: &Model, arena: &Arena, private: &TokenStream) -> T
     }
 }
 
-/// The hash of L, the noises and the force: a line for each part of their expressions, in the order of evaluation.
+/// The hash of L, the noises and the force: a line for each part of their expressions, in the order
+/// of evaluation.
 fn hash(model: &Model, arena: &Arena) -> u64 {
     let mut roots = vec![("L", model.lagrangian)];
     roots.extend(

@@ -1,4 +1,5 @@
-//! `impl StepEquations<Rule>`: the types of a step and the bodies of its functions → an implementation.
+//! `impl StepEquations<Rule>`: the types of a step and the bodies of its functions → an
+//! implementation.
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
@@ -13,7 +14,8 @@ pub(super) struct Implementation<'a> {
     pub(super) header: TokenStream,
     /// Numbers of degrees of freedom, increments and unknowns.
     pub(super) sizes: [&'a dyn ToTokens; 3],
-    /// The types of the state in which a step computes, of what `prepare` returns, and of what a trajectory carries.
+    /// The types of the state in a step, of the coefficients that `prepare` returns, and of the
+    /// numbers that a trajectory carries.
     pub(super) types: [TokenStream; 3],
     pub(super) plan: TokenStream,
     /// The variant of `Returns`.

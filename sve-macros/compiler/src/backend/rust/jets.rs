@@ -1,4 +1,5 @@
-//! Functions that return the derivatives of L, of the noises, of the force and of the constraints at a point.
+//! Functions that return the derivatives of L, of the noises, of the force and of the constraints
+//! at a point.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -146,7 +147,8 @@ pub(super) fn with_potential(context: &Context<'_>) -> TokenStream {
     }
 }
 
-/// `fn parameter_jets`: derivatives by the parameters at a point, which the linearised step of a Gauss rule needs.
+/// `fn parameter_jets`: derivatives by the parameters at a point, which the linearised step of a
+/// Gauss rule needs.
 pub(super) fn parameter_jets(context: &Context<'_>, stages: &Stages) -> TokenStream {
     let (private, [n, m]) = (context.private, context.sizes());
     let formulas = Formulas {

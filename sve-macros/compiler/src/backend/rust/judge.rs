@@ -90,7 +90,7 @@ impl Solver<'_> {
     }
 }
 
-/// Whether a solution is accepted: the conditions hold and every matrix within the radii is regular.
+/// The test of a solution: the conditions hold and every matrix within the radii is regular.
 pub(super) fn accepted(
     bounds: &Enclosure<Value>,
     printer: &Printer<'_>,

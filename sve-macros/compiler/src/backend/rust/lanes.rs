@@ -1,8 +1,9 @@
-//! The step of many states at once, a lane each: loops over the lanes that the compiler turns into vector instructions.
+//! The step of many states at once, a lane each: loops over the lanes that the compiler turns into
+//! vector instructions.
 //!
-//! Input: a scheme. Output: `increment_lanes`, or nothing for a system that is too large for it. Invariant: no
-//! branches within a loop; what leaves the fast path is marked, and stepped by `increment`. A value that a later loop needs is
-//! stored in a row of `kept`.
+//! Input: a scheme. Output: `increment_lanes`, or nothing for a system that is too large for it.
+//! Invariant: no branches within a loop; what leaves the fast path is marked, and stepped by
+//! `increment`. A value that a later loop needs is stored in a row of `kept`.
 
 mod advance;
 mod single;
@@ -144,7 +145,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Prints a loop over the lanes: loads values that earlier loops kept, computes, keeps values for later loops.
+    /// Prints a loop over the lanes: loads values that earlier loops kept, computes, keeps values
+    /// for later loops.
     fn one(&self, number: usize, statements: &TokenStream) -> TokenStream {
         let take = self.loops.uses[number].iter().map(|&value| {
             let instruction = self.step.program.get(value);
@@ -168,7 +170,8 @@ impl Writer<'_> {
         Axis::Lanes.kept(self.loops.rows.get(&value).copied().unwrap_or_default())
     }
 
-    /// Whether a value is an input that each loop can read: a state is not changed before the last one.
+    /// Returns whether a value is an input that each loop can read. The last loop alone changes
+    /// states.
     fn is_read_again(&self, value: Value) -> bool {
         match self.step.program.get(value).operation {
             Operation::Input(symbol) => !matches!(
@@ -179,8 +182,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Whether the matrix of the first solves of a block is factored before the loops. In a loop the compiler finds that several
-    /// solves without branches have an elimination in common.
+    /// Returns whether the matrix of the first solves of a block is factored before the loops. In a
+    /// loop, the compiler finds that several solves without branches share an elimination.
     fn is_factored(&self, at: usize) -> bool {
         let scheme = &self.step.scheme;
         !scheme.is_constrained()
@@ -195,8 +198,8 @@ impl Writer<'_> {
         Some(quote!(let #name = #private::lane::factored(&#matrix);))
     }
 
-    /// A solve of a step with constraints, with the sign of the determinant. If `tests_pivots` is set, the solution is NaN where the scalar step finds
-    /// dependent constraints.
+    /// A solve of a step with constraints, with the sign of the determinant. If `tests_pivots` is
+    /// set, the solution is NaN where the scalar step finds dependent constraints.
     fn solved_by_pivots(
         &self,
         at: usize,

@@ -1,4 +1,5 @@
-//! The body of `linearise`, and `fn multipliers`: the entries of the linearised step, and the impulses of constraints after a step is solved.
+//! The body of `linearise`, and `fn multipliers`: the entries of the linearised step, and the
+//! impulses of constraints after a step is solved.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
@@ -62,7 +63,8 @@ pub(super) fn linearise(
     }
 }
 
-/// The function that tells what a step can report beside its result; nothing where there is nothing.
+/// The function that tells what a step can report beside its result; nothing where there is
+/// nothing.
 pub(super) fn multipliers(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
     let reported = &derived.scheme.reported;
     if reported.is_empty() {

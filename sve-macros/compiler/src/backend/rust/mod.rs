@@ -1,7 +1,7 @@
 //! Plans and instructions → tokens. Infallible, and the only place that knows it prints Rust.
 //!
-//! A generic parameter hides a type or a constant of the user with the same name, so the names of generic parameters begin with two
-//! underscores.
+//! A generic parameter hides a type or a constant of the user with the same name, so the names of
+//! generic parameters begin with two underscores.
 
 mod axis;
 mod calls;
@@ -64,7 +64,7 @@ use crate::system::degeneracy::Degeneracy;
 use crate::system::mechanics::Mechanics;
 use crate::system::symmetry::{MomentumMap, momentum_name};
 
-/// What the rules of a block share.
+/// The context that the rules of a block share.
 pub(crate) struct Context<'a> {
     pub(crate) settings: Settings,
     pub(crate) block: &'a Annotated,
@@ -79,7 +79,7 @@ pub(crate) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// What formulas of the system are printed with.
+    /// The context in which formulas of the system are printed.
     fn formulas(&self) -> Formulas<'a> {
         Formulas {
             arena: self.arena,
@@ -88,7 +88,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// What formulas of a step are printed with.
+    /// The context in which formulas of a step are printed.
     fn formulas_of(&self, derived: &'a Derived) -> Formulas<'a> {
         Formulas {
             symbols: &derived.symbols,
@@ -125,8 +125,9 @@ fn rule_type(rule: Rule, runtime: &TokenStream) -> TokenStream {
         })
 }
 
-/// The value of a parameter. All tokens of the check that it is an `f64` have the place of the parameter: the errors of all
-/// functions that read it are then equal, and the compiler of Rust prints equal errors once.
+/// The value of a parameter. All tokens of the check that it is an `f64` have the place of the
+/// parameter: the errors of all functions that read it are then equal, and the compiler of Rust
+/// prints equal errors once.
 fn number(access: &TokenStream, private: &TokenStream) -> TokenStream {
     let first = access.clone().into_iter().next();
     let at = first
@@ -147,7 +148,8 @@ fn ident(name: &str) -> Ident {
     Ident::new(name, Span::call_site())
 }
 
-/// Doc comments, a line each: headings with formulas below. As text blocks these are neither markdown nor tests.
+/// Doc comments, a line each: headings with formulas below. As text blocks these are neither
+/// markdown nor tests.
 fn documented(parts: &[(&str, &str)]) -> TokenStream {
     let mut tokens = TokenStream::new();
     let mut line = |text: &str| {
@@ -175,7 +177,8 @@ fn verbatim(text: &str) -> Literal {
     raw.parse().unwrap_or_else(|_| Literal::string(text))
 }
 
-/// Attributes of every generated implementation. Generated arithmetic is not written to please a reader's linter.
+/// Attributes of every generated implementation. Generated arithmetic is not written to please a
+/// reader's linter.
 fn attributes() -> TokenStream {
     let allowed = allowed();
     quote! {

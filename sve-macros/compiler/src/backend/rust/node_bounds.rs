@@ -1,4 +1,5 @@
-//! `impl StageBounds`: bounds of the derivatives at a node, by which the Gauss rules judge solutions.
+//! `impl StageBounds`: bounds of the derivatives at a node, by which the Gauss rules judge
+//! solutions.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -46,7 +47,7 @@ pub(super) fn node_bounds(context: &Context<'_>, stages: &Stages) -> TokenStream
     }
 }
 
-/// The fields of the bounds of L and of the force, and of those of a noise.
+/// The fields of the bounds of L and of the force, and of the bounds of a noise.
 const OF_MOTION: [&str; 9] = [
     "momentum_by_time",
     "momentum_by_time_radius",

@@ -1,7 +1,8 @@
 //! Gaussian elimination with a fixed order of pivots, written out: what is zero is not computed.
 //!
-//! Input: a matrix, a right-hand side and the order. Output: an expression for the solution with a number of the sign of the determinant. Without exchanges of
-//! rows it has no branches and no loops, so a loop over lanes with it compiles to vector instructions.
+//! Input: a matrix, a right-hand side and the order. Output: an expression for the solution with a
+//! number of the sign of the determinant. Without exchanges of rows it has no branches and no
+//! loops, so a loop over lanes with it compiles to vector instructions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,16 +16,17 @@ pub(super) struct Sparse {
     pub(super) rhs: Vec<TokenStream>,
 }
 
-/// What is written so far.
+/// The elimination so far.
 struct Elimination {
     statements: TokenStream,
     /// Which entries differ from zero.
     present: BTreeSet<(usize, usize)>,
-    /// Whether the sums of the magnitudes of the terms of each entry are computed.
+    /// True if the sums of the magnitudes of the terms of each entry are computed.
     tests_pivots: bool,
 }
 
-/// Solves a system by these pivots. If `tests_pivots` is set, the solution is NaN where a pivot may be only rounding error.
+/// Solves a system by these pivots. If `tests_pivots` is set, the solution is NaN where a pivot may
+/// be only rounding error.
 pub(super) fn solved(
     system: &Sparse,
     pivots: &[(usize, usize)],

@@ -1,4 +1,5 @@
-//! Implementations without bodies, which are emitted after an error so that the compiler reports no consequences of it.
+//! Implementations without bodies, which are emitted after an error so that the compiler reports no
+//! consequences of it.
 //!
 //! Sizes come from the signatures, by the compiler where they are not literal.
 
@@ -17,7 +18,7 @@ use crate::syntax::signature::is_rotation;
 /// Implementations without bodies for every rule that the attribute names.
 pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
     let rules = if block.attrs.iter().any(is_this) {
-        // those of the other attribute are meant too
+        // the rules of the other attribute are meant too
         Rule::all_with_options()
     } else {
         rules(attribute)
@@ -145,7 +146,8 @@ fn momenta(block: &ItemImpl, private: &TokenStream, configuration: &TokenStream)
     }
 }
 
-/// The rules that the attribute names; all of them where it has a mistake, since any may have been meant.
+/// The rules that the attribute names; all of them where it has a mistake, since any may have been
+/// meant.
 fn rules(attribute: &TokenStream) -> Vec<Rule> {
     let mut errors = Errors::new();
     let arguments = Arguments::read(attribute.clone(), &mut errors);
@@ -186,7 +188,8 @@ fn coordinates(block: &ItemImpl, is_generic: bool) -> TokenStream {
     }
 }
 
-/// The type of a configuration with rotations; nothing if the Lagrangian has no argument that is a rotation.
+/// The type of a configuration with rotations; nothing if the Lagrangian has no argument that is a
+/// rotation.
 fn configuration_with_rotations(block: &ItemImpl, private: &TokenStream) -> Option<TokenStream> {
     let lagrangian = functions(block).find(|f| f.sig.ident == "lagrangian")?;
     let types: Vec<&Type> = lagrangian
@@ -206,12 +209,12 @@ fn configuration_with_rotations(block: &ItemImpl, private: &TokenStream) -> Opti
     }
 }
 
-/// Whether a type is a configuration in a vector space other than a number.
+/// Returns whether a type is a configuration in a vector space other than a number.
 fn is_f64_array_or_vector(ty: &Type) -> bool {
     matches!(ty, Type::Array(_)) || is_vector_or_nested(ty)
 }
 
-/// The type of the velocity, which is that of the configuration.
+/// The type of the velocity. The configuration has the same type.
 fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
     let last = functions(block)
         .find(|f| f.sig.ident == "lagrangian")
@@ -238,7 +241,8 @@ fn processes(block: &ItemImpl, is_generic: bool) -> TokenStream {
     size(&outputs, is_generic)
 }
 
-/// Numbers in some types, as a constant argument. In a block that is generic, a length is a literal or a name.
+/// Numbers in some types, as a constant argument. In a block that is generic, a length is a literal
+/// or a name.
 fn size(types: &[&Type], is_generic: bool) -> TokenStream {
     let literal: Option<usize> = types.iter().map(|ty| entries(ty)).sum();
     if let Some(n) = literal {

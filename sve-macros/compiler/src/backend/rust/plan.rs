@@ -32,13 +32,15 @@ pub(super) fn plan(
     )
 }
 
-/// The unknowns of a step that is solved in one block, and what it costs. Ensembles make such a step for one path after the other.
+/// The unknowns of a step that is solved in one block, and what it costs. Ensembles make such a
+/// step for one path after the other.
 pub(super) struct Cost<'a> {
     pub(super) unknowns: &'a [String],
     pub(super) work: Work,
 }
 
-/// The plan of a step by a rule, whose weak order stands beside it, that is solved in one block with a full Jacobian.
+/// The plan of a step by a rule, whose weak order stands beside it, that is solved in one block
+/// with a full Jacobian.
 pub(super) fn plan_of(
     context: &Context<'_>,
     rule: (Rule, u32),
@@ -171,7 +173,8 @@ fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
     }
 }
 
-/// The strong order of a rule with stage noise, for noises that commute. With a force it is not claimed to be above 1.
+/// The strong order of a rule with stage noise, for noises that commute. With a force it is not
+/// claimed to be above 1.
 fn of_stage_noise(rule: Rule, mechanics: &Mechanics) -> TokenStream {
     match rule.stages() {
         _ if mechanics.force.is_some() => quote!(One),

@@ -1,4 +1,5 @@
-//! Expressions → code that bounds the rounding errors with which they are evaluated, by the numbers of the runtime's module `rounded`.
+//! Expressions → code that bounds the rounding errors with which they are evaluated, by the numbers
+//! of the runtime's module `rounded`.
 //!
 //! The emitted code runs only where an iteration does not settle.
 

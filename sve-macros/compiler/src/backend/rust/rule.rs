@@ -87,8 +87,9 @@ fn proves_start(context: &Context<'_>, derived: &Derived) -> Option<TokenStream>
     })
 }
 
-/// Whether the solution of a step is not accepted where the mass matrix at the start is singular. Bounds judge all blocks, and contain their matrices in the limit of no noise and
-/// h → 0, where the product of the determinants is that of the mass matrix.
+/// Returns whether a step refuses its solution if the mass matrix at the start is singular. This
+/// holds if bounds test all blocks: the bounds contain the matrices in the limit of no noise and
+/// h → 0, where the product of their determinants is the determinant of the mass matrix.
 fn finds_singular_masses(context: &Context<'_>, derived: &Derived) -> bool {
     let mechanics = context.mechanics;
     let has_own_start = context.degeneracy.is_some() || !mechanics.constraints.is_empty();
@@ -102,7 +103,8 @@ fn finds_singular_masses(context: &Context<'_>, derived: &Derived) -> bool {
         && derived.scheme.blocks.iter().all(is_judged)
 }
 
-/// `increment_lanes`, if ensembles step this system in lanes, with `linearise_lanes` where there is one. Rotations are stepped lane by lane.
+/// `increment_lanes`, if ensembles step this system in lanes, with `linearise_lanes` where there is
+/// one. Rotations are stepped lane by lane.
 fn in_lanes(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
     let has_lanes = context.settings.lanes && !context.model.configuration().has_rotations();
     if !has_lanes || derived.is_unstructured {
@@ -142,8 +144,8 @@ fn domain(texts: &StepTexts) -> Option<TokenStream> {
     })
 }
 
-/// What unknowns are in the limit of no noise and h → 0, where nothing moves and the acceleration is that of the motion.
-/// Those of later stages have the indices after those of the first.
+/// The values of the unknowns in the limit of no noise and h → 0, where nothing moves and the
+/// acceleration is that of the motion. Unknowns of later stages stand behind those of the first.
 fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStream {
     let entries = unknowns.iter().map(|&symbol| {
         let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {

@@ -1,11 +1,12 @@
 //! Blocks of bounded size: a block with many `let` statements is cut into inner blocks.
 //!
-//! Each `let` opens a scope of the debug information, which lasts until the end of its block. The scopes of a block are therefore
-//! nested as deeply as the block has `let` statements. rustc visits them recursively, in threads with a stack of 2 MB, which
-//! overflows at about 2,500 scopes.
+//! Each `let` opens a scope of the debug information, which lasts until the end of its block. The
+//! scopes of a block are therefore nested as deeply as the block has `let` statements. rustc visits
+//! them recursively, in threads with a stack of 2 MB, which overflows at about 2,500 scopes.
 //!
-//! Input: generated code. Output: the same statements in the same order. The value of an inner block is the tuple of those names
-//! that later statements read. A block of at most [`LETS`] `let` statements is not changed.
+//! Input: generated code. Output: the same statements in the same order. The value of an inner
+//! block is the tuple of those names that later statements read. A block of at most [`LETS`] `let`
+//! statements is not changed.
 
 use std::collections::HashMap;
 use std::mem;
@@ -75,11 +76,11 @@ fn cut_once(block: TokenStream) -> TokenStream {
 struct Statement {
     /// `let` with its pattern and its `=`; nothing in other statements.
     pattern: Vec<TokenTree>,
-    /// What follows.
+    /// The tokens after the pattern.
     rest: Vec<TokenTree>,
     /// Names that the pattern binds.
     names: Vec<Ident>,
-    /// Whether an inner block may hold the statement.
+    /// True if an inner block may hold the statement.
     is_movable: bool,
 }
 
@@ -88,7 +89,7 @@ impl Statement {
         self.pattern.into_iter().chain(self.rest)
     }
 
-    /// Whether the statement binds a closure, which borrows other names.
+    /// Returns whether the statement binds a closure, which borrows other names.
     fn is_closure(&self) -> bool {
         !self.pattern.is_empty() && self.rest.first().is_some_and(|tree| is_mark(tree, '|'))
     }
@@ -121,8 +122,8 @@ fn statements(block: TokenStream) -> Vec<Statement> {
     statements
 }
 
-/// A statement. A `let` is movable if its pattern has only names, and if it does not borrow a temporary value. A `use` holds for the
-/// whole block.
+/// A statement. A `let` is movable if its pattern has only names, and if it does not borrow a
+/// temporary value. A `use` holds for the whole block.
 fn statement(mut tokens: Vec<TokenTree>) -> Statement {
     if !tokens.first().is_some_and(|tree| is_word(tree, "let")) {
         return Statement {
@@ -143,7 +144,8 @@ fn statement(mut tokens: Vec<TokenTree>) -> Statement {
     }
 }
 
-/// The names in a pattern of names, rows and tuples, before its type and `=`. Nothing if the pattern has anything else.
+/// The names in a pattern of names, rows and tuples, before its type and `=`. Nothing if the
+/// pattern has anything else.
 fn names(pattern: &[TokenTree]) -> Option<Vec<Ident>> {
     let mut names = Vec::new();
     for (at, tree) in pattern.iter().enumerate() {
@@ -169,7 +171,8 @@ fn names(pattern: &[TokenTree]) -> Option<Vec<Ident>> {
     Some(names)
 }
 
-/// For each name of each statement, the number of the last statement that reads it; 0 if there is none.
+/// For each name of each statement, the number of the last statement that reads it; 0 if there is
+/// none.
 fn last_reads(statements: &[Statement]) -> Vec<Vec<usize>> {
     let mut reads: Vec<Vec<usize>> = statements.iter().map(|s| vec![0; s.names.len()]).collect();
     let mut bound: HashMap<String, (usize, usize)> = HashMap::new();
@@ -227,7 +230,8 @@ impl Part {
         self.tokens.extend(statement.tokens());
     }
 
-    /// Whether the block may end before the statement number `end`: no closure leaves it, since a closure borrows names of the block.
+    /// Returns whether the block may end before statement `end`: no closure leaves it, since a
+    /// closure borrows names of the block.
     fn may_end(&self, end: usize) -> bool {
         self.names
             .iter()
@@ -337,7 +341,8 @@ mod tests {
         assert!(cut.starts_with("{userounded::*;let(a"), "{cut}");
     }
 
-    /// The second `guess` hides the first, a closure stays in the block of the values that it borrows, and a mutable variable outside.
+    /// The second `guess` hides the first, a closure stays in the block of the values that it
+    /// borrows, and a mutable variable outside.
     #[test]
     fn hidden_names_closures_and_mutable_variables() {
         let (first, second) = (sums(LETS_OF_PART - 10), sums(LETS));

@@ -19,14 +19,15 @@ pub(super) struct Solver<'a> {
     pub(super) formulas: Formulas<'a>,
     pub(super) printer: &'a Printer<'a>,
     pub(super) factors: &'a Factors<'a>,
-    /// Whether the step fails where the matrix of a limit, which has the determinant of the mass matrix, is singular.
+    /// True if the step fails where the matrix of a limit is singular; this matrix has the
+    /// determinant of the mass matrix.
     pub(super) finds_singular_masses: bool,
     pub(super) cold: &'a Cold<'a>,
 }
 
 impl Solver<'_> {
-    /// The solve of the block number `at`, whose unknowns are those from number `first` on of what the step solves for, in a
-    /// step of so many degrees of freedom.
+    /// The solve of the block number `at`, whose unknowns are those from number `first` on of what
+    /// the step solves for, in a step of so many degrees of freedom.
     pub(super) fn tokens(
         &self,
         (at, first): (usize, usize),
@@ -123,8 +124,8 @@ impl Solver<'_> {
         })
     }
 
-    /// The statement that finds the first guess, the sign of the determinant in the limit, and the limit. The matrix of the guess is
-    /// the one of the limit.
+    /// The statement that finds the first guess, the sign of the determinant in the limit, and the
+    /// limit. The matrix of the guess is the one of the limit.
     fn first_guess(
         &self,
         at: usize,
@@ -186,7 +187,7 @@ impl Solver<'_> {
     }
 }
 
-/// What a solve does where its matrix is singular.
+/// The result of a solve whose matrix is singular.
 pub(super) enum Policy {
     /// Its value is `None`.
     Branch,
@@ -202,7 +203,8 @@ pub(super) struct Again<'a> {
 }
 
 impl Again<'_> {
-    /// The value of `with`, in which the solution is `name`; or `without` if the matrix is singular.
+    /// The value of `with`, in which the solution is `name`; or `without` if the matrix is
+    /// singular.
     fn solve(
         &self,
         rhs: &TokenStream,
@@ -220,8 +222,8 @@ impl Again<'_> {
         }
     }
 
-    /// The guess after its later stages. Each stage stands within the arm of the solve before, so that a division of these solves is
-    /// done once.
+    /// The guess after its later stages. Each stage stands within the arm of the solve before, so
+    /// that a division of these solves is done once.
     pub(super) fn refined(
         &self,
         at: usize,
@@ -282,8 +284,8 @@ pub(super) fn evaluation(
     }
 }
 
-/// Code of a guess that is computed where it stands, all of it: the solution of a linear system, or else rest. With its
-/// operations, the solve not counted.
+/// Code of a guess that is computed where it stands, all of it: the solution of a linear system, or
+/// else rest. With its operations, the solve not counted.
 pub(super) fn start(
     linear: &Linear<Expr>,
     rest: &TokenStream,
@@ -307,7 +309,8 @@ pub(super) fn start(
     (tokens, printed.operations)
 }
 
-/// The guess where no linear system gives one: rest; but where the mass vanishes at rest, a velocity of the momentum's sign.
+/// The guess where no linear system gives one: rest; but where the mass vanishes at rest, a
+/// velocity of the momentum's sign.
 fn rest(iteration: &Iteration<Value, Residual>, degrees_of_freedom: usize) -> TokenStream {
     let size = iteration.iterates.len();
     if iteration.limit.is_none() && size == degrees_of_freedom {

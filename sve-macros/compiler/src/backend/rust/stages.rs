@@ -1,7 +1,9 @@
-//! What the Gauss rules need of a system, once for all of them: the node's function as a loop over the stages, and derivatives by the parameters.
+//! Functions of a system that all Gauss rules share: the function at a node as a loop over the
+//! stages, and derivatives by the parameters.
 //!
-//! Input: the equations at a node. Output: implementations of traits in the runtime's `gauss`. Invariant: no branches and no calls within a loop over the
-//! stages, so that the compiler turns it into vector instructions.
+//! Input: the equations at a node. Output: implementations of traits in the runtime's `gauss`.
+//! Invariant: no branches and no calls within a loop over the stages, so that the compiler turns it
+//! into vector instructions.
 
 mod masses;
 
@@ -28,8 +30,8 @@ pub(crate) struct StageCode {
     pub(crate) operations: Operations,
 }
 
-/// Prints the equations at a node. The last noise of the context may be the potential of the option `weak2`. The loops over the stages
-/// are printed where a rule iterates to a fixed point.
+/// Prints the equations at a node. The last noise of the context may be the potential of the option
+/// `weak2`. The loops over the stages are printed where a rule iterates to a fixed point.
 pub(crate) fn stages(context: &Context<'_>, nodes: &Nodes) -> StageCode {
     let (private, attributes) = (context.private, attributes());
     let (self_ty, sizes) = (context.self_ty(), context.sizes());
@@ -102,7 +104,8 @@ struct Writer<'a> {
     formulas: Formulas<'a>,
 }
 
-/// A program of one loop: what does not depend on the stage, what is known with its position, and what waits for its velocity.
+/// The statements of one loop: those before the loop, those that need the position of a stage, and
+/// those that need its velocity.
 struct Body {
     before: TokenStream,
     known: TokenStream,
@@ -139,7 +142,8 @@ impl Writer<'_> {
         }
     }
 
-    /// A function with a loop over the stages: its name with further arguments, what it returns, what stands around the loop.
+    /// A function with a loop over the stages: its name with further arguments, its output, and the
+    /// statements before, within and after the loop.
     fn function(
         &self,
         (name, arguments): (&str, &TokenStream),

@@ -1,7 +1,9 @@
-//! `impl StartOfStep`: the test of the mass matrix at the start of a step, of single states and in lanes.
+//! `impl StartOfStep`: the test of the mass matrix at the start of a step, of single states and in
+//! lanes.
 //!
-//! Input: the blocks of the mass matrix that may be singular. Output: an implementation, which is empty where nothing has to be tested. A lane that is not sure takes
-//! the scalar step, which decides.
+//! Input: the blocks of the mass matrix that may be singular. Output: an implementation, which is
+//! empty where nothing has to be tested. A lane that is not sure takes the scalar step, which
+//! decides.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -83,7 +85,8 @@ fn all_regular(blocks: &[Matrix<Expr>], context: &Context<'_>) -> TokenStream {
     }
 }
 
-/// `lanes_of_singular_mass`; nothing for configurations without lanes and for blocks that are tested lane by lane.
+/// `lanes_of_singular_mass`; nothing for configurations without lanes and for blocks that are
+/// tested lane by lane.
 fn singular_lanes(blocks: &[Matrix<Expr>], context: &Context<'_>) -> Option<TokenStream> {
     let (model, private, formulas) = (context.model, context.private, context.formulas());
     let is_small = |block: &Matrix<Expr>| {

@@ -100,7 +100,8 @@ pub(super) fn code(
     }
 }
 
-/// The tests that L is defined at the solution, and that the contraction of an iteration is enough to accept it.
+/// The tests that L is defined at the solution, and that the contraction of an iteration is enough
+/// to accept it.
 fn checks(
     scheme: &Scheme<Value, Residual>,
     printer: &Printer<'_>,
@@ -126,8 +127,8 @@ fn checks(
     quote!(#(#domain)* #(#guards)*)
 }
 
-/// The statements of the state's tier, of which those that only yield carried values run where nothing is carried; and the statement that
-/// carries the values at the end of the step.
+/// The statements of the state's tier, and the statement that carries values to the next step.
+/// Statements that only yield carried values run if nothing was carried.
 fn with_carried(
     carried: &Carried,
     program: &Program,
@@ -166,7 +167,7 @@ fn with_carried(
     )
 }
 
-/// Whether a value is within its domain.
+/// The test that a value is within its domain.
 pub(super) fn inside(value: &TokenStream, is_closed: bool) -> TokenStream {
     if is_closed {
         quote!(#value >= 0f64)

@@ -84,8 +84,9 @@ fn optional(context: &Context<'_>, functions: &Functions, received: &Received) -
     quote!(#force #constraints #energy #euler)
 }
 
-/// Uses of what the user wrote: functions are not called by what is derived from them, and yet are not dead; constants are those of
-/// the standard library.
+/// Uses of the functions and constants of the block. Derived code does not call the functions, and
+/// without a use the compiler would report them as dead; constants must be those of the standard
+/// library.
 fn used(context: &Context<'_>) -> TokenStream {
     let (block, self_ty, attributes) = (context.block, context.self_ty(), attributes());
     let parts = [
@@ -105,8 +106,8 @@ fn used(context: &Context<'_>) -> TokenStream {
     }
 }
 
-/// Implementations of the traits by which splittings know a system. Conditions of order for the splitting of a quadratic kinetic energy
-/// do not hold for steps that constraints couple.
+/// Implementations of the traits by which splittings know a system. Conditions of order for the
+/// splitting of a quadratic kinetic energy do not hold for steps that constraints couple.
 fn markers(context: &Context<'_>, mechanics: &Mechanics) -> TokenStream {
     let (private, self_ty) = (context.private, context.self_ty());
     let is_separable = mechanics.is_separable && context.degeneracy.is_none();
@@ -144,7 +145,8 @@ fn documentation(about: &SystemTexts, is_noisy: bool) -> [TokenStream; 3] {
     ]
 }
 
-/// A check, when the user's program is compiled, that a path leads to the constant of the standard library that it is read as.
+/// A check, when the user's program is compiled, that a path leads to the constant of the standard
+/// library that it is read as.
 fn constant_check(path: &TokenStream, value: f64) -> TokenStream {
     let at = path.clone().into_iter().next();
     let at = at.map_or_else(Span::call_site, |token| token.span());

@@ -1,8 +1,11 @@
-//! `linearise_lanes`: tangent vectors of many states at once, carried along a step that was solved in lanes.
+//! `linearise_lanes`: tangent vectors of many states at once, carried along a step that was solved
+//! in lanes.
 //!
-//! Input: the linearised step. Output: the function, or nothing for a system that is too large for it, or has constraints. A first loop over the lanes evaluates the
-//! entries of the linearised step and the inverse of ∂R/∂x; entries that depend on parameters and step size alone are computed before it. For each tangent vector a
-//! further loop over the lanes multiplies the vector by the entries, without branches. Vectors that are not finite are left to `linearise`.
+//! Input: the linearised step. Output: the function, or nothing for a system that is too large for
+//! it, or has constraints. A first loop over the lanes evaluates the entries of the linearised step
+//! and the inverse of ∂R/∂x; entries that depend on parameters and step size alone are computed
+//! before it. For each tangent vector a further loop over the lanes multiplies the vector by the
+//! entries, without branches. Vectors that are not finite are left to `linearise`.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +24,8 @@ use crate::program::limits::in_lanes;
 use crate::program::{Array, Kernel, Operation, Program, Scheduler, Tier, Tiers, Value, entries};
 use crate::structure::{Returns, Scheme};
 
-/// Returns the function, unless the step has constraints or intermediate values, or takes too many operations.
+/// Returns the function, unless the step has constraints or intermediate values, or takes too many
+/// operations.
 pub(super) fn linearise_lanes(context: &Context<'_>, derived: &Derived) -> Option<TokenStream> {
     let Derived {
         scheme,
@@ -81,7 +85,8 @@ pub(super) fn linearise_lanes(context: &Context<'_>, derived: &Derived) -> Optio
     })
 }
 
-/// Binds the unknowns of a block that a step in lanes has solved, and stores them for the linearised step. They follow those of the blocks before it.
+/// Binds the unknowns of a block that a step in lanes has solved, and stores them for the
+/// linearised step. They follow the unknowns of the blocks before it.
 pub(super) fn bound<T, R>(
     scheme: &Scheme<T, R>,
     at: usize,
@@ -98,7 +103,7 @@ pub(super) fn bound<T, R>(
 /// The entries of the four matrices, as values.
 type Entries<'a> = Vec<(&'a Entry, Value)>;
 
-/// What the first loop keeps for the later ones.
+/// The rows that the first loop keeps for the later ones.
 struct Kept {
     /// The row of each entry that differs from lane to lane.
     rows: BTreeMap<Value, usize>,
@@ -139,7 +144,7 @@ struct Writer<'a> {
     kept: Kept,
     program: &'a Program,
     matrices: Vec<Entries<'a>>,
-    /// Whether the results are differences to the state at the start, whose derivative is added.
+    /// True if the results are differences to the state at the start, whose derivative is added.
     is_increment: bool,
 }
 
@@ -275,7 +280,8 @@ impl Writer<'_> {
         }
     }
 
-    /// A component of the vector after the step: ∂y/∂z of the vector before it, less ∂y/∂x of the solution. The terms have the order of `linearise`.
+    /// A component of the vector after the step: ∂y/∂z of the vector before it, less ∂y/∂x of the
+    /// solution. The terms have the order of `linearise`.
     fn result(&self, row: usize, n: usize) -> TokenStream {
         let (by_unknowns, by_inputs) = (&self.matrices[2], &self.matrices[3]);
         let first = if self.is_increment {

@@ -1,8 +1,9 @@
-//! The step without structure: what generic code would do, which has the equations and their Jacobian and knows nothing else. The
-//! other steps are compared with it, see `structure = both` in `parse`.
+//! The step without structure: what generic code would do, which has the equations and their
+//! Jacobian and knows nothing else. The other steps are compared with it, see `structure = both` in
+//! `parse`.
 //!
-//! Input: an iteration in all unknowns, and the results. Output: the body of `increment`. All that is needed is computed where
-//! it is needed, functions of angles too; nothing is prepared.
+//! Input: an iteration in all unknowns, and the results. Output: the body of `increment`. All that
+//! is needed is computed where it is needed, functions of angles too; nothing is prepared.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;

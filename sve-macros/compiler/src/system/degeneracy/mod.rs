@@ -253,7 +253,8 @@ fn momenta_at_rest(
     alpha
 }
 
-/// Checks that the momenta of paired coordinates do not depend on time, and that their two-form is regular.
+/// Checks that the momenta of paired coordinates do not depend on time, and that their two-form is
+/// regular.
 fn check_paired(
     paired: &[usize],
     alpha: &[Expr],

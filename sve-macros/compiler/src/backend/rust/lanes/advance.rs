@@ -43,7 +43,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Whether all iterations of a lane arrived, and, where the values are at hand, whether L is defined there.
+    /// Conditions on a lane: all its iterations have converged, and L is defined at the solution.
+    /// The second is tested where its values are known.
     pub(super) fn solved(&self) -> (TokenStream, TokenStream) {
         let iterations = self.step.scheme.blocks.iter().enumerate();
         let arrived = iterations.filter_map(|(at, block)| {

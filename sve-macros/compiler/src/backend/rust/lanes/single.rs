@@ -1,8 +1,10 @@
 //! Iterations in lanes in a single unknown whose root is accepted by bounds.
 //!
-//! The loop in which an iteration starts evaluates the equation at the guess and makes the first update. Angles of which only the iteration needs sine and cosine have
-//! these computed at the guess; later points add the distance of their angle from there. Invariant: the distance counts from the rounded angle at the guess, so
-//! rounding that angle changes the start of the addition and not its result.
+//! The loop in which an iteration starts evaluates the equation at the guess and makes the first
+//! update. If only the iteration needs the sine and cosine of an angle, these are computed at the
+//! guess; later points add the distance of their angle from there. Invariant: the distance counts
+//! from the rounded angle at the guess, so rounding that angle changes the start of the addition
+//! and not its result.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -13,7 +15,8 @@ use super::super::solve::names;
 use super::{Operation, Residual, Tier, Value, Writer, course, is_single};
 use crate::structure::Iteration;
 
-/// Numbers that are kept of an angle: sine and cosine at the guess, and the distance of the angle from its base.
+/// Numbers that are kept of an angle: sine and cosine at the guess, and the distance of the angle
+/// from its base.
 const KEPT: usize = 3;
 
 impl Writer<'_> {

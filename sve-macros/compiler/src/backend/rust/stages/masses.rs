@@ -1,4 +1,5 @@
-//! Mass matrices that depend on the position, at each stage: their inverses, and the velocities of momenta.
+//! Mass matrices that depend on the position, at each stage: their inverses, and the velocities of
+//! momenta.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
