@@ -64,7 +64,8 @@ fn trajectory<S, R, const N: usize, const M: usize>(
     assert_eq!(count, 0, "{}", integrator.plan());
 }
 
-/// Steps that are solved by continuation do not allocate either. Far beyond useful step sizes there are many of them.
+/// Steps that are solved by continuation do not allocate either. Far beyond useful step sizes there
+/// are many of them.
 #[test]
 fn in_a_step_that_is_followed() {
     let system = double_pendulum();

@@ -1,8 +1,11 @@
-//! The bits of steps, lanes, tangent maps, noise and ensembles: every rule of every model against `tests/data/bits.txt`.
+//! The bits of steps, lanes, tangent maps, noise and ensembles: every rule of every model against
+//! `tests/data/bits.txt`.
 //!
-//! The file changes only with a change that is meant to change numbers. Such a change writes the file again, with the environment variable
-//! `WRITE_BITS` set, and gives its reason in the changelog. Models that call functions of the platform's library are compared only
-//! if these functions have the bits of the platform on which the file was written. Noise and lanes have the same bits everywhere.
+//! The file changes only with a change that is meant to change numbers. Such a change writes the
+//! file again, with the environment variable `WRITE_BITS` set, and gives its reason in the
+//! changelog. Models that call functions of the platform's library are compared only if these
+//! functions have the bits of the platform on which the file was written. Noise and lanes have the
+//! same bits everywhere.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -39,7 +42,8 @@ impl Hash {
     }
 }
 
-/// Steps of several sizes along short paths; their tangent maps and sensitivities; trajectories, which may carry numbers from step to step.
+/// Steps of several sizes along short paths; their tangent maps and sensitivities; trajectories,
+/// which may carry numbers from step to step.
 fn single(case: &dyn Case) -> [u64; 3] {
     let mut random = Random::new(5);
     let (mut hash, mut tangents, mut along) = (Hash::new(), Hash::new(), Hash::new());

@@ -1,5 +1,5 @@
-//! Expansions compile in every place where the attribute is allowed: without the prelude, under denied lints, inside functions, and
-//! with user names that equal names in generated code.
+//! Expansions compile in every place where the attribute is allowed: without the prelude, under
+//! denied lints, inside functions, and with user names that equal names in generated code.
 
 use sve_runtime::prelude::*;
 

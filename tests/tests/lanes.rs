@@ -1,5 +1,5 @@
-//! Steps in lanes against steps of single states, for every rule of every model. The bits are equal if the step calls no function of the
-//! library and does not iterate.
+//! Steps in lanes against steps of single states, for every rule of every model. The bits are equal
+//! if the step calls no function of the library and does not iterate.
 
 use std::collections::BTreeSet;
 
@@ -31,12 +31,13 @@ fn step(case: &dyn Case, block: &Block) -> (Vec<Point>, Mask) {
     case.step_lanes(&block.states, H, &block.dw).unwrap()
 }
 
-/// Allowed difference in units of rounding. Functions of lanes differ from functions of the library in the last place, Newton's method
-/// ends within a few units, and the Jacobians of the models amplify both at most ten times.
+/// Allowed difference in units of rounding. Functions of lanes differ from functions of the library
+/// in the last place, Newton's method ends within a few units, and the Jacobians of the models
+/// amplify both at most ten times.
 const UNITS: f64 = 40.0;
 
-/// Steps that are not made in lanes: they are too large, banded, or have more unknowns than the bounds judge, L is not quadratic in
-/// the velocity, or, for `Actions`, the bounds accept no step.
+/// Steps that are not made in lanes: they are too large, banded, or have more unknowns than the
+/// bounds judge, L is not quadratic in the velocity, or, for `Actions`, the bounds accept no step.
 const ONE_BY_ONE: [&str; 18] = [
     "Actions by stormer_verlet",
     "Chain by midpoint",
@@ -106,7 +107,8 @@ fn lanes_agree_with_single_states() {
     }
 }
 
-/// Models whose energies are computed one after the other: the mass matrix couples too many coordinates, or L is not quadratic in the velocities.
+/// Models whose energies are computed one after the other: the mass matrix couples too many
+/// coordinates, or L is not quadratic in the velocities.
 const ENERGIES_ONE_BY_ONE: [&str; 2] = ["Rails", "Relativistic"];
 
 #[test]

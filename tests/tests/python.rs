@@ -1,6 +1,7 @@
 //! The Python programs of the guide read what the library writes, with the same bits.
 //!
-//! A program that needs Python or `NumPy` where this machine lacks them is skipped, and the reason is printed.
+//! A program that needs Python or `NumPy` where this machine lacks them is skipped, and the reason
+//! is printed.
 
 #![allow(clippy::redundant_closure_for_method_calls)] // closures are written as users write them
 
@@ -60,7 +61,8 @@ fn python_programs_of_the_guide_read_the_files() {
     }
 }
 
-/// Does what the Rust program of the page does. Returns the last state of the path, and the means of the energy.
+/// Does what the Rust program of the page does. Returns the last state of the path, and the means
+/// of the energy.
 fn write_files(folder: &Path) -> (State<[f64; 1]>, Vec<f64>) {
     let oscillator = Integrator::new(Oscillator { sigma: 0.5 }, StormerVerlet);
     let start = State::new([1.0], [0.0]);
@@ -94,14 +96,16 @@ fn python_blocks(page: &str) -> impl Iterator<Item = &str> {
     blocks.map(|rest| rest.split("```").next().unwrap())
 }
 
-/// Runs a program in Python, whose folder of temporary files is `folder`; `None` if there is no Python.
+/// Runs a program in Python, whose folder of temporary files is `folder`; `None` if there is no
+/// Python.
 fn run(program: &str, folder: &Path) -> Option<Output> {
     let mut python = Command::new("python3");
     python.args(["-c", program]).env("TMPDIR", folder);
     python.output().ok()
 }
 
-/// Prints that a program was skipped. The output of a test that passes is captured, so the line is written past it.
+/// Prints that a program was skipped. The output of a test that passes is captured, so the line is
+/// written past it.
 fn report_skipped(lacking: &str) {
     let line = format!("SKIPPED: a Python program of the guide; this machine lacks {lacking}\n");
     std::io::stderr().write_all(line.as_bytes()).unwrap();

@@ -1,4 +1,5 @@
-//! BAOAB: its formula, exact moments of a harmonic system in equilibrium, and systems that it refuses.
+//! BAOAB: its formula, exact moments of a harmonic system in equilibrium, and systems that it
+//! refuses.
 
 use sve_runtime::baseline::Baoab;
 use sve_runtime::prelude::*;
@@ -52,7 +53,8 @@ fn image(z: [f64; 4], h: f64, dw: [f64; 2]) -> [f64; 4] {
     [state.q[0], state.q[1], state.p[0], state.p[1]]
 }
 
-/// The covariance in equilibrium, the limit of `C = A C Aᵀ + h B Bᵀ`; A and B are read off the step, which is linear.
+/// The covariance in equilibrium, the limit of `C = A C Aᵀ + h B Bᵀ`; A and B are read off the
+/// step, which is linear.
 fn covariance(h: f64) -> Matrix {
     let unit = |i: usize| core::array::from_fn(|j| f64::from(u8::from(i == j)));
     let a: [[f64; 4]; 4] = core::array::from_fn(|i| image(unit(i), h, [0.0; 2]));

@@ -46,7 +46,8 @@ where
     slope(&x, &y)
 }
 
-/// The reference: Runge–Kutta with a step 16 times smaller than the smallest, its error below `1e-12`.
+/// The reference: Runge–Kutta with a step 16 times smaller than the smallest, its error below
+/// `1e-12`.
 fn deterministic_table<S>(name: &str, system: S, start: State<[f64; 1]>)
 where
     S: System<Dims = Dims<1, 0>> + Copy,
@@ -124,7 +125,8 @@ const STEPS: [usize; 5] = [64, 128, 256, 512, 1024];
 const BATCHES: usize = 20;
 const PATHS: usize = 100;
 
-/// Mean and standard error over batches of the slope of the RMS error at T = 1 against the exact rotation.
+/// Mean and standard error over batches of the slope of the RMS error at T = 1 against the exact
+/// rotation.
 fn strong_order<I>(method: &I) -> (f64, f64)
 where
     I: Method<System = Kubo>,
@@ -194,7 +196,8 @@ fn strong_orders_on_kubo() {
         println!("{method:<36} strong order {order:.3} ± {error:.3}");
     }
     for (method, (order, error), expected) in table {
-        // four standard errors, and 0.06 for the next term of the error expansion over this range of h
+        // four standard errors, and 0.06 for the next term of the error expansion over this range
+        // of h
         assert!(
             (order - expected).abs() < 4.0 * error + 0.06 && error < 0.05,
             "{method}: strong order {order} ± {error}"

@@ -135,7 +135,8 @@ fn a_singular_mass_matrix_is_named() {
         failure(&Heun::new(polar), origin, 0.1, [0.0; 2]),
         failure(&BackwardEulerMaruyama::new(polar), origin, 0.1, [0.0; 2]),
     ] {
-        // the fields of H₁ = p_r p_θ / r are not defined there either, and come first where they are used first
+        // the fields of H₁ = p_r p_θ / r are not defined there either, and come first where they
+        // are used first
         assert!(
             matches!(
                 error,

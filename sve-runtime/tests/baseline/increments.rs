@@ -1,4 +1,5 @@
-//! The code that the macro writes for increments of Euler's method, against the derivatives of L: masses of every structure, forces, noises, momenta at rest.
+//! The code that the macro writes for increments of Euler's method, against the derivatives of L:
+//! masses of every structure, forces, noises, momenta at rest.
 
 use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4};
 use sve_runtime::prelude::*;
@@ -266,7 +267,8 @@ impl Bounded {
 
 #[test]
 fn a_stage_that_overflows_is_an_error() {
-    // q overflows in the stage, where the noise has turned p around; the mean of both increments is finite
+    // q overflows in the stage, where the noise has turned p around; the mean of both increments is
+    // finite
     let start = State::new([1.79e308], [0.8e308]);
     let error = failure(&Heun::new(Bounded), start, [-1.6e308]);
     assert!(

@@ -249,8 +249,10 @@ fn correction_of_kubo_is_exact() {
 
 #[test]
 fn fast_particles_have_a_velocity() {
-    // v = p/√(1 + p²), to twice the tolerance of Newton's method (its residual is relative to |p| + |L_v|): the first Newton step from rest leaves |v| < 1, and near 1 the momentum is resolved only to
-    // ε p², so that its residual cannot reach rounding level although the velocity is exact to it
+    // v = p/√(1 + p²), to twice the tolerance of Newton's method (its residual is relative
+    // to |p| + |L_v|): the first Newton step from rest leaves |v| < 1, and near 1 the momentum is
+    // resolved only to ε p², so that its residual cannot reach rounding level although the velocity
+    // is exact to it
     let particle = Relativistic::<1> { k: 0.0 };
     for exponent in -40..=80 {
         let p = 10.0_f64.powf(f64::from(exponent) / 11.0);
@@ -287,7 +289,8 @@ fn a_momentum_without_velocity_is_an_error() {
 
 #[test]
 fn nothing_non_finite_is_returned() {
-    // the potential k/r is not defined at r = 0, where with a momentum along r alone the velocity would be
+    // the potential k/r is not defined at r = 0, where with a momentum along r alone the velocity
+    // would be
     let polar = Polar {
         m: 1.0,
         k: 1.0,

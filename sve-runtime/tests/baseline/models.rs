@@ -1,4 +1,5 @@
-//! Test systems: each Lagrangian with its jet differentiated by hand (`mechanics.rs` checks them by differences).
+//! Test systems: each Lagrangian with its jet differentiated by hand (`mechanics.rs` checks them by
+//! differences).
 
 use sve_runtime::{Dims, LagrangianJet, NoiseJet, System};
 
@@ -132,7 +133,8 @@ impl System for Pendulum {
     }
 }
 
-/// A particle in the plane, `q = (r, θ)`: `L = ½m(ṙ² + r²θ̇²) + k/r`, `γ = σ₁ r cos θ`, `H₁ = σ₂ p_r p_θ / r`.
+/// A particle in the plane, `q = (r, θ)`: `L = ½m(ṙ² + r²θ̇²) + k/r`, `γ = σ₁ r cos θ`,
+/// `H₁ = σ₂ p_r p_θ / r`.
 #[derive(Clone, Copy)]
 pub(crate) struct Polar {
     pub(crate) m: f64,
@@ -183,7 +185,8 @@ impl System for Polar {
 
 /// A damped oscillator with a velocity-dependent potential: `L = eᶜᵗ(½v² − ½kq²) + b t q v`.
 ///
-/// Its motion is `q̈ + c q̇ + (k + b e⁻ᶜᵗ) q = 0`; its momentum is affine in v, not linear, where q ≠ 0.
+/// Its motion is `q̈ + c q̇ + (k + b e⁻ᶜᵗ) q = 0`; its momentum is affine in v, not linear, where
+/// q ≠ 0.
 #[derive(Clone, Copy)]
 pub(crate) struct Damped {
     pub(crate) c: f64,

@@ -1,6 +1,7 @@
 //! The mean energy of the linear oscillator, exactly: no sampling error.
 //!
-//! A scheme `z₁ = A z₀ + b ΔW` carries second moments by `M₁ = A M₀ Aᵀ + h b bᵀ`; A and b are read off the step itself.
+//! A scheme `z₁ = A z₀ + b ΔW` carries second moments by `M₁ = A M₀ Aᵀ + h b bᵀ`; A and b are read
+//! off the step itself.
 
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::{Method, State};
@@ -111,7 +112,8 @@ fn additive_noise_needs_no_correction() {
 
 #[test]
 fn heun_gains_energy_at_the_fourth_power_of_the_step() {
-    // |λ|² = (1 − h²/2)² + h² = 1 + h⁴/4 for the deterministic part; with noise the forcing adds its share each step.
+    // |λ|² = (1 − h²/2)² + h² = 1 + h⁴/4 for the deterministic part; with noise the forcing adds
+    // its share each step.
     let [_, _, long] = mean_energies(&Heun::new(Oscillator { sigma: 0.0 }));
     assert_relative(long, 0.5 * (1.0 + H.powi(4) / 4.0).powi(20_000), 1e-10);
 }

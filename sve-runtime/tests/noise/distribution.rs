@@ -1,5 +1,6 @@
-//! The distribution of the increments. Seeds are fixed, and bounds are five standard errors, so a failure is a fault:
-//! chance alone would exceed one of the few hundred bounds here for one choice of seeds in several thousand.
+//! The distribution of the increments. Seeds are fixed, and bounds are five standard errors, so a
+//! failure is a fault: chance alone would exceed one of the few hundred bounds here for one choice
+//! of seeds in several thousand.
 
 use rand::{SeedableRng, rngs::StdRng};
 use sve_runtime::noise::{FromRng, Noise, ThreePoint, Truncated, Wiener};
@@ -72,8 +73,8 @@ fn assert_independent(name: &str, a: &[f64], b: &[f64]) {
     }
 }
 
-/// Moments to the eighth, tails, the distances of Kolmogorov and Smirnov and of Anderson and Darling, counts of bins, on 10⁷ draws. The
-/// example `noise_quality` does it on 10⁹.
+/// Moments to the eighth, tails, the distances of Kolmogorov and Smirnov and of Anderson and
+/// Darling, counts of bins, on 10⁷ draws. The example `noise_quality` does it on 10⁹.
 #[test]
 fn ten_million_draws_are_normal() {
     let mut sample = Sample::new();
@@ -92,7 +93,8 @@ fn ten_million_draws_are_normal() {
     }
 }
 
-/// The statistics see what they are for: a normal cut off at 3.9, one with a variance off by 1 %, and one with gaps.
+/// The statistics see what they are for: a normal cut off at 3.9, one with a variance off by 1 %,
+/// and one with gaps.
 #[test]
 fn the_statistics_see_small_faults() {
     type Fault = fn(f64) -> f64;
@@ -260,7 +262,8 @@ fn truncation_loses_as_little_as_published() {
     assert!(0.0 < cut && cut < h.powf(k), "{cut}");
 }
 
-/// The table of [`Truncated`]: the part that is clipped, and c² = E(|ξ| − A)₊², with the standard errors of what is rare.
+/// The table of [`Truncated`]: the part that is clipped, and c² = E(|ξ| − A)₊², with the standard
+/// errors of what is rare.
 #[test]
 fn truncation_loses_what_its_table_says() {
     let n = 1_000_000;

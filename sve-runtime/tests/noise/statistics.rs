@@ -1,7 +1,7 @@
 //! What standard normals have to satisfy, gathered as they come.
 //!
-//! Input: numbers, or pairs of them. Output: how far each statistic is from its expectation, in standard errors.
-//! Invariant: memory does not grow with the number of draws.
+//! Input: numbers, or pairs of them. Output: how far each statistic is from its expectation, in
+//! standard errors. Invariant: memory does not grow with the number of draws.
 
 // shared by the tests and the example `noise_quality`, neither of which uses all
 #![allow(dead_code)]
@@ -134,7 +134,8 @@ impl Sample {
             .into()
     }
 
-    /// Distances of the distribution function at the borders of the bins, and of the counts of the bins.
+    /// Distances of the distribution function at the borders of the bins, and of the counts of the
+    /// bins.
     fn distribution(&self) -> [Finding; 3] {
         let n = self.n as f64;
         let (mut distance, mut square) = (0.0_f64, 0.0);

@@ -1,7 +1,8 @@
 //! Programs with mistakes, and what `#[variational]` says of each of them.
 //!
-//! The tables are `cases/*.cases`. A table begins with a paragraph about its subject. Each case then is its name, its source as a user
-//! writes it, and below each token with a mistake the message:
+//! The tables are `cases/*.cases`. A table begins with a paragraph about its subject. Each case
+//! then is its name, its source as a user writes it, and below each token with a mistake the
+//! message:
 //!
 //! ```text
 //! === absolute_value
@@ -10,13 +11,16 @@
 //!                    ... `(x * x + eps * eps).sqrt()` for a smooth modulus
 //! ```
 //!
-//! `...` continues a message. Several messages at a line stand in the order in which the macro reports them. `=== frame` has the lines that
-//! all cases below share, up to the next frame; its line `...` is the place of the lines of the case. A case before the first frame is a
-//! whole program.
+//! `...` continues a message. Several messages at a line stand in the order in which the macro
+//! reports them. `=== frame` has the lines that all cases below share, up to the next frame; its
+//! line `...` is the place of the lines of the case. A case before the first frame is a whole
+//! program.
 //!
-//! Two tests read the tables. The compiler's `messages.rs` expands each case and compares messages and places, without the compiler of
-//! Rust; with `MISTAKES=overwrite` in the environment it writes into the tables what it found. `compile_fail.rs` shows all cases to the
-//! compiler of Rust at once, which has to report these errors and no other. Messages of the compiler of Rust itself are in `ui`.
+//! Two tests read the tables. The compiler's `messages.rs` expands each case and compares messages
+//! and places, without the compiler of Rust; with `MISTAKES=overwrite` in the environment it writes
+//! into the tables what it found. `compile_fail.rs` shows all cases to the compiler of Rust at
+//! once, which has to report these errors and no other. Messages of the compiler of Rust itself are
+//! in `ui`.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -28,7 +32,8 @@ const HEADER: &str = "=== ";
 /// Name of a section with lines that cases share.
 const FRAME: &str = "frame";
 
-/// What continues a message on the next line, and the line of a frame that stands for those of the case.
+/// What continues a message on the next line, and the line of a frame that stands for those of the
+/// case.
 const CONTINUATION: &str = "...";
 
 /// Columns of a line of a message.
@@ -199,8 +204,9 @@ impl Case {
         self.lines.join("\n") + "\n"
     }
 
-    /// Returns the case as the table would have it with these messages. Messages at lines of the frame stand at the end, where the table
-    /// cannot have them: the case needs the line for itself.
+    /// Returns the case as the table would have it with these messages. Messages at lines of the
+    /// frame stand at the end, where the table cannot have them: the case needs the line for
+    /// itself.
     pub fn written(&self, messages: &[Message]) -> String {
         let mut out = format!("{HEADER}{}\n", self.name);
         for line in self.own.clone() {
@@ -218,7 +224,8 @@ impl Case {
         out
     }
 
-    /// Returns the errors as the compiler of Rust prints them of a file in which the program starts after `offset` lines.
+    /// Returns the errors as the compiler of Rust prints them of a file in which the program starts
+    /// after `offset` lines.
     pub fn printed(&self, file: &str, offset: usize) -> Vec<String> {
         let print = |message: &Message| {
             let Message {

@@ -1,6 +1,8 @@
-//! What only the compiler of Rust can show of programs with mistakes: its own errors, and that no other error follows those of the macro.
+//! What only the compiler of Rust can show of programs with mistakes: its own errors, and that no
+//! other error follows those of the macro.
 //!
-//! The messages of the macro and their places are compared in `sve-macros/compiler/src/tests/messages.rs`.
+//! The messages of the macro and their places are compared in
+//! `sve-macros/compiler/src/tests/messages.rs`.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -8,8 +10,8 @@ use std::path::Path;
 
 use sve_tests_mistakes::tables;
 
-/// Writes all cases of the tables as modules of one program, and beside it the errors that the compiler of Rust has to report. Returns the
-/// path of the program.
+/// Writes all cases of the tables as modules of one program, and beside it the errors that the
+/// compiler of Rust has to report. Returns the path of the program.
 fn all_cases() -> String {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("all_cases.rs");
     let name = path.to_str().expect("a path").to_owned();

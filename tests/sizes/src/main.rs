@@ -1,5 +1,6 @@
-//! The largest systems that the guide names, built as in a user's crate: with full debug information and without optimisation, where the
-//! compiler needs most stack. Each rule makes a step, and each derivative is evaluated.
+//! The largest systems that the guide names, built as in a user's crate: with full debug
+//! information and without optimisation, where the compiler needs most stack. Each rule makes a
+//! step, and each derivative is evaluated.
 
 mod bodies;
 mod chain;

@@ -1,1 +1,2 @@
-//! Tests that integrate many long paths: they are compiled with optimisation, those of `sve-tests` without.
+//! Tests that integrate many long paths: they are compiled with optimisation, those of `sve-tests`
+//! without.

@@ -1,4 +1,5 @@
-//! A state of any type of configurations is stepped, recorded and stored with the bits of the state in coordinates.
+//! A state of any type of configurations is stepped, recorded and stored with the bits of the state
+//! in coordinates.
 
 mod ensembles;
 mod mechanics;

@@ -44,7 +44,8 @@ fn orders() {
     check("Blanes–Moan", Split::new(BlanesMoan4), 64, 4.0, &exact);
 }
 
-/// A symmetric rule with −h and −ΔW returns to its start; initial point and endpoint are adjoint to one another.
+/// A symmetric rule with −h and −ΔW returns to its start; initial point and endpoint are adjoint to
+/// one another.
 #[test]
 fn steps_lead_back() {
     fn check<R, B>(there: R, back: B)

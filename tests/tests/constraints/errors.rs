@@ -122,7 +122,8 @@ where
     assert_eq!(failed, 0);
 }
 
-/// With increments of five standard deviations each step is that of the continuation in the increments: no other root is taken.
+/// With increments of five standard deviations each step is that of the continuation in the
+/// increments: no other root is taken.
 #[test]
 fn large_increments_lead_to_no_other_root() {
     let system = OnSphere { g: 1.0, s: 1.0 };

@@ -1,4 +1,5 @@
-//! Steps across places where linkages are almost stretched into a line, and motions that pass no such place.
+//! Steps across places where linkages are almost stretched into a line, and motions that pass no
+//! such place.
 
 use sve_models::models::OnSphere;
 use sve_runtime::ensemble::Cause;
@@ -7,7 +8,8 @@ use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinat
 
 use super::systems::{Check, conservative, two_rods};
 
-/// A linkage of two cranks with their pivots at a distance of 1, and a coupler. A spring pulls at the ends of the coupler.
+/// A linkage of two cranks with their pivots at a distance of 1, and a coupler. A spring pulls at
+/// the ends of the coupler.
 #[derive(Clone, Copy)]
 struct Linkage {
     lengths: [f64; 3],
@@ -75,7 +77,8 @@ fn start(angle: f64, speed: f64) -> State<Two> {
     State::new([arm, arm + Vector2::new(1.0, 0.0)], [along; 2])
 }
 
-/// Steps a linkage until it fails, or to the end. Returns the error and the largest change of the kinetic energy in a step, relative to the energy.
+/// Steps a linkage until it fails, or to the end. Returns the error and the largest change of the
+/// kinetic energy in a step, relative to the energy.
 fn run<S, R>(
     integrator: &Integrator<S, R>,
     state: State<Two>,
@@ -100,7 +103,8 @@ where
     (None, largest)
 }
 
-/// A coupler that is longer than the distance of the pivots by 10⁻⁹ lets the linkage turn by 60 degrees where it is almost a line. A step of 0.01 across this place multiplied the energy by 4.
+/// A coupler that is longer than the distance of the pivots by 10⁻⁹ lets the linkage turn by 60
+/// degrees where it is almost a line. A step of 0.01 across this place multiplied the energy by 4.
 #[test]
 fn a_step_across_a_near_fold_is_an_error() {
     fn check<S, R>(system: S, rule: R)

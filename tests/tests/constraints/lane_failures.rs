@@ -60,7 +60,8 @@ fn is_lost(failure: &Failure) -> bool {
     matches!(failure.cause, Cause::Step(StepError::ConstraintLost { .. }))
 }
 
-/// Errors of the first step are the same to the last digit. Later ones happen to the same paths at the same steps.
+/// Errors of the first step are the same to the last digit. Later ones happen to the same paths at
+/// the same steps.
 #[test]
 fn failures_are_those_of_single_paths() {
     // ever faster around the equator, until no point of the sphere lies on the normal
@@ -124,7 +125,8 @@ fn folded_linkages_are_errors_in_lanes() {
     check(StormerVerlet);
 }
 
-/// Linkages that are nearly folded: where the scalar step refuses a pivot of few digits, the lane does too.
+/// Linkages that are nearly folded: where the scalar step refuses a pivot of few digits, the lane
+/// does too.
 #[test]
 fn pivots_of_few_digits_are_judged_by_the_scalar_step() {
     fn check<R: Copy + Sync>(rule: R)

@@ -1,4 +1,5 @@
-//! Steps of constrained systems in lanes against steps of single states. The last digits may differ: pivots have another order, and quotients share a division.
+//! Steps of constrained systems in lanes against steps of single states. The last digits may
+//! differ: pivots have another order, and quotients share a division.
 
 use sve_models::models::{Thermal, TurnedSphere};
 use sve_models::random::Random;
@@ -61,15 +62,17 @@ impl<Q: VectorCoordinates<N>, const N: usize, const M: usize> Block<Q, N, M> {
     }
 }
 
-/// Allowed difference in units of rounding of the largest number, which is at least 1. Both iterations end within a few units of the root, in the velocity; the
-/// solves that follow multiply this by the condition of the constraints.
+/// Allowed difference in units of rounding of the largest number, which is at least 1. Both
+/// iterations end within a few units of the root, in the velocity; the solves that follow multiply
+/// this by the condition of the constraints.
 const UNITS: f64 = 16.0;
 
 fn entries<Q: VectorCoordinates<N>, const N: usize>(state: &State<Q>) -> Vec<f64> {
     [state.q.coordinates(), Q::components(&state.p)].concat()
 }
 
-/// Steps of more than 3000 instructions: the correction of a noise that is curved in the momentum, along the constraint.
+/// Steps of more than 3000 instructions: the correction of a noise that is curved in the momentum,
+/// along the constraint.
 const ONE_BY_ONE: [&str; 2] = ["curved initial_point", "curved endpoint"];
 
 /// Compares lanes with single states at several step sizes.
@@ -130,7 +133,8 @@ impl Check for Compared {
         self.solved += solved;
         self.left += count - solved;
         assert!(in_lanes || solved == 0, "{name}: {solved}");
-        // the fast path of lanes accepts iterations that contract by 1/64; the long steps among these take the scalar step
+        // the fast path of lanes accepts iterations that contract by 1/64; the long steps among
+        // these take the scalar step
         assert!(
             !in_lanes || 4 * solved >= 3 * count,
             "{name}: {solved} of {count}"
@@ -202,8 +206,9 @@ fn a_lane_does_not_feel_its_neighbours() {
     });
 }
 
-/// A particle at rest that is turned at random: each step of the midpoint rule turns it by 2 arctan(s ΔW/2) about the axis, so the mean of the part across the
-/// axis is multiplied by `E (1 − x²/4)/(1 + x²/4)`, x = s ΔW, in each step.
+/// A particle at rest that is turned at random: each step of the midpoint rule turns it by 2
+/// arctan(s ΔW/2) about the axis, so the mean of the part across the axis is multiplied by
+/// `E (1 − x²/4)/(1 + x²/4)`, x = s ΔW, in each step.
 #[test]
 fn the_mean_of_random_rotations_is_exact() {
     const STEPS: u64 = 40;
@@ -254,7 +259,8 @@ fn the_mean_of_random_rotations_is_exact() {
     }
 }
 
-/// A heat bath: E z = 1 − coth 1 and the temperature 1 at g = T = 1. The rule changes both by less than 0.013 at this step size.
+/// A heat bath: E z = 1 − coth 1 and the temperature 1 at g = T = 1. The rule changes both by less
+/// than 0.013 at this step size.
 #[test]
 fn a_heat_bath_has_its_temperature() {
     const PATHS: u32 = 1500;

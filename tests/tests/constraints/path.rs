@@ -1,5 +1,6 @@
-//! The solution of a step followed from h → 0 without noise, apart from the library: its own equations, made of the derivatives of L, G and φ, Newton's method with
-//! differenced Jacobians, and strides so short that the prediction of each point is within a twentieth of the stride.
+//! The solution of a step followed from h → 0 without noise, apart from the library: its own
+//! equations, made of the derivatives of L, G and φ, Newton's method with differenced Jacobians,
+//! and strides so short that the prediction of each point is within a twentieth of the stride.
 //!
 //! The unknowns are `w = d/h`, p and λ:
 //!
@@ -199,7 +200,8 @@ where
         None
     }
 
-    /// The solution without a step: `v = w = ` the part of the velocity of p₀ along the constraints.
+    /// The solution without a step: `v = w = ` the part of the velocity of p₀ along the
+    /// constraints.
     fn start(&self) -> DVector<f64> {
         let (t, q0) = (self.state.t, self.state.q.coordinates());
         let p0 = DVector::from_column_slice(&Q::components(&self.state.p));
@@ -266,7 +268,8 @@ where
     Followed::Whole(core::array::from_fn(|i| h * end[i]))
 }
 
-/// Follows a path from 0 to 1, whose points have places; `size` is added to lengths that strides are compared with. Returns its end; `None` after too many points.
+/// Follows a path from 0 to 1, whose points have places; `size` is added to lengths that strides
+/// are compared with. Returns its end; `None` after too many points.
 ///
 /// # Errors
 /// Where the path ends before.
@@ -304,7 +307,8 @@ fn path(
                 if stride < smallest {
                     return Err(at);
                 }
-                // a line through points that are far apart does not predict the end of a short stride
+                // a line through points that are far apart does not predict the end of a short
+                // stride
                 if let Some((earlier, x)) = &mut before
                     && at - *earlier > 3.0 * stride
                 {

@@ -1,4 +1,5 @@
-//! What long paths keep: the constraints, momenta of symmetries, the energy without drift; and the exact path of a rotation.
+//! What long paths keep: the constraints, momenta of symmetries, the energy without drift; and the
+//! exact path of a rotation.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};

@@ -1,4 +1,5 @@
-//! Steps and multipliers computed elsewhere with 40-digit arithmetic, independently of this project.
+//! Steps and multipliers computed elsewhere with 40-digit arithmetic, independently of this
+//! project.
 
 use sve_models::models::{OnSphere, TurnedSphere, TwoRods};
 use sve_models::reference::{ReferenceRun, check};

@@ -1,5 +1,6 @@
-//! Steps from rest with noises that are linear in the momentum: the noise moves the configuration, and the momentum stays zero. At the solution all terms of the
-//! equations of the momentum vanish, so its residuals are rounding errors in every iteration.
+//! Steps from rest with noises that are linear in the momentum: the noise moves the configuration,
+//! and the momentum stays zero. At the solution all terms of the equations of the momentum vanish,
+//! so its residuals are rounding errors in every iteration.
 
 use sve_models::models::TurnedSphere;
 use sve_models::random::Random;
@@ -47,7 +48,8 @@ where
                 );
                 let (from, to) = (Vector3::from(before.q), Vector3::from(state.q));
                 assert!((to.norm() - 1.0).abs() < 16.0 * f64::EPSILON, "{to:?}");
-                // the other rules leave the sphere with the noise, and come back to it with a momentum
+                // the other rules leave the sphere with the noise, and come back to it with a
+                // momentum
                 let Some(angle) = angle(dw) else { continue };
                 let distance = (to - turned(from, angle)).norm();
                 assert!(

@@ -1,5 +1,6 @@
-//! Roots of random long steps against a continuation of their own ([`path`](super::path)), in single steps and in lanes: a step is the end of its path from h → 0 without noise,
-//! and beyond the end of the path it is an error.
+//! Roots of random long steps against a continuation of their own ([`path`](super::path)), in
+//! single steps and in lanes: a step is the end of its path from h → 0 without noise, and beyond
+//! the end of the path it is an error.
 
 use sve_models::random::Random;
 use sve_runtime::prelude::*;
@@ -17,7 +18,8 @@ const ERROR: f64 = 1e-6;
 /// Steps of a size, and what became of them.
 struct Sampled {
     random: Random,
-    /// Largest length of a step without constraints, in lengths of the system, and largest increment in standard deviations.
+    /// Largest length of a step without constraints, in lengths of the system, and largest
+    /// increment in standard deviations.
     length: f64,
     deviations: f64,
     /// Blocks of lanes for each system and rule, and the lanes of each that are followed.
@@ -158,7 +160,8 @@ fn ordinary_steps_have_the_root_of_their_path() {
     assert!(2 * sampled.in_lanes > sampled.made, "{}", sampled.in_lanes);
 }
 
-/// Steps up to twice the lengths of the systems, in which the fastest path of each block moves that far: many are beyond the ends of their paths.
+/// Steps up to twice the lengths of the systems, in which the fastest path of each block moves that
+/// far: many are beyond the ends of their paths.
 #[test]
 fn long_steps_have_the_root_of_their_path_or_none() {
     let sampled = sampled(32, 2.0, 3.0);

@@ -1,4 +1,5 @@
-//! Steps are symplectic on the manifold of the constraints, with noise, and a step whose constraint force acts at the node is not.
+//! Steps are symplectic on the manifold of the constraints, with noise, and a step whose constraint
+//! force acts at the node is not.
 
 use sve_models::differences::derivatives;
 use sve_models::random::Random;
@@ -20,8 +21,9 @@ fn form(u: &[f64], w: &[f64]) -> f64 {
     (0..n).map(|i| u[i] * w[n + i] - u[n + i] * w[i]).sum()
 }
 
-/// Returns how much `step` changes ω on tangent vectors of the manifold onto which `consistent` projects, and the largest difference between the images of these
-/// vectors and what `tangent` makes of them.
+/// Returns how much `step` changes ω on tangent vectors of the manifold onto which `consistent`
+/// projects, and the largest difference between the images of these vectors and what `tangent`
+/// makes of them.
 fn defect(
     start: &[f64],
     consistent: impl Fn(&[f64]) -> Point,
@@ -104,7 +106,8 @@ fn every_step_is_symplectic_on_its_manifold() {
     println!("{:?}", check.worst);
 }
 
-/// The spherical pendulum by the midpoint rule with the constraint force at the node: `p̄ = p₀ − ½h g + λ q̄`, `|q₁| = 1`, p₁ projected.
+/// The spherical pendulum by the midpoint rule with the constraint force at the node:
+/// `p̄ = p₀ − ½h g + λ q̄`, `|q₁| = 1`, p₁ projected.
 fn force_at_node(z: &[f64]) -> Point {
     let [q, p] = [&z[..3], &z[3..]].map(Vector3::from_column_slice);
     let g = Vector3::new(0.0, 0.0, 1.3);

@@ -1,4 +1,5 @@
-//! A constraint that depends on time: a particle on a sphere whose radius changes, against spherical coordinates.
+//! A constraint that depends on time: a particle on a sphere whose radius changes, against
+//! spherical coordinates.
 
 use sve_models::models::Breathing;
 use sve_models::orders::{Paths, Row, Tolerance, numbers};
@@ -30,7 +31,8 @@ impl Angles {
 
 const D: f64 = 0.2;
 
-/// Paths with twice the steps again and again, up to 512, against the midpoint rule in angles with 4096 steps.
+/// Paths with twice the steps again and again, up to 512, against the midpoint rule in angles with
+/// 4096 steps.
 const PATHS: Paths = Paths {
     seed: 9,
     batches: 8,

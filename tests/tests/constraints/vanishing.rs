@@ -1,4 +1,5 @@
-//! Constraints whose gradients vanish where they hold, which a step refuses, and constraints of any size, which it takes.
+//! Constraints whose gradients vanish where they hold, which a step refuses, and constraints of any
+//! size, which it takes.
 
 use sve_runtime::ensemble::Cause;
 use sve_runtime::prelude::*;
@@ -59,7 +60,8 @@ fn distance(state: &State<[f64; 2]>) -> f64 {
     (state.q[0].hypot(state.q[1]) - 1.0).abs()
 }
 
-/// Returns how many starts are projected and how many steps are made, and the largest distance from the circle of what came of them.
+/// Returns how many starts are projected and how many steps are made, and the largest distance from
+/// the circle of what came of them.
 fn made<S, R, const M: usize>(integrator: &Integrator<S, R>, dw: &[f64; M]) -> (u32, u32, f64)
 where
     S: Variational<R> + System<Dims = Dims<2, M, [f64; 2]>>,

@@ -1,4 +1,5 @@
-//! Paths of degenerate systems: exact motions, energies over many steps, ensembles, compositions; and steps that are wrong.
+//! Paths of degenerate systems: exact motions, energies over many steps, ensembles, compositions;
+//! and steps that are wrong.
 
 use sve_models::degenerate::wrong::{self, Plain};
 use sve_models::degenerate::{
@@ -8,7 +9,8 @@ use sve_models::degenerate::{
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
-/// The three rules on the same noise stay near the exact rotation, and the midpoint rule keeps the energy.
+/// The three rules on the same noise stay near the exact rotation, and the midpoint rule keeps the
+/// energy.
 #[test]
 fn a_rotation_is_followed() {
     let start = State::from_configuration(&Kubo, [1.0, 0.5]).unwrap();
@@ -43,7 +45,8 @@ fn a_rotation_is_followed() {
     assert!(off(end) < 2e-2, "{}", off(end));
 }
 
-/// Two vortices turn about their centre by (Γ₁ + Γ₂)/d² (t + σW); distance, centre and momentum map stay.
+/// Two vortices turn about their centre by (Γ₁ + Γ₂)/d² (t + σW); distance, centre and momentum map
+/// stay.
 #[test]
 fn two_vortices_turn() {
     let pair = VortexPair {
@@ -165,7 +168,8 @@ fn the_gauge_matters_for_projected_steps() {
     assert!(long > 5.0 * short && long > 0.3, "{short:e} {long:e}");
 }
 
-/// The plain discrete Euler–Lagrange equations leave p = α(q); projecting after the step gives another equation.
+/// The plain discrete Euler–Lagrange equations leave p = α(q); projecting after the step gives
+/// another equation.
 #[test]
 fn wrong_steps_are_noticed() {
     let start = State::from_configuration(&LotkaVolterra, [1.5, 0.8]).unwrap();

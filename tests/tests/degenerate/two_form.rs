@@ -1,4 +1,5 @@
-//! Steps preserve the two-form: to rounding in the affine and the internal form, up to O(h⁵) where they are projected.
+//! Steps preserve the two-form: to rounding in the affine and the internal form, up to O(h⁵) where
+//! they are projected.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{CoordinateRole, Dims, LagrangianJet, System, Variational, VectorCoordinates};
@@ -8,7 +9,8 @@ use sve_models::degenerate::{
     MassWithAffinePair, MassWithPair, Spin, Vortices,
 };
 
-/// The vectors tangent to the consistent states at a state: one for each coordinate, and one for the momentum of each massive coordinate.
+/// The vectors tangent to the consistent states at a state: one for each coordinate, and one for
+/// the momentum of each massive coordinate.
 fn tangent_vectors<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q>,

@@ -1,4 +1,5 @@
-//! The step against the equations that the symbolic pipeline derives from the rule's unrolled action, solved by Newton's method without any structure.
+//! The step against the equations that the symbolic pipeline derives from the rule's unrolled
+//! action, solved by Newton's method without any structure.
 
 use sve_models::random::Random;
 use sve_runtime::__private::Unstructured;

@@ -1,4 +1,5 @@
-//! Tangent maps and sensitivities against differences of steps, symplecticity with noise, momenta, and steps back.
+//! Tangent maps and sensitivities against differences of steps, symplecticity with noise, momenta,
+//! and steps back.
 
 use sve_models::random::Random;
 use sve_models::steps::{check_return, check_sensitivity, check_tangent};
@@ -19,7 +20,8 @@ fn random_state<const N: usize>(random: &mut Random) -> State<[f64; N]> {
     )
 }
 
-/// Compares the tangent map with central differences, checks that it is symplectic, and that the step back returns.
+/// Compares the tangent map with central differences, checks that it is symplectic, and that the
+/// step back returns.
 fn check<S, R, const N: usize, const M: usize>(system: &S, rule: R, is_forced: bool)
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,

@@ -7,7 +7,8 @@ use sve_runtime::{Dims, System, Variational};
 
 use crate::systems::{VariableMass, double_pendulum, pendulum};
 
-/// Random starts, over which the errors of a step are averaged: the leading coefficient of a single one may vanish.
+/// Random starts, over which the errors of a step are averaged: the leading coefficient of a single
+/// one may vanish.
 const STARTS: usize = 40;
 
 /// Root mean square of the error of one step of size `h`, measured with 16 steps of order 16.
@@ -35,7 +36,8 @@ where
     (sum / STARTS as f64).sqrt()
 }
 
-/// Checks that the slope between these step sizes is `2 STAGES + 1`, with errors between rounding and 0.1.
+/// Checks that the slope between these step sizes is `2 STAGES + 1`, with errors between rounding
+/// and 0.1.
 fn check<S, const STAGES: usize, const N: usize, const M: usize>(
     system: &S,
     [large, small]: [f64; 2],
@@ -43,7 +45,8 @@ fn check<S, const STAGES: usize, const N: usize, const M: usize>(
     S: Variational<Gauss<STAGES>> + Variational<Gauss<8>> + System<Dims = Dims<N, M>>,
 {
     let errors = [large, small].map(|h| error::<S, STAGES, N, M>(system, h));
-    // Between these sizes the terms of higher order are still felt; the order of another number of stages differs by 2.
+    // Between these sizes the terms of higher order are still felt; the order of another number of
+    // stages differs by 2.
     let tolerance = Tolerance {
         bias: if STAGES < 4 { 0.2 } else { 1.0 },
         error: 0.0,

@@ -1,4 +1,5 @@
-//! Steps computed elsewhere with 40-digit arithmetic from the discrete action, independently of this project.
+//! Steps computed elsewhere with 40-digit arithmetic from the discrete action, independently of
+//! this project.
 
 use sve_models::reference::{ReferenceRun, check};
 use sve_runtime::prelude::*;

@@ -1,4 +1,5 @@
-//! Which solution a step takes: the one connected with no noise and h → 0. Random steps are compared in `tests/statistics/tests/roots`.
+//! Which solution a step takes: the one connected with no noise and h → 0. Random steps are
+//! compared in `tests/statistics/tests/roots`.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};

@@ -1,11 +1,13 @@
-//! How stages are solved: by fixed-point iteration where it contracts, by Newton's method elsewhere.
+//! How stages are solved: by fixed-point iteration where it contracts, by Newton's method
+//! elsewhere.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
 use crate::systems::{Pendulum, Relativistic, Ring, double_pendulum, pendulum};
 
-/// Makes a step, and returns whether the fixed-point iteration solved it: then no iteration of Newton's method is needed.
+/// Makes a step, and returns whether the fixed-point iteration solved it: then no iteration of
+/// Newton's method is needed.
 fn is_fixed_point<S, R, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     state: State<[f64; N]>,
@@ -115,7 +117,8 @@ fn compositions_of_gauss_rules_have_the_higher_order() {
         let found = end(steps);
         (found.q[0] - expected.q[0]).hypot(found.p[0] - expected.p[0])
     };
-    // the leading terms nearly cancel at the longest step, so the slope is too large rather than too small
+    // the leading terms nearly cancel at the longest step, so the slope is too large rather than
+    // too small
     let order = (error(2) / error(4)).log2();
     assert!(order > 7.0, "{order}: {:e} {:e}", error(2), error(4));
     assert!(error(4) < 1e-9, "{:e}", error(4));

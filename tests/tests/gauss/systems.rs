@@ -102,7 +102,8 @@ impl Relativistic {
     }
 }
 
-/// Everything at once: masses that depend on position and time, a magnetic term, a force with friction, a γ and an H₁ that depend on time.
+/// Everything at once: masses that depend on position and time, a magnetic term, a force with
+/// friction, a γ and an H₁ that depend on time.
 #[derive(Clone, Debug)]
 pub(crate) struct Everything {
     pub(crate) m: f64,
@@ -167,7 +168,8 @@ impl Central {
     }
 }
 
-/// Two coupled wells with a force and a noise of the position alone: of second order, with a mass matrix that is not diagonal.
+/// Two coupled wells with a force and a noise of the position alone: of second order, with a mass
+/// matrix that is not diagonal.
 #[derive(Clone, Debug)]
 pub(crate) struct Wells {
     pub(crate) m: [f64; 3],

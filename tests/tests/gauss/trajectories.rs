@@ -7,8 +7,9 @@ use crate::systems::{VariableMass, pendulum};
 
 const H: f64 = 0.2;
 
-/// Checks that each step of a trajectory is that from its state alone, to rounding, and that a stored trajectory continues with the same bits. Returns whether some
-/// step of the trajectory has other bits than that from its state: then it used the stages of the step before.
+/// Checks that each step of a trajectory is that from its state alone, to rounding, and that a
+/// stored trajectory continues with the same bits. Returns whether some step of the trajectory has
+/// other bits than that from its state: then it used the stages of the step before.
 fn check<S, R, const N: usize>(integrator: &Integrator<S, R>, start: State<[f64; N]>) -> bool
 where
     S: Variational<R> + System<Dims = Dims<N, 0>>,

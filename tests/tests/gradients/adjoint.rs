@@ -1,4 +1,5 @@
-//! The gradient of a loss by the discrete adjoint: against products of the tangent maps of the steps, and against differences.
+//! The gradient of a loss by the discrete adjoint: against products of the tangent maps of the
+//! steps, and against differences.
 
 use std::cell::RefCell;
 
@@ -43,7 +44,8 @@ fn loss_by_state(number: u64, state: &Point) -> Vec<f64> {
         .collect()
 }
 
-/// The gradient from the tangent maps and sensitivities of the steps, forwards. Returns the largest term beside it.
+/// The gradient from the tangent maps and sensitivities of the steps, forwards. Returns the largest
+/// term beside it.
 fn forwards(case: &dyn Case, start: &Point, seed: u64) -> Result<(LossGradient, f64), StepError> {
     let (n, m) = case.dimensions();
     let size = 2 * n;
@@ -144,7 +146,8 @@ fn the_number_of_checkpoints_changes_no_bit() {
     }
 }
 
-/// Differences of a trajectory: a loss of many states that reads a parameter, from a later state of a trajectory.
+/// Differences of a trajectory: a loss of many states that reads a parameter, from a later state of
+/// a trajectory.
 #[test]
 fn gradients_are_differences_of_the_loss() {
     let steps = 40;
@@ -212,7 +215,8 @@ fn gradients_are_differences_of_the_loss() {
     assert_eq!(gradient.get("b"), None);
 }
 
-/// Compositions, Gauss rules and rules with stage noise: the adjoint against the chain of tangent maps.
+/// Compositions, Gauss rules and rules with stage noise: the adjoint against the chain of tangent
+/// maps.
 #[test]
 fn compositions_and_gauss_rules() {
     /// Checks an integrator of a system with one coordinate, one noise and the stages of a rule.
@@ -280,7 +284,8 @@ impl Swing {
     }
 }
 
-/// A step function of time: the pieces add up to the derivative by a constant, and each is that by its value.
+/// A step function of time: the pieces add up to the derivative by a constant, and each is that by
+/// its value.
 #[test]
 fn pieces_are_derivatives_by_a_step_function() {
     let run = |values: [f64; 3]| {
@@ -354,7 +359,8 @@ impl Noise for Counted<'_> {
 
 impl Replayable for Counted<'_> {}
 
-/// `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times, and by default each is made three times at most.
+/// `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times, and by default
+/// each is made three times at most.
 #[test]
 fn steps_are_made_as_often_as_documented() {
     let swing = Integrator::new(Swing { g: 2.0, s: 0.3 }, Endpoint);

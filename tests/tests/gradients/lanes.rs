@@ -12,14 +12,17 @@ use crate::adjoint::Swing;
 
 const H: f64 = 0.1;
 
-/// Allowed difference in units of rounding of the largest entry of the tangent map. The steps are linearised at unknowns that agree to rounding, with functions that do,
-/// and in lanes the inverse of the Jacobian stands for its factors.
+/// Allowed difference in units of rounding of the largest entry of the tangent map. The steps are
+/// linearised at unknowns that agree to rounding, with functions that do, and in lanes the inverse
+/// of the Jacobian stands for its factors.
 const UNITS: f64 = 40.0;
 
-/// Steps whose tangent vectors are carried one after the other though the steps are made in lanes: their derivatives are too large.
+/// Steps whose tangent vectors are carried one after the other though the steps are made in lanes:
+/// their derivatives are too large.
 const ALONE: [&str; 2] = ["Charges by initial_point", "Charges by stormer_verlet"];
 
-/// Compares the lanes of a block. Returns the numbers of lanes that were solved, and of those whose vectors were carried.
+/// Compares the lanes of a block. Returns the numbers of lanes that were solved, and of those whose
+/// vectors were carried.
 fn compare(case: &dyn Case, random: &mut Random) -> [u32; 2] {
     let (what, noises) = (case.name(), case.dimensions().1);
     let states: Vec<Point> = (0..LANES).map(|_| case.model().point(random)).collect();
@@ -81,7 +84,8 @@ fn tangent_vectors_in_lanes_are_those_of_single_steps() {
 /// Substeps pass their tangent vectors on.
 #[test]
 fn compositions_carry_tangent_vectors_in_lanes() {
-    /// Checks an integrator of a system with one coordinate and one noise: by q and p at the start, and by each parameter.
+    /// Checks an integrator of a system with one coordinate and one noise: by q and p at the start,
+    /// and by each parameter.
     macro_rules! check {
         ($system:expr, $rule:expr) => {{
             let integrator = Integrator::new($system, $rule);

@@ -1,4 +1,5 @@
-//! Derivatives of probabilities by likelihood ratios, as the guide writes them with an observer that remembers, against exact values.
+//! Derivatives of probabilities by likelihood ratios, as the guide writes them with an observer
+//! that remembers, against exact values.
 
 use sve_models::differences::derivative;
 use sve_runtime::prelude::*;
@@ -25,7 +26,8 @@ fn tail([mean, second]: [f64; 2], a: f64) -> f64 {
     sum * width / 3.0 / core::f64::consts::TAU.sqrt()
 }
 
-/// What is remembered of a path: its last state, and the derivative of the logarithm of its density.
+/// What is remembered of a path: its last state, and the derivative of the logarithm of its
+/// density.
 struct Path {
     last: State<[f64; 1]>,
     by_k: f64,

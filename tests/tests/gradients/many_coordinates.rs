@@ -1,5 +1,6 @@
-//! Derivatives of explicit steps of many coordinates, which go by way of intermediate values: of ten coordinates in two halves that do
-//! not interact, against the derivatives of five coordinates, which have formulas.
+//! Derivatives of explicit steps of many coordinates, which go by way of intermediate values: of
+//! ten coordinates in two halves that do not interact, against the derivatives of five coordinates,
+//! which have formulas.
 
 use sve_runtime::prelude::*;
 

@@ -122,7 +122,8 @@ fn derivatives_at_the_start_are_those_of_the_function() {
     assert!(summary.derivative("x", "nu").is_none());
 }
 
-/// One path of an ensemble is a trajectory, whose gradient the discrete adjoint has, piece by piece of a step function.
+/// One path of an ensemble is a trajectory, whose gradient the discrete adjoint has, piece by piece
+/// of a step function.
 #[test]
 fn a_single_path_has_the_gradient_of_its_trajectory() {
     let swing = Integrator::new(Swing { g: 2.0, s: 0.3 }, Endpoint);

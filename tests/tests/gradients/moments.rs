@@ -110,7 +110,8 @@ fn linear_oscillator_by_the_midpoint_rule() {
     oscillator!(Midpoint, midpoint, 2);
 }
 
-/// The mean of q + ip after some steps: that of a step's factor (1 − iθ/2)/(1 + iθ/2), θ = ah + σ ΔW, to this power, times the start.
+/// The mean of q + ip after some steps: that of a step's factor (1 − iθ/2)/(1 + iθ/2), θ = ah + σ
+/// ΔW, to this power, times the start.
 fn kubo_mean(a: f64, sigma: f64, steps: i32) -> f64 {
     let (mut sum, mut weights) = ([0.0; 2], 0.0);
     for i in -900..=900 {

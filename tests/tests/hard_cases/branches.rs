@@ -1,4 +1,5 @@
-//! Equations with several solutions: the step takes the solution that is connected with the solution without noise, or returns an error.
+//! Equations with several solutions: the step takes the solution that is connected with the
+//! solution without noise, or returns an error.
 
 use sve_models::models::Actions;
 use sve_models::random::Random;
@@ -16,8 +17,9 @@ enum Branch {
     Ends(f64),
 }
 
-/// Follows the root of `value(x, s) = 0` from `start` at s = 0 to s = 1 in small steps, which are halved if the root moves
-/// fast. `slope` is the derivative by x, which is positive along the branch.
+/// Follows the root of `value(x, s) = 0` from `start` at s = 0 to s = 1 in small steps, which are
+/// halved if the root moves fast. `slope` is the derivative by x, which is positive along the
+/// branch.
 fn follow(start: f64, value: impl Fn(f64, f64) -> f64, slope: impl Fn(f64, f64) -> f64) -> Branch {
     const LARGEST: f64 = 1.0 / 1024.0;
     let (mut x, mut s, mut stride) = (start, 0.0, LARGEST);
@@ -155,8 +157,9 @@ fn lanes_take_the_same_branch() {
     assert!(done > 250, "{done}");
 }
 
-/// Two unknowns: H₁ = (σ₁I, σ₂I²) with I = (q² + p²)/2. The midpoint rule turns by an angle that depends on the middle's I, which
-/// solves `I (1 + x²/4) = I₀` with `x = ah + σ₁ΔW₁ + 2σ₂IΔW₂`, a cubic equation.
+/// Two unknowns: H₁ = (σ₁I, σ₂I²) with I = (q² + p²)/2. The midpoint rule turns by an angle that
+/// depends on the middle's I, which solves `I (1 + x²/4) = I₀` with `x = ah + σ₁ΔW₁ + 2σ₂IΔW₂`, a
+/// cubic equation.
 #[test]
 fn several_unknowns() {
     let mut random = Random::new(5);
@@ -193,8 +196,9 @@ fn several_unknowns() {
     assert!(counts[0] > 150 && counts[1] > 5, "{counts:?}");
 }
 
-/// Steps of a pendulum so long that their equation has several solutions: what is taken is connected with the explicit guess by
-/// a regular Jacobian. (With the limit h → 0 it need not be: an h of several periods has passed the folds of shorter ones.)
+/// Steps of a pendulum so long that their equation has several solutions: what is taken is
+/// connected with the explicit guess by a regular Jacobian. (With the limit h → 0 it need not be:
+/// an h of several periods has passed the folds of shorter ones.)
 #[test]
 fn long_steps_take_the_branch_of_their_guess() {
     struct Pendulum;

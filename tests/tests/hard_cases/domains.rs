@@ -1,4 +1,5 @@
-//! Lagrangians that are defined for some velocities or positions only: steps and the Legendre transform stay within the domain of L.
+//! Lagrangians that are defined for some velocities or positions only: steps and the Legendre
+//! transform stay within the domain of L.
 
 use sve_runtime::StateLanes;
 use sve_runtime::prelude::*;
@@ -49,7 +50,8 @@ impl Falling {
     }
 }
 
-/// A relativistic particle under unit force: v = p/√(1 + p²/c²) at each momentum, p₁ = p₀ + h by every rule.
+/// A relativistic particle under unit force: v = p/√(1 + p²/c²) at each momentum, p₁ = p₀ + h by
+/// every rule.
 #[test]
 fn relativistic_momenta_of_any_size() {
     for c in [1.0, 299_792_458.0] {
@@ -171,7 +173,8 @@ impl Charged {
     }
 }
 
-/// An explicit step across the border of the domain is an error that names it, and in lanes it is left to the single step.
+/// An explicit step across the border of the domain is an error that names it, and in lanes it is
+/// left to the single step.
 #[test]
 fn explicit_steps_stay_within_the_domain() {
     let endpoint = Integrator::new(Charged, Endpoint);

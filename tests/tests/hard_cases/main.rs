@@ -1,6 +1,7 @@
 //! Cases where integrators break: stiff, chaotic, singular, of odd sizes, dominated by noise.
 //!
-//! Each test says what must hold and why. A bound that is not derived is a few times the measured value.
+//! Each test says what must hold and why. A bound that is not derived is a few times the measured
+//! value.
 
 mod branches;
 mod domains;

@@ -6,9 +6,10 @@ use sve_runtime::{Dims, System, Variational, prelude::*};
 use super::systems::{Fourth, Rotor};
 use sve_models::models::Kepler;
 
-/// Kubo's circle, with a kick of the angle of σ√h in each step: the midpoint rule stays on it to rounding, for kicks of many
-/// turns too. The rounding of each of n steps is a few ε times the size of its matrix, which a large turn x cancels
-/// within, up to ε x²/(1 + x²/4), so 4ε; they add up like a random walk, bounded here by n/10 units.
+/// Kubo's circle, with a kick of the angle of σ√h in each step: the midpoint rule stays on it to
+/// rounding, for kicks of many turns too. The rounding of each of n steps is a few ε times the size
+/// of its matrix, which a large turn x cancels within, up to ε x²/(1 + x²/4), so 4ε; they add up
+/// like a random walk, bounded here by n/10 units.
 #[test]
 fn kubo_stays_on_its_circle() {
     let (h, steps) = (0.1_f64, 20_000);
@@ -27,8 +28,8 @@ fn kubo_stays_on_its_circle() {
     }
 }
 
-/// The other two rules solve for one half of the step explicitly; their circle is deformed, and for kicks near a turn there
-/// is none. What they give is finite or an error.
+/// The other two rules solve for one half of the step explicitly; their circle is deformed, and for
+/// kicks near a turn there is none. What they give is finite or an error.
 #[test]
 fn kubo_by_the_other_rules_is_finite_or_an_error() {
     fn run<R>(rule: R, sigma: f64, h: f64)
@@ -47,7 +48,8 @@ fn kubo_by_the_other_rules_is_finite_or_an_error() {
     }
 }
 
-/// With increments that are bounded, equations with noise of degree four in p have solutions for small h; with unbounded ones a long run meets the end of its branch, and says so.
+/// With increments that are bounded, equations with noise of degree four in p have solutions for
+/// small h; with unbounded ones a long run meets the end of its branch, and says so.
 #[test]
 fn degree_four_needs_truncation() {
     let rotor = Integrator::new(Rotor { s: 0.3 }, Midpoint);

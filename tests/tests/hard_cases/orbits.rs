@@ -12,10 +12,10 @@ fn aphelion(e: f64) -> State<[f64; 2]> {
     State::new([1.0 + e, 0.0], [0.0, ((1.0 - e) / (1.0 + e)).sqrt()])
 }
 
-/// A thousand periods of e = 0.9 in steps of a five-thousandth: the energy error returns to what it was in each period (its
-/// largest value belongs to the pericentre, where the step is a fifth of the radian of the local orbit), angular momentum is
-/// conserved to the rounding of 5 10⁶ steps, a random walk of 2000 times a few units in the last place; errors of one sign
-/// would give 10⁻⁹.
+/// A thousand periods of e = 0.9 in steps of a five-thousandth: the energy error returns to what it
+/// was in each period (its largest value belongs to the pericentre, where the step is a fifth of
+/// the radian of the local orbit), angular momentum is conserved to the rounding of 5 10⁶ steps, a
+/// random walk of 2000 times a few units in the last place; errors of one sign would give 10⁻⁹.
 #[test]
 fn kepler_of_eccentricity_0_9() {
     let kepler = Integrator::new(Kepler { k: 1.0, sigma: 0.0 }, Midpoint);
@@ -38,7 +38,8 @@ fn kepler_of_eccentricity_0_9() {
     assert!(change.abs() < 1e-11, "{change:e}");
 }
 
-/// The same planet in the time s of dt = r ds (Poincaré), on the level of its energy E: L = |q′|²/2r + 1 + Er.
+/// The same planet in the time s of dt = r ds (Poincaré), on the level of its energy E:
+/// L = |q′|²/2r + 1 + Er.
 struct Regular {
     energy: f64,
 }
@@ -56,8 +57,9 @@ impl Regular {
     }
 }
 
-/// e = 0.99: the pericentre is passed within a ten-thousandth of a period, which equal steps of t have to resolve; in a time that
-/// slows down there 2000 steps a period are enough for a thousand periods.
+/// e = 0.99: the pericentre is passed within a ten-thousandth of a period, which equal steps of t
+/// have to resolve; in a time that slows down there 2000 steps a period are enough for a thousand
+/// periods.
 #[test]
 fn kepler_of_eccentricity_0_99() {
     let regular = Integrator::new(Regular { energy: -0.5 }, Midpoint);
@@ -79,8 +81,8 @@ fn kepler_of_eccentricity_0_99() {
     assert!(change.abs() < 1e-11, "{change:e}");
 }
 
-/// Equal steps that do not resolve the pericentre of e = 0.99 give a wrong orbit or an error: never NaN, and never a wrong
-/// angular momentum, which the equations conserve on each of their branches.
+/// Equal steps that do not resolve the pericentre of e = 0.99 give a wrong orbit or an error: never
+/// NaN, and never a wrong angular momentum, which the equations conserve on each of their branches.
 #[test]
 fn an_unresolved_pericentre_is_not_hidden() {
     let kepler = Integrator::new(Kepler { k: 1.0, sigma: 0.0 }, Midpoint);
@@ -95,8 +97,9 @@ fn an_unresolved_pericentre_is_not_hidden() {
     }
 }
 
-/// Released a thousandth of a radian from upright, both arms: the fall is chaotic, the energy is not. The error is of second
-/// order in h, with no drift: the second half is no worse than the first by more than chaos explains.
+/// Released a thousandth of a radian from upright, both arms: the fall is chaotic, the energy is
+/// not. The error is of second order in h, with no drift: the second half is no worse than the
+/// first by more than chaos explains.
 #[test]
 fn double_pendulum_from_upright() {
     let system = PlanarDoublePendulum {
@@ -128,8 +131,8 @@ fn double_pendulum_from_upright() {
     assert!((4.0..64.0).contains(&ratio), "{ratio}");
 }
 
-/// Hénon–Heiles just below the energy 1/6 of escape: the orbit wanders over nearly all of the triangle and must not leave it,
-/// though a relative energy error of 10⁻³ upwards would let it.
+/// Hénon–Heiles just below the energy 1/6 of escape: the orbit wanders over nearly all of the
+/// triangle and must not leave it, though a relative energy error of 10⁻³ upwards would let it.
 #[test]
 fn henon_heiles_at_the_edge_of_chaos() {
     let system = Integrator::new(HenonHeiles, Midpoint);

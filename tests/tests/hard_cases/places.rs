@@ -1,4 +1,5 @@
-//! Places where coordinates or forces are singular. A step there is an error that names the place, or finite, but never NaN.
+//! Places where coordinates or forces are singular. A step there is an error that names the place,
+//! or finite, but never NaN.
 
 use sve_models::models::SphericalPendulum;
 use sve_runtime::prelude::*;
@@ -6,7 +7,8 @@ use sve_runtime::{Dims, System, Variational};
 
 use sve_models::models::Kepler;
 
-/// Steps until an error or the end and checks that every state is finite. Returns the error with the state before it.
+/// Steps until an error or the end and checks that every state is finite. Returns the error with
+/// the state before it.
 fn run<S, R, const N: usize>(
     integrator: &Integrator<S, R>,
     start: State<[f64; N]>,
@@ -58,8 +60,9 @@ fn place(error: &StepError) -> (f64, f64) {
     }
 }
 
-/// Swinging through the lowest point, where the azimuth is not defined: with no momentum about the axis the motion along
-/// the meridian has a mass of its own and passes; with a little of it the orbit turns around the pole in less time than a step.
+/// Swinging through the lowest point, where the azimuth is not defined: with no momentum about the
+/// axis the motion along the meridian has a mass of its own and passes; with a little of it the
+/// orbit turns around the pole in less time than a step.
 #[test]
 fn spherical_pendulum_through_the_pole() {
     fn check<R>(rule: R)
@@ -78,7 +81,8 @@ fn spherical_pendulum_through_the_pole() {
                 assert!(from_pole < 0.1, "{momentum:e}: {error} at {last:?}");
             }
         }
-        // at the pole itself with momentum about it there is no such motion; a rule that does not look there may go on
+        // at the pole itself with momentum about it there is no such motion; a rule that does not
+        // look there may go on
         if let Some((error, last)) = run(&pendulum, State::new([0.0, 0.0], [1.0, 0.1]), 0.01, 10) {
             assert_eq!(place(&error), (last.t, 0.01));
         }
@@ -89,8 +93,8 @@ fn spherical_pendulum_through_the_pole() {
     check(Taylor2);
 }
 
-/// Straight into the sun: the fall ends at t = π/√8 from rest at distance 1. What a step across makes of it is wrong in any
-/// case; it is finite, or an error that says where.
+/// Straight into the sun: the fall ends at t = π/√8 from rest at distance 1. What a step across
+/// makes of it is wrong in any case; it is finite, or an error that says where.
 #[test]
 fn kepler_collision() {
     fn check<R>(rule: R, h: f64) -> Option<(StepError, State<[f64; 2]>)>

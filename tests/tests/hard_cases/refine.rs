@@ -16,7 +16,8 @@ fn start() -> State<[f64; 1]> {
     State::new([0.0], [2.0])
 }
 
-/// Without refinement the path ends at a step that has no solution. With refinement it continues, with the same bits each time.
+/// Without refinement the path ends at a step that has no solution. With refinement it continues,
+/// with the same bits each time.
 #[test]
 fn a_path_goes_on_and_is_repeatable() {
     let midpoint = system();

@@ -1,4 +1,5 @@
-//! Which solution a step takes: the one connected with no noise and h → 0, in single steps and in lanes.
+//! Which solution a step takes: the one connected with no noise and h → 0, in single steps and in
+//! lanes.
 
 use sve_models::random::Random;
 use sve_runtime::prelude::*;
@@ -13,7 +14,8 @@ const SAMPLES: usize = if cfg!(feature = "thorough") {
     10_000
 };
 
-/// Returns whether two states agree up to the rounding errors of elementary functions, which an ill-conditioned step amplifies.
+/// Returns whether two states agree up to the rounding errors of elementary functions, which an
+/// ill-conditioned step amplifies.
 fn agree<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> bool {
     let near = |x: f64, y: f64| (x - y).abs() <= 1e-6 * (1.0 + y.abs());
     (0..N).all(|i| near(a.q[i], b.q[i]) && near(a.p[i], b.p[i]))
@@ -40,7 +42,8 @@ where
                 );
                 states.set(lane, &State::at(t, q, p));
                 for row in &mut dw {
-                    // a sum of three uniform numbers: as wide as a normal one, to three standard deviations
+                    // a sum of three uniform numbers: as wide as a normal one, to three standard
+                    // deviations
                     row[lane] = h.sqrt() * random.array::<3>(-1.0, 1.0).iter().sum::<f64>();
                 }
             }
@@ -63,7 +66,8 @@ where
 
 macro_rules! lanes_take_the_solution_of_single_steps {
     ($($system:ident, $q:expr, $p:expr;)*) => {
-        /// What a lane solves is what the single step solves: no lane takes another solution, or one where the single step errs.
+        /// What a lane solves is what the single step solves: no lane takes another solution, or
+        /// one where the single step errs.
         #[test]
         fn lanes_take_the_solution_of_single_steps() {
             $(
@@ -127,8 +131,9 @@ pub(super) fn assert_near(found: [f64; 2], expected: [f64; 2], tolerance: f64) {
 
 /// The solution that is followed, in small steps.
 mod followed {
-    /// Follows the root of `value(x, s)` from `x` at s = 0 to s = 1, by Newton's method. The steps are so small that the root moves
-    /// little compared with the length on which the equations change. Returns `None` if the slope vanishes.
+    /// Follows the root of `value(x, s)` from `x` at s = 0 to s = 1, by Newton's method. The steps
+    /// are so small that the root moves little compared with the length on which the equations
+    /// change. Returns `None` if the slope vanishes.
     pub(super) fn root(
         mut x: f64,
         value: impl Fn(f64, f64) -> f64,
@@ -149,8 +154,9 @@ mod followed {
     }
 }
 
-/// The pendulum by the midpoint rule with steps longer than the period of its linearisation, where most states have several solutions.
-/// The step takes the solution that a reference follows from h = 0, then from zero noise.
+/// The pendulum by the midpoint rule with steps longer than the period of its linearisation, where
+/// most states have several solutions. The step takes the solution that a reference follows from
+/// h = 0, then from zero noise.
 #[test]
 fn large_steps_of_the_pendulum() {
     let integrator = Integrator::new(Pendulum, Midpoint);

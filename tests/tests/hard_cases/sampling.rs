@@ -1,10 +1,12 @@
-//! Langevin dynamics at large steps: the sampled distribution is not exp(−H/kT) but the stationary distribution of the step's matrix.
+//! Langevin dynamics at large steps: the sampled distribution is not exp(−H/kT) but the stationary
+//! distribution of the step's matrix.
 
 use sve_runtime::{Variational, prelude::*};
 
 use super::systems::Bath;
 
-/// The stationary covariance (⟨q²⟩, ⟨qp⟩, ⟨p²⟩) of z₁ = A z₀ + b ΔW: `C = A C Aᵀ + h b bᵀ`, three linear equations.
+/// The stationary covariance (⟨q²⟩, ⟨qp⟩, ⟨p²⟩) of z₁ = A z₀ + b ΔW: `C = A C Aᵀ + h b bᵀ`, three
+/// linear equations.
 fn stationary(a: [[f64; 2]; 2], b: [f64; 2], h: f64) -> [f64; 3] {
     let [[a11, a12], [a21, a22]] = a;
     let mut rows = [
@@ -109,13 +111,15 @@ where
     }
 }
 
-/// The midpoint rule is the Cayley map of the linear equation, which has its stationary covariance, whatever the step.
+/// The midpoint rule is the Cayley map of the linear equation, which has its stationary covariance,
+/// whatever the step.
 #[test]
 fn midpoint_samples_the_exact_covariance() {
     check(Midpoint, &[0.5, 2.0, 10.0], true);
 }
 
-/// The other rules differ from exp(−H/kT), by a factor near ωh = 2. They sample the stationary covariance of their own steps.
+/// The other rules differ from exp(−H/kT), by a factor near ωh = 2. They sample the stationary
+/// covariance of their own steps.
 #[test]
 fn endpoint_and_initial_point_sample_their_own() {
     check(Endpoint, &[1.0, 1.5], false);

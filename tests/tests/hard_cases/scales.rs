@@ -13,7 +13,8 @@ fn units_of_two_to_the_sixty() {
         let speed = length / time;
         let reference = Integrator::new(Kepler { k: 1.0, sigma: 0.1 }, Midpoint);
         let k = length * speed * speed;
-        // γ/r times an increment is an action; the increment may be measured in any power of two, here that of the time
+        // γ/r times an increment is an action; the increment may be measured in any power of two,
+        // here that of the time
         let other = Integrator::new(Kepler { k, sigma: 0.1 * k }, Midpoint);
         let mut a = State::new([1.0, 0.2], [0.1, 0.9]);
         let mut b = State::new(a.q.map(|x| x * length), a.p.map(|x| x * speed));
@@ -27,7 +28,8 @@ fn units_of_two_to_the_sixty() {
     }
 }
 
-/// From the smallest numbers to the largest: a finite state or an error, and what is at rest stays there.
+/// From the smallest numbers to the largest: a finite state or an error, and what is at rest stays
+/// there.
 #[test]
 fn subnormal_and_huge_states() {
     let midpoint = Integrator::new(Quartic { m: 1.0, k: 1.0 }, Midpoint);
@@ -73,7 +75,8 @@ fn subnormal_and_huge_states() {
     assert!(made > 200 && errors > 20, "{made} {errors}");
 }
 
-/// A subnormal oscillation keeps its digits as far as there are any: p₁ − p₀ = −h q̄ of the free pendulum near rest.
+/// A subnormal oscillation keeps its digits as far as there are any: p₁ − p₀ = −h q̄ of the free
+/// pendulum near rest.
 #[test]
 fn small_oscillations_of_a_pendulum() {
     let pendulum = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
@@ -91,7 +94,8 @@ fn small_oscillations_of_a_pendulum() {
     }
 }
 
-/// From steps below the digits of the state to ones of many periods: a step, or an error that gives h.
+/// From steps below the digits of the state to ones of many periods: a step, or an error that gives
+/// h.
 #[test]
 fn steps_of_all_sizes() {
     let pendulum = Integrator::new(Pendulum { g: 9.8 }, Midpoint);
@@ -103,7 +107,8 @@ fn steps_of_all_sizes() {
         match pendulum.step(&mut state, h, &[]) {
             Ok(()) => {
                 if h <= 1e-6 {
-                    // the increments are right to their own digits, as far as the state can hold them
+                    // the increments are right to their own digits, as far as the state can hold
+                    // them
                     let (dq, dp) = (state.q[0] - 1.0, state.p[0] - 0.5);
                     let force = -9.8 * 1.0_f64.sin();
                     assert!(

@@ -5,7 +5,8 @@ use sve_runtime::{Dims, System, Variational, prelude::*};
 
 use super::systems::Stiff;
 
-/// Returns the largest energy in units of the initial energy; `None` if a step fails or the energy passes a million.
+/// Returns the largest energy in units of the initial energy; `None` if a step fails or the energy
+/// passes a million.
 fn largest_energy<S, R>(integrator: &Integrator<S, R>, steps: usize) -> Option<f64>
 where
     S: Variational<R> + System<Dims = Dims<1, 0>>,
@@ -55,8 +56,9 @@ fn stops_at(run: impl Fn(f64) -> Option<f64>) -> f64 {
     bad
 }
 
-/// The midpoint rule conserves quadratic energies, whatever the step: what is left is the random walk of rounding errors,
-/// which a step amplifies by up to ωh (the momentum is ωh times what the position is).
+/// The midpoint rule conserves quadratic energies, whatever the step: what is left is the random
+/// walk of rounding errors, which a step amplifies by up to ωh (the momentum is ωh times what the
+/// position is).
 #[test]
 fn linear_midpoint_conserves_energy() {
     for omega in OMEGA_H {
@@ -66,8 +68,8 @@ fn linear_midpoint_conserves_energy() {
     }
 }
 
-/// The other two are stable for ωh < 2, where their modified energy p² + ω²q² ± hω²qp is definite: it bounds the energy by
-/// (1 + ωh/2)/(1 − ωh/2) of the first. Above, they are hyperbolic maps.
+/// The other two are stable for ωh < 2, where their modified energy p² + ω²q² ± hω²qp is definite:
+/// it bounds the energy by (1 + ωh/2)/(1 − ωh/2) of the first. Above, they are hyperbolic maps.
 #[test]
 fn linear_endpoint_and_initial_point_stop_at_two() {
     for omega in OMEGA_H {
@@ -91,8 +93,9 @@ fn linear_endpoint_and_initial_point_stop_at_two() {
     }
 }
 
-/// The midpoint rule does not conserve the energy of a quartic oscillator, and no theorem bounds it for large steps; it stays
-/// within a factor of nine of the first for all ωh, where the others blow up near ωh = 1.4 (their orbit is lost in chaos there).
+/// The midpoint rule does not conserve the energy of a quartic oscillator, and no theorem bounds it
+/// for large steps; it stays within a factor of nine of the first for all ωh, where the others blow
+/// up near ωh = 1.4 (their orbit is lost in chaos there).
 #[test]
 fn quartic_midpoint_stays_bounded() {
     for omega in OMEGA_H {

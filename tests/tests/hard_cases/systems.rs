@@ -14,7 +14,8 @@ impl Stiff {
     }
 }
 
-/// L = ½v² − ½q², H₁ = s(p⁴/4 − βp³/3): the midpoint rule is a cubic equation in the momentum of the middle.
+/// L = ½v² − ½q², H₁ = s(p⁴/4 − βp³/3): the midpoint rule is a cubic equation in the momentum of
+/// the middle.
 #[derive(Clone)]
 pub(super) struct Fourth {
     pub(super) s: f64,
@@ -33,8 +34,8 @@ impl Fourth {
     }
 }
 
-/// A pendulum with noise of degree four in the momentum, L = ½v² + cos q, H₁ = ¼sp⁴: its momentum stays small, so that steps without a
-/// solution are met again and again.
+/// A pendulum with noise of degree four in the momentum, L = ½v² + cos q, H₁ = ¼sp⁴: its momentum
+/// stays small, so that steps without a solution are met again and again.
 pub(super) struct Rotor {
     pub(super) s: f64,
 }

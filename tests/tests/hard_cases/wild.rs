@@ -1,4 +1,5 @@
-//! Systems whose steps have several solutions at large steps, of one to three coordinates and every kind of term.
+//! Systems whose steps have several solutions at large steps, of one to three coordinates and every
+//! kind of term.
 
 use sve_runtime::prelude::*;
 

@@ -1,5 +1,5 @@
-//! The language of a body, feature by feature. The derived value equals the user's function, and the derived derivatives equal its
-//! difference quotients.
+//! The language of a body, feature by feature. The derived value equals the user's function, and
+//! the derived derivatives equal its difference quotients.
 
 use sve_models::feature;
 use sve_models::language::{check, close, slope, with};

@@ -1,5 +1,6 @@
-//! Common idioms: iterators, slices, closures, conditions on indices, constants from outside the block. Each derived system is compared
-//! with the user's function, and its derivatives with difference quotients.
+//! Common idioms: iterators, slices, closures, conditions on indices, constants from outside the
+//! block. Each derived system is compared with the user's function, and its derivatives with
+//! difference quotients.
 
 use std::f64::consts::PI;
 

@@ -1,12 +1,15 @@
-//! The exponents of Hénon and Heiles against an integration that shares no code with them: the equations of motion and of a small change, written out and
-//! solved by the classical Runge–Kutta method.
+//! The exponents of Hénon and Heiles against an integration that shares no code with them: the
+//! equations of motion and of a small change, written out and solved by the classical Runge–Kutta
+//! method.
 //!
-//! Source of the equations: M. Hénon, C. Heiles, *The applicability of the third integral of motion*, Astron. J. 69 (1964) 73–79.
+//! Source of the equations: M. Hénon, C. Heiles, *The applicability of the third integral of
+//! motion*, Astron. J. 69 (1964) 73–79.
 
 use sve_models::models::HenonHeiles;
 use sve_runtime::prelude::*;
 
-/// Lengths of the parts of a path, whose rates are taken as independent. In a part before them the change turns to the direction that grows.
+/// Lengths of the parts of a path, whose rates are taken as independent. In a part before them the
+/// change turns to the direction that grows.
 const PART: u32 = 500;
 const PARTS: u32 = 20;
 
@@ -68,8 +71,9 @@ fn reference(energy: f64) -> (f64, f64) {
     (mean, (squares / (n * (n - 1.0))).sqrt())
 }
 
-/// At both energies one chaotic region has nearly all of the energy surface outside of the islands, so paths of different methods have the same exponent. Nearby islands
-/// hold paths for long times, which the errors of the averages contain.
+/// At both energies one chaotic region has nearly all of the energy surface outside of the islands,
+/// so paths of different methods have the same exponent. Nearby islands hold paths for long times,
+/// which the errors of the averages contain.
 #[test]
 fn agrees_with_an_independent_integration() {
     let h = 1.0 / f64::from(COARSE);

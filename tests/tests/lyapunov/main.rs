@@ -1,4 +1,5 @@
-//! Lyapunov exponents: closed forms of the discrete map, pairs of symplectic maps, an independent integration, compositions, noise.
+//! Lyapunov exponents: closed forms of the discrete map, pairs of symplectic maps, an independent
+//! integration, compositions, noise.
 
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]
@@ -9,7 +10,8 @@ mod henon_heiles;
 use sve_models::models::{HenonHeiles, OnSphere};
 use sve_runtime::prelude::*;
 
-/// A saddle beside an oscillator: linear, so that the exponents are the logarithms of the eigenvalues of the step.
+/// A saddle beside an oscillator: linear, so that the exponents are the logarithms of the
+/// eigenvalues of the step.
 struct Saddle {
     k: f64,
     omega: f64,
@@ -23,7 +25,8 @@ impl Saddle {
     }
 }
 
-/// The eigenvalue of the midpoint rule for q'' = k q is (1 + √k h/2)/(1 − √k h/2), that of Störmer–Verlet solves λ + 1/λ = 2 + kh².
+/// The eigenvalue of the midpoint rule for q'' = k q is (1 + √k h/2)/(1 − √k h/2), that of
+/// Störmer–Verlet solves λ + 1/λ = 2 + kh².
 #[test]
 fn of_a_saddle_are_the_logarithms_of_the_eigenvalues_of_the_step() {
     let (k, h) = (2.5_f64, 0.1);
@@ -46,7 +49,8 @@ fn of_a_saddle_are_the_logarithms_of_the_eigenvalues_of_the_step() {
     check_saddle(&path.exponents(), verlet);
 }
 
-/// The oscillator has exponents 0, from which those of a finite path differ by the logarithm of a bounded number over its time.
+/// The oscillator has exponents 0, from which those of a finite path differ by the logarithm of a
+/// bounded number over its time.
 fn check_saddle(exponents: &[f64], largest: f64) {
     assert!((exponents[0] - largest).abs() < 1e-12, "{exponents:?}");
     assert!((exponents[3] + largest).abs() < 1e-12, "{exponents:?}");
@@ -149,7 +153,8 @@ fn chaotic_start() -> State<[f64; 2]> {
     State::new([0.0, y], [(0.25 - 2.0 * potential).sqrt(), 0.0])
 }
 
-/// A path that starts nearby and is put back to a small distance after each step grows away at the same rate.
+/// A path that starts nearby and is put back to a small distance after each step grows away at the
+/// same rate.
 #[test]
 fn is_the_rate_at_which_a_near_path_leaves() {
     let (h, steps, distance) = (0.05, 20_000, 1e-7);
@@ -186,7 +191,8 @@ fn is_the_rate_at_which_a_near_path_leaves() {
     );
 }
 
-/// Two rules and two paths of the noise: the exponents of a pendulum with friction in gusts, which has a stationary law, agree to their errors.
+/// Two rules and two paths of the noise: the exponents of a pendulum with friction in gusts, which
+/// has a stationary law, agree to their errors.
 #[test]
 fn of_a_noisy_motion_are_those_of_other_rules_and_paths() {
     let (h, steps, start) = (0.1, 200_000, State::new([1.0], [0.0]));

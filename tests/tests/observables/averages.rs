@@ -1,11 +1,13 @@
-//! Temperatures and other averages: the bias of each rule by exact moments, one long path, many paths.
+//! Temperatures and other averages: the bias of each rule by exact moments, one long path, many
+//! paths.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Blocking, Dims, System, Variational};
 
 use super::systems::{Langevin, Oscillator};
 
-/// The stationary moments (⟨q²⟩, ⟨qp⟩, ⟨p²⟩) of a linear step z₁ = A z₀ + b ΔW: the fixed point of the linear map of the moments.
+/// The stationary moments (⟨q²⟩, ⟨qp⟩, ⟨p²⟩) of a linear step z₁ = A z₀ + b ΔW: the fixed point of
+/// the linear map of the moments.
 fn stationary<S, R>(integrator: &Integrator<S, R>, h: f64) -> [f64; 3]
 where
     S: Variational<R> + System<Dims = Dims<1, 1>>,
@@ -97,7 +99,8 @@ impl Bodies {
     }
 }
 
-/// One long path: the mean of p² is within its error, which blocking finds, and the error of independent values is far too small.
+/// One long path: the mean of p² is within its error, which blocking finds, and the error of
+/// independent values is far too small.
 #[test]
 fn one_long_path() {
     let langevin = Langevin {
@@ -151,7 +154,8 @@ fn averages(
         .average("q²", |_, state| state.q[0].powi(2))
 }
 
-/// The average of a path is the trapezoidal sum along it, and the statistics are those of the averages.
+/// The average of a path is the trapezoidal sum along it, and the statistics are those of the
+/// averages.
 #[test]
 fn averages_along_paths_are_trapezoidal_sums() {
     let motion = Integrator::new(
@@ -199,7 +203,8 @@ fn averages_along_paths_are_trapezoidal_sums() {
     assert_eq!(plain["q"].mean(), summary["q"].mean());
 }
 
-/// The same bits on any number of threads and shards, and from a checkpoint; another function or beginning is another run.
+/// The same bits on any number of threads and shards, and from a checkpoint; another function or
+/// beginning is another run.
 #[test]
 fn averages_keep_their_bits() {
     let motion = Integrator::new(
@@ -253,7 +258,8 @@ fn averages_keep_their_bits() {
     assert_eq!(continued, whole);
 }
 
-/// An integrand that is not finite between two recorded times fails the path with its name and place.
+/// An integrand that is not finite between two recorded times fails the path with its name and
+/// place.
 #[test]
 fn integrands_that_are_not_finite_fail_the_path() {
     let motion = Integrator::new(Oscillator, Midpoint);

@@ -10,7 +10,8 @@ fn ball() -> Integrator<Ball, StormerVerlet> {
     Integrator::new(Ball { g: 1.0 }, StormerVerlet)
 }
 
-/// A ball from height ½ with g = 1 bounces at t = 1, 3, 5, … A step of the rule is exact, and so are the bounces, however many there are in a step.
+/// A ball from height ½ with g = 1 bounces at t = 1, 3, 5, … A step of the rule is exact, and so
+/// are the bounces, however many there are in a step.
 #[test]
 fn an_elastic_ball_bounces_for_ever() {
     for (h, tolerance) in [(0.1, 1e-11), (0.7, 1e-12), (5.2, 1e-12), (20.5, 1e-12)] {
@@ -49,7 +50,8 @@ fn an_elastic_ball_bounces_for_ever() {
     }
 }
 
-/// With restitution e the bounces accumulate at t = 1 + 2e/(1 − e). That is an error that says so, and the ball never is below the floor.
+/// With restitution e the bounces accumulate at t = 1 + 2e/(1 − e). That is an error that says so,
+/// and the ball never is below the floor.
 #[test]
 fn bounces_that_accumulate_are_an_error() {
     for e in [0.9, 0.5, 0.1, 0.01] {
@@ -98,7 +100,8 @@ fn kicks_let_the_motion_pass() {
     assert!((end.p[0] - expected[1]).abs() < 1e-8, "{end:?}");
 }
 
-/// After a change the path goes on as a new trajectory from there: nothing is carried across it, and later steps have the same bits.
+/// After a change the path goes on as a new trajectory from there: nothing is carried across it,
+/// and later steps have the same bits.
 #[test]
 fn a_change_begins_a_new_trajectory() {
     let motion = Integrator::new(HenonHeiles, StormerVerlet);
@@ -191,7 +194,8 @@ fn changes_at_the_end_of_a_step() {
     assert!(bounces >= 3, "{bounces}");
 }
 
-/// The rest of a step after a change has the rest of the increment: a change that changes nothing leaves the path as it was.
+/// The rest of a step after a change has the rest of the increment: a change that changes nothing
+/// leaves the path as it was.
 #[test]
 fn the_rest_of_a_step_has_the_rest_of_the_noise() {
     let motion = Integrator::new(Drifting { sigma: 0.5 }, Midpoint);

@@ -24,7 +24,8 @@ fn is_on_the_sphere(state: &Point) -> bool {
     (state.q.norm() - 1.0).abs() < 1e-13 && state.q.dot(&state.p).abs() < 1e-13
 }
 
-/// The crossings of the equator by a rule, with error of order 2 at a fixed number of steps, and on the sphere.
+/// The crossings of the equator by a rule, with error of order 2 at a fixed number of steps, and on
+/// the sphere.
 fn section<R>(motion: &Integrator<Sphere, R>, h: f64) -> Vec<Point>
 where
     R: Rule<Sphere, Increments = [f64; 3]>,
@@ -67,7 +68,8 @@ fn sections_on_a_sphere() {
     order(StormerVerlet);
 }
 
-/// A particle that bounces off the equator keeps its energy as well as without bounces, and stays on the sphere.
+/// A particle that bounces off the equator keeps its energy as well as without bounces, and stays
+/// on the sphere.
 #[test]
 fn bounces_on_a_sphere() {
     let motion = Integrator::new(sphere(), Midpoint);
@@ -102,7 +104,8 @@ fn bounces_on_a_sphere() {
     );
 }
 
-/// A sphere has two degrees of freedom: the mean temperature is that of the bath up to the error of the rule.
+/// A sphere has two degrees of freedom: the mean temperature is that of the bath up to the error of
+/// the rule.
 #[test]
 fn the_temperature_on_a_sphere() {
     let system = Sphere {
@@ -133,7 +136,8 @@ impl Planar {
     }
 }
 
-/// The motion is a turn with unit rate. The section of its circle is a point, at times that are a turn apart up to the phase error h²/12 of the rule.
+/// The motion is a turn with unit rate. The section of its circle is a point, at times that are a
+/// turn apart up to the phase error h²/12 of the rule.
 #[test]
 fn a_section_of_a_degenerate_lagrangian() {
     let motion = Integrator::new(Planar, Midpoint);

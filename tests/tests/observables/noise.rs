@@ -60,7 +60,8 @@ fn refined_path(noise: &Wiener, h: f64, depth: u32, steps: usize) -> Vec<f64> {
     sums
 }
 
-/// Within steps the path is that of the refined noise, and a crossing of a level lies where the refined path crosses it.
+/// Within steps the path is that of the refined noise, and a crossing of a level lies where the
+/// refined path crosses it.
 #[test]
 fn the_path_within_a_step_is_the_refined_path() {
     let motion = Integrator::new(Drifting { sigma: 1.0 }, Midpoint);
@@ -105,7 +106,8 @@ fn the_path_within_a_step_is_the_refined_path() {
     assert!(count > 30, "{count}");
 }
 
-/// At a fixed fraction θ of a step the state is that of the bridge: mean `θΔW`, variance `θ(1 − θ)h`.
+/// At a fixed fraction θ of a step the state is that of the bridge: mean `θΔW`, variance
+/// `θ(1 − θ)h`.
 #[test]
 fn the_law_of_the_path_within_a_step() {
     let motion = Integrator::new(Drifting { sigma: 1.0 }, Midpoint);
@@ -131,7 +133,8 @@ fn the_law_of_the_path_within_a_step() {
     }
 }
 
-/// A function that the noise itself moves is zero at the state that is found, although it has zeros everywhere near.
+/// A function that the noise itself moves is zero at the state that is found, although it has zeros
+/// everywhere near.
 #[test]
 fn rough_functions_are_zero_where_they_are_found() {
     let motion = Integrator::new(
@@ -151,7 +154,8 @@ fn rough_functions_are_zero_where_they_are_found() {
     }
 }
 
-/// The time of a passage converges path by path with order 1: a step is solved anew on its part of the path.
+/// The time of a passage converges path by path with order 1: a step is solved anew on its part of
+/// the path.
 #[test]
 fn passages_converge_with_the_rule() {
     let motion = Integrator::new(Pendulum { sigma: 0.3 }, Midpoint);

@@ -1,4 +1,5 @@
-//! Crossings: their accuracy for each rule, directions, several functions, angles, what is seen, errors.
+//! Crossings: their accuracy for each rule, directions, several functions, angles, what is seen,
+//! errors.
 
 use std::f64::consts::{PI, TAU};
 

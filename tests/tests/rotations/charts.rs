@@ -1,7 +1,7 @@
 //! Canonical coordinates near a state with rotations, and derivatives of steps by differences.
 //!
-//! Near a rotation R with momentum Π the coordinates are the Cayley vector ε of R cay(ε) and the conjugate momentum y = A(ε)ᵀ Π, with
-//! A(ε) = (1 − ½ ε̂)/(1 + ¼|ε|²).
+//! Near a rotation R with momentum Π the coordinates are the Cayley vector ε of R cay(ε) and the
+//! conjugate momentum y = A(ε)ᵀ Π, with A(ε) = (1 − ½ ε̂)/(1 + ¼|ε|²).
 
 use sve_runtime::nalgebra::{DMatrix, Quaternion};
 use sve_runtime::prelude::*;
@@ -110,7 +110,8 @@ impl<const K: usize> Chart for State<[UnitQuaternion<f64>; K]> {
     }
 }
 
-/// Returns the derivatives of a function by the canonical coordinates around a state, by differences of sixth order.
+/// Returns the derivatives of a function by the canonical coordinates around a state, by
+/// differences of sixth order.
 pub(crate) fn slopes<C: Chart>(start: &C, function: impl Fn(&C) -> f64) -> Vec<f64> {
     let size = 2 * C::N;
     let slope = |column: usize| -> f64 {
@@ -126,7 +127,8 @@ pub(crate) fn slopes<C: Chart>(start: &C, function: impl Fn(&C) -> f64) -> Vec<f
     (0..size).map(slope).collect()
 }
 
-/// Returns the derivative of a map in canonical coordinates at its start and its end, by differences of sixth order.
+/// Returns the derivative of a map in canonical coordinates at its start and its end, by
+/// differences of sixth order.
 pub(crate) fn differences<C: Chart>(start: &C, map: impl Fn(&C) -> C) -> DMatrix<f64> {
     let end = map(start);
     let size = 2 * C::N;

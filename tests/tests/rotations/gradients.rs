@@ -1,4 +1,5 @@
-//! Gradients along paths with rotations, against differences in the canonical coordinates of the start and by the parameters.
+//! Gradients along paths with rotations, against differences in the canonical coordinates of the
+//! start and by the parameters.
 
 use sve_runtime::ensemble::By;
 use sve_runtime::prelude::*;

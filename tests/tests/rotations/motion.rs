@@ -1,4 +1,5 @@
-//! What motions with rotations keep: momenta, Casimirs, energies; steps back; compositions; energy and drift.
+//! What motions with rotations keep: momenta, Casimirs, energies; steps back; compositions; energy
+//! and drift.
 
 use sve_runtime::nalgebra::Quaternion;
 use sve_runtime::prelude::*;
@@ -71,7 +72,8 @@ fn a_step_and_the_step_back_return_to_the_start() {
     assert!(errors.iter().all(|&e| e < 1e-14), "{errors:?}");
 }
 
-/// Body momentum and spatial momentum of a body that noise drives through its momentum alone, over 10⁵ steps.
+/// Body momentum and spatial momentum of a body that noise drives through its momentum alone, over
+/// 10⁵ steps.
 #[test]
 fn a_free_body_keeps_its_casimir_and_its_spatial_momentum() {
     let (chi, k) = (Vector3::new(0.3, -0.2, 0.5), Vector3::new(0.5, 0.2, -0.3));
@@ -137,7 +139,8 @@ fn momenta_of_symmetries_are_kept() {
     assert!((system.together_momentum(&state) - before).abs() < 1e-13);
 }
 
-/// The energy of a heavy top without noise oscillates and does not drift; the vertical momentum stays.
+/// The energy of a heavy top without noise oscillates and does not drift; the vertical momentum
+/// stays.
 #[test]
 fn the_energy_of_a_heavy_top_does_not_drift() {
     let system = HeavyTop { s: 0.0, ..top() };

@@ -124,7 +124,8 @@ impl DampedWithoutAttitude {
     }
 }
 
-/// The force in the frame of the body does not read the attitude, so that the steps have the same bits from every attitude.
+/// The force in the frame of the body does not read the attitude, so that the steps have the same
+/// bits from every attitude.
 #[test]
 fn a_force_in_the_frame_of_the_body_does_not_see_the_attitude() {
     let full = Integrator::new(Damped { nu: 0.2 }, Midpoint);

@@ -1,4 +1,5 @@
-//! Steps of a rigid body computed elsewhere with 40-digit arithmetic, independently of this project.
+//! Steps of a rigid body computed elsewhere with 40-digit arithmetic, independently of this
+//! project.
 
 use sve_models::reference::check;
 use sve_runtime::prelude::*;

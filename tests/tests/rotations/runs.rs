@@ -49,7 +49,8 @@ fn a_stored_trajectory_continues_with_the_same_bits() {
     }
 }
 
-/// The guess is accurate to second order in the step size: one of Newton's updates and the last one are enough for a small step.
+/// The guess is accurate to second order in the step size: one of Newton's updates and the last one
+/// are enough for a small step.
 #[test]
 fn a_small_step_of_a_body_takes_one_iteration() {
     let integrator = Integrator::new(FreeBody { i: I }, Midpoint);
@@ -80,7 +81,8 @@ fn a_state_is_stored_with_its_quaternion() {
     assert_eq!(back, state);
 }
 
-/// The paths of an ensemble are single trajectories, bit for bit, on any number of threads; so are its final states.
+/// The paths of an ensemble are single trajectories, bit for bit, on any number of threads; so are
+/// its final states.
 #[test]
 fn paths_of_an_ensemble_are_trajectories() {
     let integrator = top();

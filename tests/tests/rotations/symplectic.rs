@@ -1,4 +1,5 @@
-//! Steps are symplectic on the cotangent bundle, with noise; tangent maps and sensitivities are those of differences.
+//! Steps are symplectic on the cotangent bundle, with noise; tangent maps and sensitivities are
+//! those of differences.
 
 use sve_runtime::nalgebra::{DMatrix, Matrix3};
 use sve_runtime::prelude::*;
@@ -95,8 +96,8 @@ fn tethered() -> Tethered {
     }
 }
 
-/// The midpoint rule in the chart around R₀, frozen during the step: S = h L(R₀ cay(½(x₀ + x₁)), A(½(x₀ + x₁)) (x₁ − x₀)/h), of which the
-/// derivative by the centre of the chart is missing.
+/// The midpoint rule in the chart around R₀, frozen during the step: S = h L(R₀ cay(½(x₀ + x₁)),
+/// A(½(x₀ + x₁)) (x₁ − x₀)/h), of which the derivative by the centre of the chart is missing.
 fn frozen_chart(
     top: &HeavyTop,
     (r, pi): (UnitQuaternion<f64>, Vector3<f64>),

@@ -93,7 +93,8 @@ impl SymmetricTop {
     }
 }
 
-/// A rigid body in space that is held by a spring at a point of the body, with noise in the force and in the momenta.
+/// A rigid body in space that is held by a spring at a point of the body, with noise in the force
+/// and in the momenta.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tethered {
     pub(crate) m: f64,

@@ -3,7 +3,8 @@
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Increments, LANES, OneStepMethod, Rule, StateLanes, System};
 
-/// Makes steps from `bad`, which is no start, and from `good` by every function that steps. Returns the error of a step.
+/// Makes steps from `bad`, which is no start, and from `good` by every function that steps. Returns
+/// the error of a step.
 pub(crate) fn refused<S, R, const N: usize, const M: usize>(
     system: S,
     rule: R,

@@ -1,5 +1,6 @@
-//! Starts at which no isolated velocity has the momentum: no rule makes a step from them, in single steps, along trajectories, with derivatives and in ensembles, and
-//! all rules say the same. Near them steps are made.
+//! Starts at which no isolated velocity has the momentum: no rule makes a step from them, in single
+//! steps, along trajectories, with derivatives and in ensembles, and all rules say the same. Near
+//! them steps are made.
 
 use sve_models::random::Random;
 use sve_runtime::ensemble::Cause;
@@ -177,7 +178,8 @@ fn the_pole_of_polar_coordinates() {
         ];
         assert_eq!(singular(&same(&errors)), (1, 0.0, expected));
     }
-    // next to the pole nothing is refused by the test of the start: the explicit parts of steps are made
+    // next to the pole nothing is refused by the test of the start: the explicit parts of steps are
+    // made
     let near = State::new([1e-3, 0.3], [0.5, 1e-9]);
     Integrator::new(Polar, Endpoint)
         .step(&mut { near }, 1e-4, &[0.0])
@@ -254,7 +256,8 @@ fn random_mass_matrices_of_parameters() {
     }
 }
 
-/// A mass of 10⁻¹², and masses in units of 2^±60, are legal: positions have the bits of the closed form in these units.
+/// A mass of 10⁻¹², and masses in units of 2^±60, are legal: positions have the bits of the closed
+/// form in these units.
 #[test]
 fn small_masses_step() {
     for m in [
@@ -322,7 +325,8 @@ fn a_momentum_that_no_velocity_has() {
     }
 }
 
-/// A velocity of zero has the momentum, and the mass matrix is singular there: the solutions of a step are no differentiable function of its start.
+/// A velocity of zero has the momentum, and the mass matrix is singular there: the solutions of a
+/// step are no differentiable function of its start.
 #[test]
 fn a_mass_that_vanishes_at_rest() {
     let good = State::new([0.3], [8.0]);

@@ -1,5 +1,6 @@
-//! Steps back in time. The rule with node c and step −h, −ΔW is the inverse of the rule with node 1 − c and step h, ΔW, since their actions
-//! differ only in sign and in the order of the ends. So midpoint is symmetric, and initial point and endpoint are adjoint (Hairer, Lubich, Wanner,
+//! Steps back in time. The rule with node c and step −h, −ΔW is the inverse of the rule with node
+//! 1 − c and step h, ΔW, since their actions differ only in sign and in the order of the ends. So
+//! midpoint is symmetric, and initial point and endpoint are adjoint (Hairer, Lubich, Wanner,
 //! *Geometric Numerical Integration*, section II.3).
 
 use sve_models::case::Case;
@@ -9,7 +10,8 @@ use sve_runtime::prelude::*;
 
 const H: f64 = 0.05;
 
-/// Allowed difference in units of rounding: the rounding errors of both steps, amplified by the Jacobians of the models.
+/// Allowed difference in units of rounding: the rounding errors of both steps, amplified by the
+/// Jacobians of the models.
 const UNITS: f64 = 40.0;
 
 /// Returns the name of the rule that inverts a step.

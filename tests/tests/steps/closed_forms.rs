@@ -1,8 +1,9 @@
 //! Steps of linear systems against their closed forms, at random states, step sizes and increments.
 //!
-//! The closed forms are evaluated with twice the digits, so that only the step rounds. Bound: 2 ulp of the largest of
-//! |q₀|, |p₀|, σ|ΔW|, |q₁| and |p₁|. A step rounds a few products and sums of at most that size, half an ulp each. For Kubo the angle
-//! `x = ah + σΔW` is rounded as well, up to 1½ of its ulp: 2 ulp of the largest of |q₀| … |p₁| and 1 more of x times that.
+//! The closed forms are evaluated with twice the digits, so that only the step rounds. Bound: 2 ulp
+//! of the largest of |q₀|, |p₀|, σ|ΔW|, |q₁| and |p₁|. A step rounds a few products and sums of at
+//! most that size, half an ulp each. For Kubo the angle `x = ah + σΔW` is rounded as well, up to 1½
+//! of its ulp: 2 ulp of the largest of |q₀| … |p₁| and 1 more of x times that.
 
 use sve_models::double_double::Double;
 use sve_models::models::{Kubo, Oscillator};
@@ -56,7 +57,8 @@ fn sample(random: &mut Random) -> Sample {
     }
 }
 
-/// Compares steps of `integrator` with `expected(sample)`, within `bound(sample, largest of the start and the end)`.
+/// Compares steps of `integrator` with `expected(sample)`, within `bound(sample, largest of the
+/// start and the end)`.
 fn check<S, R>(
     integrator: &Integrator<S, R>,
     bound: impl Fn(&Sample, f64) -> f64,
@@ -119,8 +121,8 @@ fn oscillator_by_endpoint() {
     });
 }
 
-/// The solution of the two equations of the midpoint rule: with `D = 1 + h²/4`, `D (q₁ − q₀) = h (p₀ − h q₀/2 + σΔW/2)` and
-/// `D (p₁ − p₀) = σΔW − h (q₀ + h p₀/2)`.
+/// The solution of the two equations of the midpoint rule: with `D = 1 + h²/4`,
+/// `D (q₁ − q₀) = h (p₀ − h q₀/2 + σΔW/2)` and `D (p₁ − p₀) = σΔW − h (q₀ + h p₀/2)`.
 #[test]
 fn oscillator_by_midpoint() {
     let oscillator = Integrator::new(Oscillator { sigma: SIGMA }, Midpoint);
@@ -134,7 +136,8 @@ fn oscillator_by_midpoint() {
     });
 }
 
-/// With `x = ah + σΔW` and `D = 1 + x²/4`: `D (q₁ − q₀) = x (p₀ − x q₀/2)`, `D (p₁ − p₀) = −x (q₀ + x p₀/2)`.
+/// With `x = ah + σΔW` and `D = 1 + x²/4`: `D (q₁ − q₀) = x (p₀ − x q₀/2)`,
+/// `D (p₁ − p₀) = −x (q₀ + x p₀/2)`.
 #[test]
 fn kubo_by_midpoint() {
     let a = 1.3;

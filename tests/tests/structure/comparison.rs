@@ -1,5 +1,5 @@
-//! Derived steps against steps without structure: the results are the same, and the operations of both are counted. A term in the
-//! Lagrangian adds its own operations and no others.
+//! Derived steps against steps without structure: the results are the same, and the operations of
+//! both are counted. A term in the Lagrangian adds its own operations and no others.
 
 #[path = "../../../examples/examples/structure/scenes.rs"]
 mod scenes;
@@ -13,8 +13,8 @@ mod unstructured {
 
     const H: f64 = 0.05;
 
-    /// Both are solved to a few units of rounding of the terms of their equations, which the Jacobians of the models pass on: up
-    /// to 4.3 units of the state here.
+    /// Both are solved to a few units of rounding of the terms of their equations, which the
+    /// Jacobians of the models pass on: up to 4.3 units of the state here.
     const UNITS: f64 = 20.0;
 
     fn same_without_structure(case: &dyn Case, random: &mut Random) {
@@ -67,7 +67,8 @@ mod table {
     use sve_runtime::prelude::*;
     use sve_runtime::{Dims, System, Variational, VectorCoordinates};
 
-    /// Scene and rule; then without structure and with it: blocks, operations, calls, additions, bytes beside the state.
+    /// Scene and rule; then without structure and with it: blocks, operations, calls, additions,
+    /// bytes beside the state.
     const TABLE: &str = "\
 pendulum, endpoint | Newton 3; 33 + 41 n; 1; 0; 104 | explicit; 4; 1; 0; 16
 pendulum, midpoint | Newton 3; 40 + 51 n; 2 + 1 n; 0; 104 | Newton 1; 5 + 13 n; 1; 1 n; 48
@@ -203,7 +204,8 @@ mod terms {
         }
     }
 
-    /// Arithmetic and calls that a system has more than the bare one: before the steps, once a step, in an iteration.
+    /// Arithmetic and calls that a system has more than the bare one: before the steps, once a
+    /// step, in an iteration.
     fn more<S: Variational<R>, R>() -> [[i64; 2]; 3]
     where
         Bare: Variational<R>,
@@ -226,8 +228,8 @@ mod terms {
         assert_eq!(pushed, [NOTHING, [2, 0], NOTHING]);
         let pushed = more::<Pushed, Endpoint>();
         assert_eq!(pushed, [NOTHING, [2 - 1, 0], NOTHING]);
-        // the kick in the equation and in the first guess, which is then the one of the linearly implicit step; and the limit, which
-        // is solved for by itself
+        // the kick in the equation and in the first guess, which is then the one of the linearly
+        // implicit step; and the limit, which is solved for by itself
         let pushed = more::<Pushed, Midpoint>();
         assert_eq!(pushed, [[1, 0], [7, 0], NOTHING]);
         // one function, whatever is differentiated

@@ -1,6 +1,7 @@
-//! The printed mathematics against the system and the steps, read by a program that knows nothing of how it was made: L, the
-//! noise terms and the equations of motion have the values of the user's functions and their derivatives, and the printed
-//! equations of a step, solved here, give the step.
+//! The printed mathematics against the system and the steps, read by a program that knows nothing
+//! of how it was made: L, the noise terms and the equations of motion have the values of the user's
+//! functions and their derivatives, and the printed equations of a step, solved here, give the
+//! step.
 
 use std::collections::HashMap;
 
@@ -16,10 +17,12 @@ use reader::read;
 
 type Values = HashMap<String, f64>;
 
-/// Rounding of formulas of a hundred terms of the order of 10, in another order than that of the code.
+/// Rounding of formulas of a hundred terms of the order of 10, in another order than that of the
+/// code.
 const ROUNDING: f64 = 1e-11;
 
-/// Equations solved here by differences of size 1e-6 are solved to about 1e-12, times their condition, below 100.
+/// Equations solved here by differences of size 1e-6 are solved to about 1e-12, times their
+/// condition, below 100.
 const SOLVED: f64 = 1e-9;
 
 /// `a = b` of each line that is whole, without indentation.
@@ -203,7 +206,8 @@ fn systems_and_their_motion_have_the_values_of_the_users_functions() {
     assert!(systems.lines > 1000, "{}", systems.lines);
 }
 
-/// Returns the residuals of the equations if the unknowns have the values `x`, and all values that follow from these.
+/// Returns the residuals of the equations if the unknowns have the values `x`, and all values that
+/// follow from these.
 fn residuals(
     equations: &[(&str, &str)],
     unknowns: &[&str],

@@ -1,4 +1,5 @@
-//! The structure of derived steps: the plan, the printed mathematics, and the comparison with steps without structure.
+//! The structure of derived steps: the plan, the printed mathematics, and the comparison with steps
+//! without structure.
 
 mod comparison;
 mod formulas;

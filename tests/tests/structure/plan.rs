@@ -243,7 +243,8 @@ fn forces_and_symmetries() {
     );
 }
 
-/// The system of the guide's tour of the macro, by its rule alone: the order of terms may depend on other rules.
+/// The system of the guide's tour of the macro, by its rule alone: the order of terms may depend on
+/// other rules.
 mod guide {
     use sve_runtime::prelude::*;
 

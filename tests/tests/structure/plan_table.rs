@@ -1,7 +1,7 @@
 //! The plans of every model and rule.
 
-/// The strong order of each system, with the pair of noises that do not commute. For each rule that the system has: the kind of the step, and the
-/// number of unknowns in its implicit blocks.
+/// The strong order of each system, with the pair of noises that do not commute. For each rule that
+/// the system has: the kind of the step, and the number of unknowns in its implicit blocks.
 const PLANS: &str = "\
 system               | strong order                 | initial_point | endpoint   | midpoint | stormer_verlet | taylor2
 Pendulum             |                              | explicit 0    | explicit 0 | Newton 1 | explicit 0     | Newton 1

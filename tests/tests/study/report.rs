@@ -8,7 +8,8 @@ use sve_runtime::study::{Estimate, Order, Report, Study};
 
 use crate::without_noise::pendulum;
 
-/// Accepted deviation in standard errors. The seeds are fixed, so the results of the tests do not vary.
+/// Accepted deviation in standard errors. The seeds are fixed, so the results of the tests do not
+/// vary.
 const SIGMAS: f64 = 4.0;
 
 const SIGMA: f64 = 0.7;
@@ -156,8 +157,8 @@ fn order_of(method: &str) -> Option<f64> {
     (method != "Euler–Maruyama").then_some(1.0)
 }
 
-/// The error of an order is realistic: for nearly all of several independent seeds, 1 is within twice the error, and the errors are not
-/// much larger than necessary.
+/// The error of an order is realistic: for nearly all of several independent seeds, 1 is within
+/// twice the error, and the errors are not much larger than necessary.
 #[test]
 fn the_error_of_an_order_is_that_of_its_seeds() {
     const SEEDS: usize = 60;
@@ -186,7 +187,8 @@ fn the_error_of_an_order_is_that_of_its_seeds() {
     assert!(claimed < 25.0 * scatter);
 }
 
-/// Orders that were once printed as such: of too few step sizes, of errors of two powers, of a rule that is conjugate to one of higher order.
+/// Orders that were once printed as such: of too few step sizes, of errors of two powers, of a rule
+/// that is conjugate to one of higher order.
 #[test]
 fn an_order_is_not_claimed_where_there_is_none() {
     use sve_runtime::study::NotAsymptotic;
@@ -202,8 +204,8 @@ fn an_order_is_not_claimed_where_there_is_none() {
     assert!(method == "Euler" && slopes.len() < 3);
     assert!(text.contains("order of Euler: not asymptotic"));
     assert!(!report.orders().iter().any(Order::exceeds_method));
-    // after whole periods of a linear oscillator the change of coordinates by which the endpoint rule differs from a rule of order 2
-    // is where it began
+    // after whole periods of a linear oscillator the change of coordinates by which the endpoint
+    // rule differs from a rule of order 2 is where it began
     let system = Oscillator { sigma: 0.0 };
     let endpoint = Integrator::new(system.clone(), Endpoint);
     let study = |horizon: f64| {
@@ -244,7 +246,8 @@ pub(super) fn kubo<'a>() -> Study<'a, Kubo> {
         .repeats(0)
 }
 
-/// The fine reference has an error of its own: with order 1, a part of as many times fewer steps, of either sign.
+/// The fine reference has an error of its own: with order 1, a part of as many times fewer steps,
+/// of either sign.
 #[test]
 fn a_fine_step_stands_for_the_exact_solution() {
     let system = Kubo { a: 1.0, sigma: 0.5 };

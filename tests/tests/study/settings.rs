@@ -69,7 +69,8 @@ fn failures_are_counted_and_the_rest_is_measured() {
         let row = report.row("hopeless", steps).unwrap();
         assert_eq!((row.failures, row.error, row.timing), (100, None, None));
     }
-    // two step sizes have one slope, which is no order; with failures at one of them there is not even that
+    // two step sizes have one slope, which is no order; with failures at one of them there is not
+    // even that
     assert!(report.orders().is_empty());
     let slopes = report.not_asymptotic().iter();
     let slopes: Vec<(&str, usize)> = slopes.map(|m| (&*m.method, m.slopes.len())).collect();

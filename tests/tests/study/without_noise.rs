@@ -44,7 +44,8 @@ fn energy_errors_are_bounded_for_symplectic_rules_and_grow_for_eulers() {
             "Euler" => assert!(growth > 2.0 && secular > 0.7),
             // it loses energy steadily, beside an oscillation
             "Runge–Kutta" => assert!(growth > 2.0 && secular < -0.7),
-            // a whole period is in the shorter time; what is left of a period at the ends tilts the line
+            // a whole period is in the shorter time; what is left of a period at the ends tilts the
+            // line
             _ => assert!((growth - 1.0).abs() < 0.01 && secular.abs() < 0.2),
         }
         assert_eq!(second.drift.standard_error, 0.0);

@@ -93,7 +93,8 @@ fn what_is_carried_is_stored_too() {
     assert_eq!(rest.snapshot(), whole.snapshot());
 }
 
-/// A pendulum with noise of fourth degree in the momentum, whose step has no solution for a large increment.
+/// A pendulum with noise of fourth degree in the momentum, whose step has no solution for a large
+/// increment.
 struct Rotor;
 
 #[variational(midpoint)]
@@ -108,7 +109,8 @@ impl Rotor {
     }
 }
 
-/// What a block reads: numbers, arrays, vectors, matrices and structs of these. Two further fields belong to the user's functions alone.
+/// What a block reads: numbers, arrays, vectors, matrices and structs of these. Two further fields
+/// belong to the user's functions alone.
 #[derive(Clone)]
 struct Rich {
     k: f64,

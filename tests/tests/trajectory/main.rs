@@ -1,4 +1,5 @@
-//! A trajectory has the bits of repeated steps. Its times are rounded once, and it ends at an error or at the end of its noise.
+//! A trajectory has the bits of repeated steps. Its times are rounded once, and it ends at an error
+//! or at the end of its noise.
 
 mod continued;
 mod saved;
@@ -78,7 +79,8 @@ fn times_are_rounded_once() {
     }
 }
 
-/// A time that is infinite, or that a step does not change, is an error with the numbers, and the state is kept.
+/// A time that is infinite, or that a step does not change, is an error with the numbers, and the
+/// state is kept.
 #[test]
 fn times_that_do_not_advance_are_errors() {
     let oscillator = Integrator::new(oscillator(), Endpoint);
@@ -227,7 +229,8 @@ fn no_noise() {
     }
 }
 
-/// Two trajectories from the same source can be advanced alternately, and a reference to a source is a source.
+/// Two trajectories from the same source can be advanced alternately, and a reference to a source
+/// is a source.
 #[test]
 fn paths_are_independent_of_their_readers() {
     let integrator = Integrator::new(oscillator(), Endpoint);

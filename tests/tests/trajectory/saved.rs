@@ -1,4 +1,5 @@
-//! Saved states are those of the trajectory, at times as one writes them; a state within a step is a step of a part of the length on the same path.
+//! Saved states are those of the trajectory, at times as one writes them; a state within a step is
+//! a step of a part of the length on the same path.
 
 use sve_runtime::noise::{DyadicInterval, NoiseError};
 use sve_runtime::prelude::*;
@@ -39,7 +40,8 @@ fn check(state: &State<[f64; 1]>, same: &State<[f64; 1]>, t: f64) {
     assert_eq!((state.q, state.p, state.t), (same.q, same.p, t));
 }
 
-/// Each 0th state is none: an error with the time, for plain and refined trajectories, and no panic.
+/// Each 0th state is none: an error with the time, for plain and refined trajectories, and no
+/// panic.
 #[test]
 fn an_interval_of_no_steps_is_an_error() {
     let system = Integrator::new(SYSTEM, Midpoint);
@@ -124,7 +126,8 @@ fn a_state_within_a_step_is_on_the_path() {
     assert_eq!(saved[3].t, 2.3);
 }
 
-/// A step of a part of the length that is nearly the whole, or nearly nothing, is near the states after whole steps.
+/// A step of a part of the length that is nearly the whole, or nearly nothing, is near the states
+/// after whole steps.
 #[test]
 fn states_within_a_step_join_the_whole_ones() {
     let system = Integrator::new(SYSTEM, Midpoint);
@@ -319,7 +322,8 @@ fn times_that_cannot_be_reached_are_errors() {
     );
 }
 
-/// Backwards in time too a state within a step is a step of a part of the length, with the increment of that part.
+/// Backwards in time too a state within a step is a step of a part of the length, with the
+/// increment of that part.
 #[test]
 fn states_within_a_step_backwards_are_parts_of_it() {
     let system = Integrator::new(SYSTEM, Midpoint);

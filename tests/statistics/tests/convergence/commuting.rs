@@ -1,4 +1,5 @@
-//! Noises that commute with one another and with H: a Gauss rule with S stages has the strong order S.
+//! Noises that commute with one another and with H: a Gauss rule with S stages has the strong order
+//! S.
 
 use sve_models::orders::{Row, end, total};
 use sve_runtime::prelude::*;
@@ -25,7 +26,8 @@ impl Actions {
     }
 }
 
-/// A particle in a central potential of the plane, which noise turns: H₁ is the angular momentum times σ.
+/// A particle in a central potential of the plane, which noise turns: H₁ is the angular momentum
+/// times σ.
 #[derive(Clone, Debug)]
 struct Central {
     sigma: f64,

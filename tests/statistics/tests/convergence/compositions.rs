@@ -1,4 +1,5 @@
-//! Compositions and splittings with noise of strength σ: their error on paths is O(hʳ + σh). So the strong order is 1, and the order r shows where noise is weak.
+//! Compositions and splittings with noise of strength σ: their error on paths is O(hʳ + σh). So the
+//! strong order is 1, and the order r shows where noise is weak.
 
 use sve_models::oracle::synchrotron;
 use sve_models::orders::{Paths, Row, Tolerance, distance2, end};
@@ -98,7 +99,8 @@ where
     ((0..paths).map(square).sum::<f64>() / paths as f64).sqrt()
 }
 
-/// Checks that the error without noise is far below the given one, and that the error with noise is in proportion to its strength while it is above that without.
+/// Checks that the error without noise is far below the given one, and that the error with noise is
+/// in proportion to its strength while it is above that without.
 fn has_error_of_noise<R: Copy>(rule: R, noises: &[f64], of_low_order: f64)
 where
     Shaken: Variational<R>,

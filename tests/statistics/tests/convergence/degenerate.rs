@@ -76,7 +76,8 @@ fn a_rotation_against_its_exact_path() {
     EXACT.check("γ = −H/2, exact path", &rows, exact);
 }
 
-/// The spin of a stereographic point, turned about (0.6, 0, 0.8) by an angle, and its stereographic point.
+/// The spin of a stereographic point, turned about (0.6, 0, 0.8) by an angle, and its stereographic
+/// point.
 fn turned([u, v]: [f64; 2], angle: f64) -> [f64; 2] {
     let square = u * u + v * v;
     let spin = [2.0 * u, 2.0 * v, 1.0 - square].map(|x| x / (1.0 + square));
@@ -164,7 +165,8 @@ fn a_joint_without_mass() {
     FINE.check("γ = 0.8 sin 2x", &rules(Joint, start), fine(Joint, start));
 }
 
-/// The plain discrete equations lose their order, and projecting after each step converges to another equation.
+/// The plain discrete equations lose their order, and projecting after each step converges to
+/// another equation.
 #[test]
 fn wrong_steps_have_no_order() {
     let paths = Paths {

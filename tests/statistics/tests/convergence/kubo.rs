@@ -3,7 +3,8 @@
 use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
 
-/// The step as a multiplier of `q + ip`, which it is where the step is linear and commutes with rotations.
+/// The step as a multiplier of `q + ip`, which it is where the step is linear and commutes with
+/// rotations.
 fn multiplier(kubo: &Integrator<Kubo, Midpoint>, h: f64, dw: f64) -> [f64; 2] {
     let image = |q: f64, p: f64| {
         let mut state = State::new([q], [p]);
@@ -17,8 +18,9 @@ fn multiplier(kubo: &Integrator<Kubo, Midpoint>, h: f64, dw: f64) -> [f64; 2] {
     one
 }
 
-/// `E f(z)` for a standard normal z by the trapezoidal rule, which converges exponentially for a function that is analytic
-/// in a strip: here its poles are at x = ±2i, far outside, and what is cut off at ±9 is below 1e-18.
+/// `E f(z)` for a standard normal z by the trapezoidal rule, which converges exponentially for a
+/// function that is analytic in a strip: here its poles are at x = ±2i, far outside, and what is
+/// cut off at ±9 is below 1e-18.
 fn expectation(f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
     let (mut sum, mut weights) = ([0.0; 2], 0.0);
     for k in -900..=900 {
@@ -32,7 +34,8 @@ fn expectation(f: impl Fn(f64) -> [f64; 2]) -> [f64; 2] {
     sum.map(|s| s / weights)
 }
 
-/// RMS error at T = 1 for a = 1, σ = ½ from (1, ½): the table of the mathematics page, given to six or seven digits.
+/// RMS error at T = 1 for a = 1, σ = ½ from (1, ½): the table of the mathematics page, given to six
+/// or seven digits.
 #[test]
 fn mean_square_error() {
     let table: [(i32, f64); 5] = [
@@ -46,7 +49,8 @@ fn mean_square_error() {
     let kubo = Integrator::new(Kubo { a, sigma }, Midpoint);
     for (steps, expected) in table {
         let h = 1.0 / f64::from(steps);
-        // numerical over exact rotation: e^{i(x − 2 atan(x/2))}, whose real part after N steps is what counts
+        // numerical over exact rotation: e^{i(x − 2 atan(x/2))}, whose real part after N steps is
+        // what counts
         let [re, im] = expectation(|z| {
             let dw = h.sqrt() * z;
             let [c, s] = multiplier(&kubo, h, dw);
@@ -56,7 +60,8 @@ fn mean_square_error() {
         let power = re.hypot(im).powi(steps) * (f64::from(steps) * im.atan2(re)).cos();
         let error = (2.0 * 1.25 * (1.0 - power)).sqrt();
         println!("N = {steps}: {error:e}");
-        // 1 − power cancels ten digits of sixteen at most: 1e-5 is far above rounding and the table's last digit
+        // 1 − power cancels ten digits of sixteen at most: 1e-5 is far above rounding and the
+        // table's last digit
         assert!(
             (error / expected - 1.0).abs() < 1e-5,
             "N = {steps}: {error:e}"
@@ -64,8 +69,9 @@ fn mean_square_error() {
     }
 }
 
-/// Each step multiplies q² + p² by 1 + δ with |δ| a few ε from its roundings, which are as good as independent since the
-/// noise moves the angle: after n steps the deviation is a random walk of 2ε√n, taken five times for safety.
+/// Each step multiplies q² + p² by 1 + δ with |δ| a few ε from its roundings, which are as good as
+/// independent since the noise moves the angle: after n steps the deviation is a random walk of
+/// 2ε√n, taken five times for safety.
 #[test]
 fn radius_is_conserved() {
     let kubo = Integrator::new(Kubo { a: 1.0, sigma: 1.0 }, Midpoint);

@@ -1,7 +1,8 @@
 //! The energy of the stochastic linear oscillator, as an expectation without sampling.
 //!
-//! The generated step is affine, `z₁ = A z₀ + b ΔW` (b holds σ). Its A and b are read off by steps from the unit vectors and
-//! with ΔW = 1, and the second moments then obey `M₁ = A M₀ Aᵀ + h b bᵀ` exactly.
+//! The generated step is affine, `z₁ = A z₀ + b ΔW` (b holds σ). Its A and b are read off by steps
+//! from the unit vectors and with ΔW = 1, and the second moments then obey `M₁ = A M₀ Aᵀ + h b bᵀ`
+//! exactly.
 
 use sve_models::models::Oscillator;
 use sve_runtime::prelude::*;
@@ -9,7 +10,8 @@ use sve_runtime::{Dims, System, Variational};
 
 const H: f64 = 0.1;
 
-/// `E[H]` after so many steps from (1, 0) with σ = 1: the recursion in 40-digit arithmetic for the `f64` nearest to 0.1.
+/// `E[H]` after so many steps from (1, 0) with σ = 1: the recursion in 40-digit arithmetic for the
+/// `f64` nearest to 0.1.
 const STEPS: [u32; 3] = [100, 1000, 20_000];
 const INITIAL_POINT: [f64; 3] = [
     5.498_433_996_767_539,
@@ -54,8 +56,8 @@ where
     ([[x[0], y[0]], [x[1], y[1]]], b)
 }
 
-/// Compares `E[H]` with the table to 1e-12, and to nε after 20,000 steps: the entries of A are rounded, half a unit each,
-/// which multiplies the moments by up to 1 + ε in each step.
+/// Compares `E[H]` with the table to 1e-12, and to nε after 20,000 steps: the entries of A are
+/// rounded, half a unit each, which multiplies the moments by up to 1 + ε in each step.
 fn check<R>(rule: R, table: [f64; 3])
 where
     Oscillator: Variational<R> + System<Dims = Dims<1, 1>>,

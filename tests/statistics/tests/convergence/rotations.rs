@@ -1,7 +1,7 @@
 //! Strong orders of steps with rotations.
 //!
-//! Each end is compared with that of steps of half the size on the same path, so that no reference solution is needed: both have an error of the
-//! same order.
+//! Each end is compared with that of steps of half the size on the same path, so that no reference
+//! solution is needed: both have an error of the same order.
 
 use sve_models::orders::{Order, Path, Paths, Row, Tolerance, distance2, numbers};
 use sve_runtime::prelude::*;
@@ -108,7 +108,8 @@ impl QuietTop {
     }
 }
 
-/// A momentum in space beside a momentum in the body: they commute with each other, which the bracket of rotations must know.
+/// A momentum in space beside a momentum in the body: they commute with each other, which the
+/// bracket of rotations must know.
 struct SpaceAndBody {
     s: f64,
 }

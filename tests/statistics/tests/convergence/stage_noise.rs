@@ -1,4 +1,5 @@
-//! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1, and 1.5 with the option `weak2`. The reference is a finer step on the same path.
+//! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1, and 1.5 with
+//! the option `weak2`. The reference is a finer step on the same path.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Rule, StrongOrder, System};

@@ -1,7 +1,8 @@
 //! Strong orders of systems in rows of coordinates, and orders without noise.
 //!
-//! References are exact paths, or the midpoint rule with steps of 2⁻¹⁴ on the same path: its error has the same order, so that it is smaller by
-//! 2⁻⁴ (order 1) or 2⁻² (order ½, 3 % of the mean square) than that of the finest step measured.
+//! References are exact paths, or the midpoint rule with steps of 2⁻¹⁴ on the same path: its error
+//! has the same order, so that it is smaller by 2⁻⁴ (order 1) or 2⁻² (order ½, 3 % of the mean
+//! square) than that of the finest step measured.
 
 use sve_models::exact::OscillatorStep;
 use sve_models::models::{Actions, Clashing, Kubo, Oscillator};
@@ -74,7 +75,8 @@ fn commuting_momentum_noises() {
     EXACT.check("H₁ = (σ₁I, σ₂I²)", &Row::rules(&system, start), path);
 }
 
-/// The endpoint rule on Kubo as it is without the Stratonovich correction: `q₁ = q₀ + x p₀`, `p₁ = p₀ − x q₁`.
+/// The endpoint rule on Kubo as it is without the Stratonovich correction: `q₁ = q₀ + x p₀`,
+/// `p₁ = p₀ − x q₁`.
 fn uncorrected(path: &Recorded) -> Vec<f64> {
     let (mut q, mut p) = (1.0, 0.0);
     for step in 0..path.len() {

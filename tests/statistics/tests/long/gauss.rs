@@ -1,6 +1,9 @@
-//! Energies of long trajectories by the Gauss rules: their errors are those of rounding, and grow like the square root of the time (Brouwer's law).
+//! Energies of long trajectories by the Gauss rules: their errors are those of rounding, and grow
+//! like the square root of the time (Brouwer's law).
 //!
-//! Errors are measured in random walks of rounding, ε|H|√n/2 after n steps of a system whose energy has the magnitude |H|. A drift of a hundredth of a unit of rounding in a step is 20 of them after a million steps, and 60 after ten million.
+//! Errors are measured in random walks of rounding, ε|H|√n/2 after n steps of a system whose energy
+//! has the magnitude |H|. A drift of a hundredth of a unit of rounding in a step is 20 of them
+//! after a million steps, and 60 after ten million.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational, VectorCoordinates};
@@ -28,11 +31,13 @@ const LENGTH: (usize, usize) = if cfg!(feature = "thorough") {
 pub(crate) struct Errors {
     /// Root mean square at the end.
     end: f64,
-    /// Mean of the drifts, and its standard error. The drift of a trajectory is the slope of the least-squares line times the number of steps.
+    /// Mean of the drifts, and its standard error. The drift of a trajectory is the slope of the
+    /// least-squares line times the number of steps.
     drift: [f64; 2],
 }
 
-/// Follows trajectories of so many steps of size `h`, for a system whose energy is of the magnitude `size`.
+/// Follows trajectories of so many steps of size `h`, for a system whose energy is of the magnitude
+/// `size`.
 pub(crate) fn errors<S, R, Q, const N: usize>(
     method: &Integrator<S, R>,
     starts: &[State<Q>],

@@ -1,4 +1,5 @@
-//! Ten million steps: rounding errors walk at random (Brouwer's law), and shorter with compensated sums.
+//! Ten million steps: rounding errors walk at random (Brouwer's law), and shorter with compensated
+//! sums.
 
 use sve_models::models::{Kepler, Oscillator, Pendulum, Quartic};
 use sve_runtime::prelude::*;
@@ -6,14 +7,16 @@ use sve_runtime::prelude::*;
 const H: f64 = 0.01;
 const BLOCK: usize = 100_000;
 
-/// The energy that the midpoint rule conserves up to h⁴: H̃ = H − (h²/24)(V″p² + V′²) (Hairer, Lubich, Wanner, section IX.3).
+/// The energy that the midpoint rule conserves up to h⁴: H̃ = H − (h²/24)(V″p² + V′²) (Hairer,
+/// Lubich, Wanner, section IX.3).
 fn modified_energy(state: &State<[f64; 1]>) -> f64 {
     let (sin, cos) = state.q[0].sin_cos();
     let p2 = state.p[0] * state.p[0];
     0.5 * p2 - cos - H * H / 24.0 * (cos * p2 + sin * sin)
 }
 
-/// How far the mean over a block is from that over the first one, for all blocks. The error of order h⁴ oscillates, and averages out.
+/// How far the mean over a block is from that over the first one, for all blocks. The error of
+/// order h⁴ oscillates, and averages out.
 fn drift(
     path: impl Iterator<Item = Result<State<[f64; 1]>, StepError>>,
     blocks: usize,
@@ -39,8 +42,9 @@ fn largest(drift: &[f64]) -> f64 {
     drift.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
 }
 
-/// Each step rounds q and p to a unit u = ε/2 or two, each independent of the last, so after n steps the energy is off by about
-/// u√n: 4·10⁻¹³ after 10⁷, where an error of one sign would give 10⁻⁹.
+/// Each step rounds q and p to a unit u = ε/2 or two, each independent of the last, so after n
+/// steps the energy is off by about u√n: 4·10⁻¹³ after 10⁷, where an error of one sign would give
+/// 10⁻⁹.
 #[test]
 fn brouwers_law() {
     let pendulum = Integrator::new(Pendulum { g: 1.0 }, Midpoint);
@@ -54,8 +58,9 @@ fn brouwers_law() {
     );
 }
 
-/// How much a conserved quantity has changed after so many steps: its mean over the last block against that over the first one. The
-/// weights of the mean are smooth, so that what oscillates along a regular orbit averages out to far below rounding.
+/// How much a conserved quantity has changed after so many steps: its mean over the last block
+/// against that over the first one. The weights of the mean are smooth, so that what oscillates
+/// along a regular orbit averages out to far below rounding.
 fn gain<const N: usize>(
     mut path: impl Iterator<Item = Result<State<[f64; N]>, StepError>>,
     conserved: impl Fn(&State<[f64; N]>) -> f64,
@@ -82,10 +87,11 @@ fn gain<const N: usize>(
 const STEPS: usize = 2_000_000;
 const BLOCKS: usize = 16;
 
-/// Each step rounds unknowns and state by up to a unit u = ε/2 of numbers up to 2, each independent of the last: the sum over n steps has a
-/// standard deviation of about u√n, 1.6·10⁻¹³, measured 0.6 to 0.9 of that. An iteration that ends at an error of one sign, however far
-/// below u, gives a drift: stopped at a residual below ε, h = 0.02 gives 20 u√n, and angular momentum −38 u√n; a sine wrong by
-/// 10⁻¹⁷ gives 13 u√n at h = 0.11.
+/// Each step rounds unknowns and state by up to a unit u = ε/2 of numbers up to 2, each independent
+/// of the last: the sum over n steps has a standard deviation of about u√n, 1.6·10⁻¹³, measured 0.6
+/// to 0.9 of that. An iteration that ends at an error of one sign, however far below u, gives a
+/// drift: stopped at a residual below ε, h = 0.02 gives 20 u√n, and angular momentum −38 u√n; a
+/// sine wrong by 10⁻¹⁷ gives 13 u√n at h = 0.11.
 #[test]
 fn nothing_drifts_at_any_step_size() {
     let walk = 0.5 * f64::EPSILON * (STEPS as f64).sqrt();
@@ -118,9 +124,10 @@ fn nothing_drifts_at_any_step_size() {
     }
 }
 
-/// Where a step gives increments with digits below those of the state, compensated sums keep them: each step then rounds to hu
-/// instead of u. Measured on what the endpoint rule conserves exactly, q² + p² + hqp of the linear oscillator; the explicit rule
-/// has such increments (the midpoint rule gives 2(p̄ − p₀) for the momentum, which is rounded to the digits of p).
+/// Where a step gives increments with digits below those of the state, compensated sums keep them:
+/// each step then rounds to hu instead of u. Measured on what the endpoint rule conserves exactly,
+/// q² + p² + hqp of the linear oscillator; the explicit rule has such increments (the midpoint rule
+/// gives 2(p̄ − p₀) for the momentum, which is rounded to the digits of p).
 #[test]
 fn compensated_sums_shorten_the_walk() {
     let oscillator = Integrator::new(Oscillator { sigma: 0.0 }, Endpoint);

@@ -1,4 +1,5 @@
-//! The energy of the outer solar system over up to a hundred million days: its error is that of rounding, and grows like the square root of the time.
+//! The energy of the outer solar system over up to a hundred million days: its error is that of
+//! rounding, and grows like the square root of the time.
 
 use sve_runtime::prelude::*;
 
@@ -10,7 +11,8 @@ use outer_solar_system::{GRAVITY, MASSES, start};
 #[allow(dead_code)]
 mod outer_solar_system;
 
-/// The Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune and Pluto: astronomical units, days, solar masses.
+/// The Sun with the inner planets, Jupiter, Saturn, Uranus, Neptune and Pluto: astronomical units,
+/// days, solar masses.
 struct OuterSolarSystem {
     gravity: f64,
     masses: [f64; 6],
@@ -47,7 +49,8 @@ fn the_energy_of_the_outer_solar_system_walks() {
         masses: MASSES,
     };
     let (days, count) = LENGTH;
-    // Other starts have slightly other velocities, so that their orbits are still those of the planets.
+    // Other starts have slightly other velocities, so that their orbits are still those of the
+    // planets.
     let scaled = |k: usize| {
         let State { q, p, .. } = start();
         let factor = 1.0 + 1e-6 * k as f64;

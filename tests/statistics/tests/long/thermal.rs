@@ -1,4 +1,5 @@
-//! Friction and noise on the manifold of constraints sample exp(−H/kT), with the volume of the metric of the masses and no other weight.
+//! Friction and noise on the manifold of constraints sample exp(−H/kT), with the volume of the
+//! metric of the masses and no other weight.
 
 use sve_models::models::Thermal;
 use sve_runtime::prelude::*;
@@ -98,8 +99,9 @@ fn a_particle_on_the_sphere() {
     sample(Endpoint, 0.06);
 }
 
-/// The angle between the rods has the density √det M of the masses: with masses 1 and 5 the mean of cos 2(θ₁ − θ₂) is
-/// `∫ cos 2x √(1 + 5 sin² x) dx / ∫ √(1 + 5 sin² x) dx`, and 0 without that weight.
+/// The angle between the rods has the density √det M of the masses: with masses 1 and 5 the mean of
+/// cos 2(θ₁ − θ₂) is `∫ cos 2x √(1 + 5 sin² x) dx / ∫ √(1 + 5 sin² x) dx`, and 0 without that
+/// weight.
 #[test]
 fn the_angle_between_two_rods() {
     let rods = Rods {

@@ -1,4 +1,5 @@
-//! Energies of long runs by every rule where its steps are iterated: they walk at random, by the rounding of the state, and do not drift.
+//! Energies of long runs by every rule where its steps are iterated: they walk at random, by the
+//! rounding of the state, and do not drift.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
@@ -23,12 +24,12 @@ impl Quartic {
 
 const STEPS: u32 = 300_000;
 
-/// Largest change of the energy's mean in random walks of rounding, ε|H|√n/2: about 2 are met among so few runs, and a drift of
-/// a tenth of a unit of rounding in 100 steps would be 5.
+/// Largest change of the energy's mean in random walks of rounding, ε|H|√n/2: about 2 are met among
+/// so few runs, and a drift of a tenth of a unit of rounding in 100 steps would be 5.
 const BOUND: f64 = 4.0;
 
-/// The change of the mean energy from the first third to the last. The weights sin⁶ take its oscillation, of the period of
-/// the motion, out of the means.
+/// The change of the mean energy from the first third to the last. The weights sin⁶ take its
+/// oscillation, of the period of the motion, out of the means.
 fn check<S, R>(system: S, rule: R)
 where
     S: Variational<R> + System<Dims = Dims<1, 0>>,
@@ -74,7 +75,8 @@ fn energies_walk_at_random_by_every_rule() {
     check(CurvedMass, Gauss::<8>);
 }
 
-/// The same in lanes, whose starts differ: the mean over the lanes of the change, which walks less by the root of their number.
+/// The same in lanes, whose starts differ: the mean over the lanes of the change, which walks less
+/// by the root of their number.
 fn check_lanes<S, R>(system: S, rule: R)
 where
     S: Variational<R> + System<Dims = Dims<1, 0>>,
@@ -98,7 +100,8 @@ where
                     OneStepMethod::step_lanes(&integrator, &prepared, &states, &mut next, h, &[]);
                 assert_eq!(left, 0, "h = {h}: the lane step leaves lanes");
                 states = next;
-                // energies cost more than steps; fewer of them would take harmonics of the motion for a mean
+                // energies cost more than steps; fewer of them would take harmonics of the motion
+                // for a mean
                 if k % 2 != 0 {
                     continue;
                 }

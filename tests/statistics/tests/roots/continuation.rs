@@ -1,7 +1,8 @@
-//! The solution of a step of a Gauss rule by continuation, apart from the runtime: first the step size grows without noise, then the increments.
+//! The solution of a step of a Gauss rule by continuation, apart from the runtime: first the step
+//! size grows without noise, then the increments.
 //!
-//! Unknowns are positions and momenta of the stages, the equations those of Hamilton. Derivatives are differences, strides are short, and each point has to be near
-//! the tangent at the one before.
+//! Unknowns are positions and momenta of the stages, the equations those of Hamilton. Derivatives
+//! are differences, strides are short, and each point has to be near the tangent at the one before.
 
 /// Motion of positions and momenta `(q, p)`: without noise, then of each process.
 pub(super) type Fields<'a> = &'a dyn Fn(&[f64]) -> Vec<Vec<f64>>;
@@ -22,7 +23,8 @@ pub(super) struct Coefficients {
 }
 
 impl Coefficients {
-    /// The nodes are found by bisection, weights and coefficients by quadrature with Lagrange polynomials.
+    /// The nodes are found by bisection, weights and coefficients by quadrature with Lagrange
+    /// polynomials.
     pub(super) fn new(stages: usize) -> Self {
         let legendre = |y: f64| {
             let (mut last, mut p) = (0.0, 1.0);
@@ -134,7 +136,8 @@ impl Step<'_> {
         Ok(here)
     }
 
-    /// The derivative of the solution along a leg, of which `here` and the end are given as parts of the step.
+    /// The derivative of the solution along a leg, of which `here` and the end are given as parts
+    /// of the step.
     fn tangent(&self, z: &[f64], [here, end]: [[f64; 2]; 2]) -> Option<Vec<f64>> {
         // the leg of the step size ends without increments
         let direction = if end[1] > 0.0 { [0.0, 1.0] } else { [1.0, 0.0] };

@@ -1,4 +1,5 @@
-//! Which solution a step of a Gauss rule takes: random steps against continuation that is apart from the runtime.
+//! Which solution a step of a Gauss rule takes: random steps against continuation that is apart
+//! from the runtime.
 
 mod continuation;
 

@@ -1,4 +1,5 @@
-//! The option `weak2`: steps against Lagrangians that contain the potential by hand, and against the unrolled action; derivatives, symmetry, trajectories, plans.
+//! The option `weak2`: steps against Lagrangians that contain the potential by hand, and against
+//! the unrolled action; derivatives, symmetry, trajectories, plans.
 
 mod systems;
 
@@ -122,7 +123,8 @@ fn steps_are_those_of_the_lagrangian_with_the_potential() {
     compare!(Pendulums PendulumsByHand 2);
 }
 
-/// K = (aw − bk)(aq² − bp²) for H = ½(wp² + kq²); the Hamiltonian with the potential has other w and k.
+/// K = (aw − bk)(aq² − bp²) for H = ½(wp² + kq²); the Hamiltonian with the potential has other w
+/// and k.
 #[test]
 fn noise_in_momentum_adds_to_the_hamiltonian() {
     fn check<R>(rule: R)
@@ -171,7 +173,8 @@ fn steps_are_those_of_the_unrolled_action() {
     }
 }
 
-/// Checks the tangent map against central differences, that it is symplectic, and that the step back returns.
+/// Checks the tangent map against central differences, that it is symplectic, and that the step
+/// back returns.
 fn is_symplectic<T, R, const N: usize, const M: usize, const K: usize>(
     integrator: &Integrator<T, R>,
 ) where

@@ -30,7 +30,8 @@ impl Quadratic {
     }
 }
 
-/// Two functions of one invariant move position and momentum, with a mass that depends on the position, a vector potential, and time.
+/// Two functions of one invariant move position and momentum, with a mass that depends on the
+/// position, a vector potential, and time.
 #[derive(Clone)]
 pub(crate) struct Stretched {
     pub(crate) s: [f64; 2],

@@ -1,8 +1,9 @@
 //! Measured weak orders: one table of system, rule, noise and expected order.
 //!
-//! Nothing is sampled. The expectation over an increment is a Gauss–Hermite quadrature. The second moments of a linear system after a step are
-//! `E[A M Aᵀ]` for the matrix A of the step, which depends on ΔW; the exact ones obey linear equations. For other systems the quadrature
-//! follows all nodes of all steps. The order is the slope of the logarithms.
+//! Nothing is sampled. The expectation over an increment is a Gauss–Hermite quadrature. The second
+//! moments of a linear system after a step are `E[A M Aᵀ]` for the matrix A of the step, which
+//! depends on ΔW; the exact ones obey linear equations. For other systems the quadrature follows
+//! all nodes of all steps. The order is the slope of the logarithms.
 
 mod moments;
 mod momentum;
@@ -194,7 +195,8 @@ fn additive_noise() {
     );
 }
 
-/// H₁ and noises that do not commute have weak order 1; so they have with the term `⅛ h ΣK` in H, which is why the attribute refuses the option.
+/// H₁ and noises that do not commute have weak order 1; so they have with the term `⅛ h ΣK` in H,
+/// which is why the attribute refuses the option.
 #[test]
 fn quadratic_noise_in_momentum() {
     let start = State::new([1.0], [0.3]);
@@ -351,7 +353,8 @@ fn masses_that_depend_on_the_configuration() {
     );
 }
 
-/// A force that is not affine in v has weak order 1 with the term too. The exact expectations are not known: the table has differences between steps and steps of half the size.
+/// A force that is not affine in v has weak order 1 with the term too. The exact expectations are
+/// not known: the table has differences between steps and steps of half the size.
 #[test]
 fn cubic_friction() {
     let nodes = tensor(&gauss_hermite(5));

@@ -1,4 +1,5 @@
-//! Second moments of linear systems: after steps, by expectations of the matrix of a step, and exact.
+//! Second moments of linear systems: after steps, by expectations of the matrix of a step, and
+//! exact.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Rule, System, Variational};
@@ -110,7 +111,8 @@ fn second_moments<const N: usize>(start: State<[f64; N]>) -> Matrix {
         .collect()
 }
 
-/// The exact second moments at T = 1 of `dz = B₀ z dt + Σ B_a(t) z ∘ dW_a`: Runge–Kutta of order 4 with 2¹² steps.
+/// The exact second moments at T = 1 of `dz = B₀ z dt + Σ B_a(t) z ∘ dW_a`: Runge–Kutta of order 4
+/// with 2¹² steps.
 pub(crate) fn exact<const N: usize>(
     start: State<[f64; N]>,
     drift: &Matrix,

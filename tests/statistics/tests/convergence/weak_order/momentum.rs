@@ -53,7 +53,8 @@ fn commuting_noises_in_momentum() {
     }
 }
 
-/// Noise in momentum beside a force has weak order 1 with the term `h K/12` in H too, which is why the attribute refuses the option.
+/// Noise in momentum beside a force has weak order 1 with the term `h K/12` in H too, which is why
+/// the attribute refuses the option.
 #[test]
 fn noise_in_momentum_with_friction() {
     let start = State::new([1.0], [0.3]);

@@ -1,10 +1,12 @@
-//! Gauss–Hermite quadrature over normal variables, and expectations of paths by following all nodes of all steps.
+//! Gauss–Hermite quadrature over normal variables, and expectations of paths by following all nodes
+//! of all steps.
 
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, Rule, System};
 
-/// Nodes and weights of the quadrature over a normal variable: zeros of the Hermite polynomial of degree n by Newton's method, from starts between
-/// those of the zeros of the polynomial of degree n − 1.
+/// Nodes and weights of the quadrature over a normal variable: zeros of the Hermite polynomial of
+/// degree n by Newton's method, from starts between those of the zeros of the polynomial of degree
+/// n − 1.
 pub(crate) fn gauss_hermite(n: usize) -> Vec<(f64, f64)> {
     // orthonormal polynomials: √(k+1) H_{k+1} = x H_k − √k H_{k−1}
     let evaluate = |degree: usize, x: f64| {

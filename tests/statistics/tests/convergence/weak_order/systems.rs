@@ -1,8 +1,10 @@
-//! Systems for weak orders whose second moments obey linear equations, some after a change of coordinates.
+//! Systems for weak orders whose second moments obey linear equations, some after a change of
+//! coordinates.
 
 use sve_runtime::prelude::*;
 
-/// An oscillator whose stiffness is noisy: γ = ½σq², the noise strength a function of time, with friction.
+/// An oscillator whose stiffness is noisy: γ = ½σq², the noise strength a function of time, with
+/// friction.
 #[derive(Clone)]
 pub(crate) struct Parametric {
     pub(crate) sigma: f64,
@@ -91,7 +93,8 @@ impl Quadratic {
     }
 }
 
-/// H = ½(p² + q²) with H₁ = σ(t)·½(aq² + bp²) for two σ, which commute with one another and not with H.
+/// H = ½(p² + q²) with H₁ = σ(t)·½(aq² + bp²) for two σ, which commute with one another and not
+/// with H.
 #[derive(Clone)]
 pub(crate) struct Squeezed {
     pub(crate) sigma: [f64; 2],
@@ -192,7 +195,8 @@ impl Heavy {
     }
 }
 
-/// Two oscillators x₀ = q₀ + ⅕q₁², x₁ = q₁ + ³⁄₁₀ sin q₀ with γ = ½σx₀(x₀ + x₁): in q the mass matrix is full and depends on q.
+/// Two oscillators x₀ = q₀ + ⅕q₁², x₁ = q₁ + ³⁄₁₀ sin q₀ with γ = ½σx₀(x₀ + x₁): in q the mass
+/// matrix is full and depends on q.
 #[derive(Clone)]
 pub(crate) struct Bent {
     pub(crate) sigma: f64,
@@ -241,7 +245,8 @@ impl Bent {
     }
 }
 
-/// The oscillator with γ = ½σq² and the friction −νv³, whose potential the attribute would refuse: the Lagrangian has it for steps of the size `h`.
+/// The oscillator with γ = ½σq² and the friction −νv³, whose potential the attribute would refuse:
+/// the Lagrangian has it for steps of the size `h`.
 #[derive(Clone)]
 pub(crate) struct CubicFriction {
     pub(crate) sigma: f64,
