@@ -1,8 +1,9 @@
 //! Code shared by the tests: models, the users' functions as oracles, all models with all rules as
-//! objects, checks of a feature of the language, difference quotients, orders of convergence,
-//! random points, an exact solution.
+//! objects, checks of a feature of the language, comparisons, loops over rules, difference
+//! quotients, orders of convergence, random points, an exact solution.
 
 pub mod case;
+pub mod checks;
 pub mod configured;
 pub mod degenerate;
 pub mod differences;
@@ -17,4 +18,5 @@ pub mod orders;
 pub mod potential;
 pub mod random;
 pub mod reference;
+pub mod stepper;
 pub mod steps;

@@ -5,6 +5,7 @@ mod constrained;
 mod deterministic;
 mod forced;
 mod noisy;
+mod small;
 mod surfaces;
 mod symmetric;
 
@@ -17,6 +18,7 @@ pub use deterministic::{
 };
 pub use forced::{Damped, Stirred, Towed};
 pub use noisy::{Actions, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron};
+pub use small::{Bath, Kicked, Pushed, Rotor};
 pub use surfaces::{Breathing, Curved, Ellipsoid, Saddle, Thermal, Torus};
 pub use symmetric::{Central, Charges, Kepler, Stretched};
 

@@ -4,6 +4,7 @@
 //! No test here uses a symbolic derivative, so the tests are independent of the differentiation, the residuals and the solves.
 
 use sve_models::case::Case;
+use sve_models::checks::assert_relative;
 use sve_models::differences::{derivatives, gradient, moved};
 use sve_models::functions::{Force, Functions, Lagrangian, NoiseDerivatives, Point};
 use sve_models::oracle::{Nodes, cases};
@@ -14,12 +15,12 @@ use sve_models::random::Random;
 const FIRST: f64 = 1e-10;
 const SECOND: f64 = 1e-8;
 
-fn assert_close(got: f64, expected: f64, bound: f64, what: &dyn Fn() -> String) {
-    assert!(
-        (got - expected).abs() <= bound * (1.0 + expected.abs()),
-        "{}: {got:e}, by differences {expected:e}",
-        what()
-    );
+/// Compares a matrix with one by differences, whose columns a function gives.
+fn assert_matrix(found: &[Vec<f64>], column: impl Fn(usize) -> Vec<f64>, bound: f64, what: &str) {
+    for j in 0..found.len() {
+        let found: Vec<f64> = found.iter().map(|row| row[j]).collect();
+        assert_relative(&found, &column(j), bound, format!("{what}, column {j}"));
+    }
 }
 
 #[test]
@@ -52,34 +53,22 @@ fn lagrangian(name: &str, model: &dyn Functions, t: f64, q: &[f64], v: &[f64]) {
     } = model.lagrangian(t, q, v);
     let what = |entry: &str| format!("{name}: {entry} of L at t = {t}, q = {q:?}, v = {v:?}");
     // the same terms in another order
-    assert_close(value, model.l(t, q, v), 1e-14, &|| what("value"));
+    assert_relative(&[value], &[model.l(t, q, v)], 1e-14, what("value"));
 
     let by_q = |t, q: &[f64], v: &[f64]| gradient(q, |q| model.l(t, q, v));
     let by_v = |t, q: &[f64], v: &[f64]| gradient(v, |v| model.l(t, q, v));
-    let (first_q, first_v) = (by_q(t, q, v), by_v(t, q, v));
-    let dqt_differences = derivatives(|d| by_q(t + d, q, v));
-    let dvt_differences = derivatives(|d| by_v(t + d, q, v));
-    for i in 0..q.len() {
-        assert_close(dq[i], first_q[i], FIRST, &|| what(&format!("dq[{i}]")));
-        assert_close(dv[i], first_v[i], FIRST, &|| what(&format!("dv[{i}]")));
-        assert_close(dqt[i], dqt_differences[i], SECOND, &|| {
-            what(&format!("dqt[{i}]"))
-        });
-        assert_close(dvt[i], dvt_differences[i], SECOND, &|| {
-            what(&format!("dvt[{i}]"))
-        });
-    }
-    for j in 0..q.len() {
-        let column_qq = derivatives(|d| by_q(t, &moved(q, j, d), v));
-        let column_qv = derivatives(|d| by_q(t, q, &moved(v, j, d)));
-        let column_vv = derivatives(|d| by_v(t, q, &moved(v, j, d)));
-        for i in 0..q.len() {
-            let entry = |matrix: &str| what(&format!("{matrix}[{i}][{j}]"));
-            assert_close(dqq[i][j], column_qq[i], SECOND, &|| entry("dqq"));
-            assert_close(dqv[i][j], column_qv[i], SECOND, &|| entry("dqv"));
-            assert_close(dvv[i][j], column_vv[i], SECOND, &|| entry("dvv"));
-        }
-    }
+    assert_relative(&dq, &by_q(t, q, v), FIRST, what("dq"));
+    assert_relative(&dv, &by_v(t, q, v), FIRST, what("dv"));
+    let in_time = derivatives(|d| by_q(t + d, q, v));
+    assert_relative(&dqt, &in_time, SECOND, what("dqt"));
+    let in_time = derivatives(|d| by_v(t + d, q, v));
+    assert_relative(&dvt, &in_time, SECOND, what("dvt"));
+    let along_q = |j| derivatives(|d| by_q(t, &moved(q, j, d), v));
+    assert_matrix(&dqq, along_q, SECOND, &what("dqq"));
+    let along_v = |j| derivatives(|d| by_q(t, q, &moved(v, j, d)));
+    assert_matrix(&dqv, along_v, SECOND, &what("dqv"));
+    let along_v = |j| derivatives(|d| by_v(t, q, &moved(v, j, d)));
+    assert_matrix(&dvv, along_v, SECOND, &what("dvv"));
 }
 
 fn noises(name: &str, model: &dyn Functions, t: f64, q: &[f64], p: &[f64]) {
@@ -95,44 +84,28 @@ fn noises(name: &str, model: &dyn Functions, t: f64, q: &[f64], p: &[f64]) {
             |entry: &str| format!("{name}: {entry} of noise {a} at t = {t}, q = {q:?}, p = {p:?}");
         let by_q = |q: &[f64], p: &[f64]| gradient(q, |q| model.g(t, q, p)[a]);
         let by_p = |q: &[f64], p: &[f64]| gradient(p, |p| model.g(t, q, p)[a]);
-        let (first_q, first_p) = (by_q(q, p), by_p(q, p));
-        for i in 0..q.len() {
-            assert_close(dq[i], first_q[i], FIRST, &|| what(&format!("dq[{i}]")));
-            assert_close(dp[i], first_p[i], FIRST, &|| what(&format!("dp[{i}]")));
-        }
-        for j in 0..q.len() {
-            let column_qq = derivatives(|d| by_q(&moved(q, j, d), p));
-            let column_qp = derivatives(|d| by_q(q, &moved(p, j, d)));
-            let column_pp = derivatives(|d| by_p(q, &moved(p, j, d)));
-            for i in 0..q.len() {
-                let entry = |matrix: &str| what(&format!("{matrix}[{i}][{j}]"));
-                assert_close(dqq[i][j], column_qq[i], SECOND, &|| entry("dqq"));
-                assert_close(dqp[i][j], column_qp[i], SECOND, &|| entry("dqp"));
-                assert_close(dpp[i][j], column_pp[i], SECOND, &|| entry("dpp"));
-            }
-        }
+        assert_relative(&dq, &by_q(q, p), FIRST, what("dq"));
+        assert_relative(&dp, &by_p(q, p), FIRST, what("dp"));
+        let along_q = |j| derivatives(|d| by_q(&moved(q, j, d), p));
+        assert_matrix(&dqq, along_q, SECOND, &what("dqq"));
+        let along_p = |j| derivatives(|d| by_q(q, &moved(p, j, d)));
+        assert_matrix(&dqp, along_p, SECOND, &what("dqp"));
+        let along_p = |j| derivatives(|d| by_p(q, &moved(p, j, d)));
+        assert_matrix(&dpp, along_p, SECOND, &what("dpp"));
     }
 }
 
 fn force(name: &str, model: &dyn Functions, t: f64, q: &[f64], v: &[f64]) {
     let Force { value, dq, dv, dt } = model.force(t, q, v);
     let what = |entry: &str| format!("{name}: {entry} of F at t = {t}, q = {q:?}, v = {v:?}");
-    let exact = model.f(t, q, v);
+    // the same terms in another order
+    assert_relative(&value, &model.f(t, q, v), 1e-14, what("value"));
     let in_time = derivatives(|d| model.f(t + d, q, v));
-    for i in 0..q.len() {
-        // the same terms in another order
-        assert_close(value[i], exact[i], 1e-14, &|| what(&format!("value[{i}]")));
-        assert_close(dt[i], in_time[i], FIRST, &|| what(&format!("dt[{i}]")));
-    }
-    for j in 0..q.len() {
-        let column_q = derivatives(|d| model.f(t, &moved(q, j, d), v));
-        let column_v = derivatives(|d| model.f(t, q, &moved(v, j, d)));
-        for i in 0..q.len() {
-            let entry = |matrix: &str| what(&format!("{matrix}[{i}][{j}]"));
-            assert_close(dq[i][j], column_q[i], FIRST, &|| entry("dq"));
-            assert_close(dv[i][j], column_v[i], FIRST, &|| entry("dv"));
-        }
-    }
+    assert_relative(&dt, &in_time, FIRST, what("dt"));
+    let along_q = |j| derivatives(|d| model.f(t, &moved(q, j, d), v));
+    assert_matrix(&dq, along_q, FIRST, &what("dq"));
+    let along_v = |j| derivatives(|d| model.f(t, q, &moved(v, j, d)));
+    assert_matrix(&dv, along_v, FIRST, &what("dv"));
 }
 
 /// The data of a step other than its end points.

@@ -1,37 +1,16 @@
 //! Forces in every rule: closed forms, the exact contraction by linear friction, and orders of convergence. `derivatives` tests that
 //! the steps obey the discrete equations with a force.
 
-use sve_models::models::Damped;
+use sve_models::checks::assert_states_close;
+use sve_models::models::{Bath, Damped};
 use sve_models::oracle::{damped, stirred};
 use sve_models::random::Random;
+use sve_models::stepper::one_node;
 use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
-
-/// A damped oscillator in a bath: `L = ½v² − ½q²`, `F = −νv`, `γ = σq`.
-struct Ornstein {
-    nu: f64,
-    sigma: f64,
-}
-
-#[variational(initial_point, endpoint, midpoint)]
-impl Ornstein {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        0.5 * v * v - 0.5 * q * q
-    }
-
-    #[force]
-    fn friction(&self, _q: f64, v: f64) -> f64 {
-        -self.nu * v
-    }
-
-    #[gamma]
-    fn bath(&self, q: f64) -> f64 {
-        self.sigma * q
-    }
-}
 
 /// Solves two linear equations.
 fn solve(a: [[f64; 2]; 2], b: [f64; 2]) -> [f64; 2] {
@@ -50,35 +29,23 @@ fn closed_form(c: f64, nu: f64, kick: f64, h: f64, q: f64, p: f64) -> (f64, f64)
     (q1, p1)
 }
 
-fn check_closed_form<R: Copy>(rule: R, c: f64)
-where
-    Ornstein: Variational<R>,
-{
-    let system = Ornstein {
+#[test]
+fn closed_forms_of_the_damped_oscillator() {
+    let system = Bath {
+        omega: 1.0,
         nu: 0.8,
         sigma: 0.5,
     };
-    let mut random = Random::new(3);
-    for _ in 0..1000 {
-        let ([q], [p], [w]) = (
-            random.array(-2.0, 2.0),
-            random.array(-2.0, 2.0),
-            random.array(-1.0, 1.0),
-        );
-        let mut state = State::new([q], [p]);
-        let integrator = Integrator::new(&system, rule);
-        integrator.step(&mut state, 0.3, &[w]).unwrap();
-        let (q1, p1) = closed_form(c, system.nu, system.sigma * w, 0.3, q, p);
-        // a dozen operations on terms up to 3
-        assert!((state.q[0] - q1).abs() < 1e-14 && (state.p[0] - p1).abs() < 1e-14);
+    for (rule, c) in one_node(&system).iter().zip([0.0, 0.5, 1.0]) {
+        let mut random = Random::new(3);
+        for _ in 0..1000 {
+            let [[q], [p], [w]] = [2.0, 2.0, 1.0].map(|size| random.array(-size, size));
+            let state = rule.after(State::new([q], [p]), 0.3, &[w], 1);
+            let (q1, p1) = closed_form(c, system.nu, system.sigma * w, 0.3, q, p);
+            // a dozen operations on terms up to 3
+            assert_states_close(&state, &State::new([q1], [p1]), 1e-14, rule.name());
+        }
     }
-}
-
-#[test]
-fn closed_forms_of_the_damped_oscillator() {
-    check_closed_form(InitialPoint, 0.0);
-    check_closed_form(Midpoint, 0.5);
-    check_closed_form(Endpoint, 1.0);
 }
 
 /// Three coupled beads, each with friction by its own momentum, in a quartic potential.

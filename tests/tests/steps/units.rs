@@ -13,6 +13,7 @@ use sve_models::models::{
 use sve_models::oracle::{
     chain, double_pendulum, magnetic, polar, quartic, relativistic, spherical_pendulum,
 };
+use sve_models::stepper::{Stepper, one_node};
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System, Variational};
 
@@ -24,6 +25,10 @@ struct Units {
     length: i32,
     time: i32,
     mass: i32,
+}
+
+const fn units(length: i32, time: i32, mass: i32) -> Units {
+    Units { length, time, mass }
 }
 
 impl Units {
@@ -51,51 +56,28 @@ impl Units {
 }
 
 /// Other units: one at a time by 2^±60, and mixtures.
-fn units() -> Vec<Units> {
-    let mut list = Vec::new();
-    for k in [-60, 60] {
-        list.push(Units {
-            length: k,
-            time: 0,
-            mass: 0,
-        });
-        list.push(Units {
-            length: 0,
-            time: k,
-            mass: 0,
-        });
-        list.push(Units {
-            length: 0,
-            time: 0,
-            mass: k,
-        });
-        list.push(Units {
-            length: k,
-            time: k,
-            mass: 0,
-        });
-        list.push(Units {
-            length: 0,
-            time: -k,
-            mass: k,
-        });
-    }
-    list
+fn others() -> impl Iterator<Item = Units> {
+    [-60, 60].into_iter().flat_map(|k| {
+        [
+            units(k, 0, 0),
+            units(0, k, 0),
+            units(0, 0, k),
+            units(k, k, 0),
+            units(0, -k, k),
+        ]
+    })
 }
 
 /// The unit of each coordinate.
 type CoordinateUnits<const N: usize> = fn(Units) -> [f64; N];
 
 /// Largest difference between a run and the same in other units, brought back; relative to the largest entry of its kind.
-fn difference<S, R, const N: usize, const M: usize>(
-    [here, there]: [&Integrator<S, R>; 2],
+fn difference<const N: usize, const M: usize>(
+    [here, there]: [&dyn Stepper<[f64; N], [f64; M]>; 2],
     units: Units,
     coordinates: CoordinateUnits<N>,
     start: State<[f64; N]>,
-) -> f64
-where
-    S: Variational<R> + System<Dims = Dims<N, M>>,
-{
+) -> f64 {
     let unit_q = coordinates(units);
     // the momentum of a coordinate: an action over its unit
     let unit_p = unit_q.map(|unit| units.action() / unit);
@@ -126,8 +108,9 @@ where
     worst / size
 }
 
-/// Runs every rule in all units. `make` gives the system in such units.
+/// Runs every rule in other units. `make` gives the system in such units.
 fn check<S, const N: usize, const M: usize>(
+    others: impl Iterator<Item = Units>,
     make: impl Fn(Units) -> S,
     coordinates: CoordinateUnits<N>,
     start: State<[f64; N]>,
@@ -138,59 +121,15 @@ fn check<S, const N: usize, const M: usize>(
         + Variational<Endpoint>
         + Variational<Midpoint>,
 {
-    let none = Units {
-        length: 0,
-        time: 0,
-        mass: 0,
-    };
-    for other in units() {
-        check_rule(
-            [make(none), make(other)],
-            other,
-            coordinates,
-            start,
-            bound,
-            InitialPoint,
-        );
-        check_rule(
-            [make(none), make(other)],
-            other,
-            coordinates,
-            start,
-            bound,
-            Endpoint,
-        );
-        check_rule(
-            [make(none), make(other)],
-            other,
-            coordinates,
-            start,
-            bound,
-            Midpoint,
-        );
+    let here = make(units(0, 0, 0));
+    for other in others {
+        let there = make(other);
+        for (here, there) in one_node(&here).iter().zip(&one_node(&there)) {
+            let difference = difference([&**here, &**there], other, coordinates, start);
+            let name = here.name();
+            assert!(difference <= bound, "{name} in {other:?}: {difference:e}");
+        }
     }
-}
-
-fn check_rule<S, R, const N: usize, const M: usize>(
-    systems: [S; 2],
-    other: Units,
-    coordinates: CoordinateUnits<N>,
-    start: State<[f64; N]>,
-    bound: f64,
-    rule: R,
-) where
-    S: System<Dims = Dims<N, M>> + Variational<R>,
-    R: Copy,
-{
-    let [here, there] = systems.map(|system| Integrator::new(system, rule));
-    let difference = difference([&here, &there], other, coordinates, start);
-    let plan = here.plan();
-    assert!(
-        difference <= bound,
-        "{} by {} in {other:?}: {difference:e}",
-        plan.system,
-        plan.rule
-    );
 }
 
 fn lengths<const N: usize>(units: Units) -> [f64; N] {
@@ -207,7 +146,7 @@ fn one_unknown() {
         m: quartic().m * u.of(0, 0, 1),
         k: quartic().k * u.of(-2, -2, 1),
     };
-    check(make, lengths, State::new([0.8], [0.5]), 0.0);
+    check(others(), make, lengths, State::new([0.8], [0.5]), 0.0);
 
     // aq² is an energy: the unit of q and p is the root of an action, a power of two here
     let make = |u: Units| Kubo {
@@ -215,7 +154,7 @@ fn one_unknown() {
         sigma: 0.6 / u.wiener(),
     };
     let root = |u: Units| [u.action().sqrt()];
-    check(make, root, State::new([0.8], [0.5]), 0.0);
+    check(others(), make, root, State::new([0.8], [0.5]), 0.0);
 }
 
 #[test]
@@ -226,21 +165,39 @@ fn two_unknowns() {
         c: magnetic().c * u.of(-2, 0, 0),
         k: magnetic().k * u.of(0, -2, 1),
     };
-    check(make, lengths, State::new([0.8, -0.3], [0.5, 0.2]), 0.0);
+    check(
+        others(),
+        make,
+        lengths,
+        State::new([0.8, -0.3], [0.5, 0.2]),
+        0.0,
+    );
 
     let make = |u: Units| Relativistic {
         m: relativistic().m * u.of(0, 0, 1),
         c: relativistic().c * u.of(1, -1, 0),
         k: relativistic().k * u.of(0, -2, 1),
     };
-    check(make, lengths, State::new([0.8, -0.3], [0.5, 0.2]), 0.0);
+    check(
+        others(),
+        make,
+        lengths,
+        State::new([0.8, -0.3], [0.5, 0.2]),
+        0.0,
+    );
 
     let make = |u: Units| SphericalPendulum {
         m: spherical_pendulum().m * u.of(0, 0, 1),
         l: spherical_pendulum().l * u.of(1, 0, 0),
         g: spherical_pendulum().g * u.of(1, -2, 0),
     };
-    check(make, angles, State::new([1.2, -0.3], [0.5, 0.6]), 0.0);
+    check(
+        others(),
+        make,
+        angles,
+        State::new([1.2, -0.3], [0.5, 0.6]),
+        0.0,
+    );
 
     let DoublePendulum { m, l, g, s } = double_pendulum();
     let make = |u: Units| DoublePendulum {
@@ -249,7 +206,13 @@ fn two_unknowns() {
         g: g * u.of(1, -2, 0),
         s: s * u.noise(),
     };
-    check(make, angles, State::new([0.8, -0.3], [0.2, 0.4]), 0.0);
+    check(
+        others(),
+        make,
+        angles,
+        State::new([0.8, -0.3], [0.2, 0.4]),
+        0.0,
+    );
 }
 
 /// Six unknowns of one unit: the pivots are the same.
@@ -266,37 +229,8 @@ fn six_unknowns() {
         [0.1, -0.2, 0.3, 0.0, 0.2, -0.1],
         [0.3, 0.1, -0.5, 0.7, 0.2, -0.4],
     );
-    let none = Units {
-        length: 0,
-        time: 0,
-        mass: 0,
-    };
-    for other in units().into_iter().filter(|u| u.length == 0) {
-        check_rule(
-            [make(none), make(other)],
-            other,
-            angles,
-            start,
-            0.0,
-            InitialPoint,
-        );
-        check_rule(
-            [make(none), make(other)],
-            other,
-            angles,
-            start,
-            0.0,
-            Endpoint,
-        );
-        check_rule(
-            [make(none), make(other)],
-            other,
-            angles,
-            start,
-            0.0,
-            Midpoint,
-        );
-    }
+    let of_chains = others().filter(|u| u.length == 0);
+    check(of_chains, make, angles, start, 0.0);
 }
 
 /// Three unknowns of different units (an increment of r, velocities of r and θ): other pivots, so the same to rounding, which
@@ -313,5 +247,11 @@ fn unknowns_of_different_units() {
         ],
     };
     let coordinates = |u: Units| [u.of(1, 0, 0), 1.0];
-    check(make, coordinates, State::new([1.4, 0.3], [0.1, 1.2]), 1e-12);
+    check(
+        others(),
+        make,
+        coordinates,
+        State::new([1.4, 0.3], [0.1, 1.2]),
+        1e-12,
+    );
 }

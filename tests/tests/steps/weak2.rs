@@ -1,6 +1,8 @@
 //! The option `weak2`: its step is that of the Lagrangian L − |h| K/8, which is written by hand here for steps of one size; with everything that steps have:
 //! tangent maps, sensitivities, symmetry, lanes, what a trajectory carries.
 
+use sve_models::checks::{assert_close, assert_says};
+use sve_models::orders::numbers;
 use sve_models::potential::{
     Additive, Chain, ChainByHand, Heavy, HeavyByHand, Pendulums, PendulumsByHand, Well, WellByHand,
 };
@@ -19,12 +21,7 @@ const DERIVATIVES: f64 = 1e-11;
 #[track_caller]
 fn close(found: &[f64], expected: &[f64], bound: f64, what: &str) {
     let size = expected.iter().fold(1.0f64, |m, x| m.max(x.abs()));
-    for (x, y) in found.iter().zip(expected) {
-        assert!(
-            (x - y).abs() <= bound * size,
-            "{what}: {found:?} for {expected:?}"
-        );
-    }
+    assert_close(found, expected, bound * size, what);
 }
 
 fn point<const N: usize>(random: &mut Random) -> State<[f64; N]> {
@@ -57,23 +54,19 @@ where
             .step_with_derivatives(&mut expected, H, &dw)
             .unwrap();
         plain.step(&mut other, H, &dw).unwrap();
-        let entries = |state: &State<[f64; N]>| [state.q, state.p].concat();
-        close(&entries(&found), &entries(&expected), ROUNDING, name);
+        close(&numbers(&found), &numbers(&expected), ROUNDING, name);
         differs |= (0..N).any(|i| (found.p[i] - other.p[i]).abs() > 1e-5);
         let (a, b) = (tangent.to_dmatrix(), tangent_by_hand.to_dmatrix());
         close(a.as_slice(), b.as_slice(), DERIVATIVES, name);
         for parameter in ["s[0]", "s[1]", "m"] {
             let of = |field: &sve_runtime::Field<[f64; N]>| [field.q, field.p].concat();
-            let (a, b) = (
-                sensitivity.get(parameter),
-                sensitivity_by_hand.get(parameter),
-            );
-            close(&of(a.unwrap()), &of(b.unwrap()), DERIVATIVES, parameter);
+            let [a, b] = [&sensitivity, &sensitivity_by_hand].map(|s| s.get(parameter).unwrap());
+            close(&of(a), &of(b), DERIVATIVES, parameter);
         }
         // back along the same increments
         let back = dw.map(|dw| -dw);
         corrected.step(&mut found, -H, &back).unwrap();
-        close(&entries(&found), &entries(&start), 10.0 * ROUNDING, name);
+        close(&numbers(&found), &numbers(&start), 10.0 * ROUNDING, name);
     }
     assert!(differs, "{name}: no term");
 }
@@ -127,22 +120,15 @@ fn the_structure_is_that_of_the_plain_rule() {
     let verlet = Integrator::new(well.clone(), Weak2(StormerVerlet)).plan();
     assert_eq!(verlet.kind(), BlockKind::Explicit);
     assert_eq!(verlet.rule, "stormer_verlet(weak2)");
-    assert!(
-        verlet
-            .formulas
-            .action
-            .contains(" − h·|h|·(K(q₀) + K(q₁))/16")
-    );
+    let action = &verlet.formulas.action;
+    assert_says(action, &[" − h·|h|·(K(q₀) + K(q₁))/16"]);
     let plain = Integrator::new(well.clone(), StormerVerlet).plan();
     assert_eq!([plain.weak_order, verlet.weak_order], [1, 2]);
     assert_eq!(plain.strong_order, verlet.strong_order);
-    assert!(
-        verlet
-            .to_string()
-            .contains(", strong order 1 (all noises commute), weak order 2\n")
-    );
+    let orders = ", strong order 1 (all noises commute), weak order 2\n";
+    assert_says(verlet, &[orders]);
     let midpoint = Integrator::new(Pendulums { s: S, m: 1.3 }, Weak2(Midpoint)).plan();
-    assert!(midpoint.formulas.action.contains(" − h·|h|·K(t̄, q̄)/8"));
+    assert_says(&midpoint.formulas.action, &[" − h·|h|·K(t̄, q̄)/8"]);
     assert_eq!(midpoint.unknowns(), 2);
 }
 
@@ -193,12 +179,8 @@ where
         let noise = Wiener::new(8).path(path);
         let states = integrator.trajectory(start, 0.05, noise);
         let last = states.take(steps as usize).last().unwrap().unwrap();
-        close(
-            &[end.q, end.p].concat(),
-            &[last.q, last.p].concat(),
-            1e-12,
-            "a path in a lane",
-        );
+        let expected = numbers(&last);
+        close(&[end.q, end.p].concat(), &expected, 1e-12, "in a lane");
         let mut state = start;
         let mut source = Wiener::new(8).path(path);
         for step in 0..steps {
@@ -206,12 +188,7 @@ where
             source.increments(step, 0.05, &mut dw).unwrap();
             integrator.step(&mut state, 0.05, &dw).unwrap();
         }
-        close(
-            &[state.q, state.p].concat(),
-            &[last.q, last.p].concat(),
-            1e-14,
-            "repeated steps",
-        );
+        close(&numbers(&state), &expected, 1e-14, "repeated steps");
     }
 }
 
