@@ -74,7 +74,7 @@ where
 pub type Steppers<'a, Q, const M: usize> = Vec<Box<dyn Stepper<Q, [f64; M]> + 'a>>;
 
 /// The one-node rules: initial point, midpoint, endpoint.
-pub fn one_node<'a, S, Q, const N: usize, const M: usize>(system: &'a S) -> Steppers<'a, Q, M>
+pub fn one_node<S, Q, const N: usize, const M: usize>(system: &S) -> Steppers<'_, Q, M>
 where
     S: System<Dims = Dims<N, M, Q>>
         + Variational<InitialPoint>
@@ -90,7 +90,7 @@ where
 }
 
 /// The one-node rules, and that of Störmer and Verlet.
-pub fn with_verlet<'a, S, Q, const N: usize, const M: usize>(system: &'a S) -> Steppers<'a, Q, M>
+pub fn with_verlet<S, Q, const N: usize, const M: usize>(system: &S) -> Steppers<'_, Q, M>
 where
     S: System<Dims = Dims<N, M, Q>>
         + Variational<InitialPoint>
@@ -105,7 +105,7 @@ where
 }
 
 /// The one-node rules, and that of Taylor series of degree two.
-pub fn with_taylor2<'a, S, Q, const N: usize, const M: usize>(system: &'a S) -> Steppers<'a, Q, M>
+pub fn with_taylor2<S, Q, const N: usize, const M: usize>(system: &S) -> Steppers<'_, Q, M>
 where
     S: System<Dims = Dims<N, M, Q>>
         + Variational<InitialPoint>

@@ -1,19 +1,18 @@
 //! Antithetic pairs: the noise of their paths, the mean of linear observables, errors of even ones, failures, shards.
 
-use sve_models::models::{Kubo, Oscillator};
+use sve_models::assert_matches;
+use sve_models::checks::assert_says;
 use sve_runtime::noise::ThreePoint;
 use sve_runtime::prelude::*;
 
-const PATHS: u64 = 64 * 6 + 10;
+use crate::runs::{KuboMethod, kubo, oscillator, run_in_parts};
 
-fn method() -> Integrator<Oscillator, Midpoint> {
-    Integrator::new(Oscillator { sigma: 1.0 }, Midpoint)
-}
+const PATHS: u64 = 64 * 6 + 10;
 
 /// Paths 2k and 2k + 1 have the increments of path k of the source, the second one with the other sign.
 #[test]
 fn paths_have_opposite_increments() {
-    let kubo = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let kubo = kubo();
     let (h, steps, first) = (0.05, 37, 5);
     let ensemble = |noise: &dyn Fn(Ensemble<'static, _>) -> Ensemble<'static, _>| {
         let kubo: &'static _ = Box::leak(Box::new(kubo.clone()));
@@ -24,8 +23,7 @@ fn paths_have_opposite_increments() {
             .keep_final_states(true);
         noise(ensemble.antithetic(true))
     };
-    let check = |ensemble: Ensemble<'_, Integrator<Kubo, Midpoint>>,
-                 dw: &dyn Fn(u64, u64) -> f64| {
+    let check = |ensemble: Ensemble<'_, KuboMethod>, dw: &dyn Fn(u64, u64) -> f64| {
         let summary = ensemble.run().unwrap();
         assert_eq!(summary.final_states().count() as u64, PATHS);
         for (path, end) in summary.final_states() {
@@ -61,7 +59,7 @@ fn paths_have_opposite_increments() {
 /// The position is linear in the noise: the mean of each pair is the motion without noise. Its square, from a start at rest, is even: both paths of a pair have the same.
 #[test]
 fn odd_observables_have_no_error_and_even_ones_a_larger_one() {
-    let method = method();
+    let method = oscillator(Midpoint);
     let ensemble = |start: f64| {
         Ensemble::new(&method)
             .paths(20_000)
@@ -97,7 +95,7 @@ fn odd_observables_have_no_error_and_even_ones_a_larger_one() {
 /// Starts of a pair have the same generator, and can be mirrored.
 #[test]
 fn starts_of_a_pair_have_the_same_numbers() {
-    let method = method();
+    let method = oscillator(Midpoint);
     let summary = Ensemble::new(&method)
         .paths(1000)
         .seed(4)
@@ -120,7 +118,7 @@ fn starts_of_a_pair_have_the_same_numbers() {
 /// A pair of which a path has failed does not count. Shards and threads have the bits of the whole.
 #[test]
 fn failures_and_shards() {
-    let method = method();
+    let method = oscillator(Midpoint);
     let ensemble = || {
         Ensemble::new(&method)
             .paths(PATHS)
@@ -130,7 +128,7 @@ fn failures_and_shards() {
             .observe("q", |_, s| if s.q[0] > 1.5 { f64::NAN } else { s.q[0] })
             .antithetic(true)
     };
-    let whole = ensemble().threads(1).run().unwrap();
+    let whole = run_in_parts(ensemble, &[], &[&[1, 2, 0]]);
     assert!(whole.failed() > 10);
     let left = Ensemble::new(&method)
         .paths(PATHS)
@@ -154,43 +152,31 @@ fn failures_and_shards() {
         (whole["q"].standard_error()[1] - error).abs() < 1e-15,
         "{error:e}"
     );
-    let mut merged = ensemble().shard(1, 3).run().unwrap();
-    for index in [2, 0] {
-        merged
-            .merge(ensemble().shard(index, 3).run().unwrap())
-            .unwrap();
-    }
-    assert_eq!(merged, whole);
-    assert_eq!(merged["q"], whole["q"]);
-    let text = serde_json::to_string(&whole).unwrap();
-    assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), whole);
     let mut plain = ensemble().antithetic(false).shard(0, 3).run().unwrap();
     assert!(plain.merge(ensemble().shard(1, 3).run().unwrap()).is_err());
 }
 
 #[test]
 fn what_supposes_independent_paths_is_refused() {
-    let method = method();
+    let method = oscillator(Midpoint);
     let ensemble = |paths| {
         let ensemble = Ensemble::new(&method).paths(paths).steps(0.1, 2);
         let ensemble = ensemble.start(State::new([1.0], [0.0])).antithetic(true);
         ensemble.observe("q", |_, s| s.q[0])
     };
-    let odd = ensemble(9).run().unwrap_err().to_string();
-    assert!(odd.contains("9 paths are not pairs"), "{odd}");
+    assert_says(ensemble(9).run().unwrap_err(), &["9 paths are not pairs"]);
     for refused in [
         ensemble(10).covariance("q", "q"),
         ensemble(10).quantiles("q", 10),
     ] {
-        let error = refused.run().unwrap_err();
-        assert!(matches!(error, EnsembleError::AntitheticPairs), "{error}");
+        assert_matches!(refused.run(), Err(EnsembleError::AntitheticPairs));
     }
 }
 
 /// Within a step the source knows the path of one increment, and not that of its mirror image.
 #[test]
 fn what_divides_steps_is_refused() {
-    let method = method();
+    let method = oscillator(Midpoint);
     let ensemble = || {
         let ensemble = Ensemble::new(&method).paths(10).steps(0.1, 2);
         ensemble.start(State::new([1.0], [0.0])).antithetic(true)
@@ -200,10 +186,6 @@ fn what_divides_steps_is_refused() {
         ensemble().first_passage("zero", |_, s| s.q[0]),
         ensemble().refine(3),
     ] {
-        let error = refused.run().unwrap_err();
-        assert!(
-            matches!(error, EnsembleError::NotTogether { .. }),
-            "{error}"
-        );
+        assert_matches!(refused.run(), Err(EnsembleError::NotTogether { .. }));
     }
 }

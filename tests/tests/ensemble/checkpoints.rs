@@ -3,18 +3,15 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use sve_models::checks::assert_says;
 use sve_models::models::Kubo;
 use sve_runtime::ensemble::{Damage, Difference};
 use sve_runtime::prelude::*;
 
-type Method = Integrator<Kubo, Midpoint>;
-
-fn kubo() -> Method {
-    Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
-}
+use crate::runs::{KuboMethod, kubo, scratch};
 
 /// An ensemble with one of each kind of result, and so few paths that its file is small.
-fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+fn ensemble(method: &KuboMethod) -> Ensemble<'_, KuboMethod> {
     Ensemble::new(method)
         .paths(20)
         .seed(3)
@@ -25,12 +22,6 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
         .covariance("q", "q")
         .quantiles("q", 2)
         .keep_final_states(true)
-}
-
-fn scratch(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_file(&path);
-    path
 }
 
 /// Writes a checkpoint. Returns its path, its bytes and the summary.
@@ -47,7 +38,7 @@ fn replaced(path: &PathBuf, bytes: &[u8]) {
     std::fs::write(path, bytes).unwrap();
 }
 
-fn resumed(method: &Method, path: &PathBuf) -> Result<Summary, EnsembleError> {
+fn resumed(method: &KuboMethod, path: &PathBuf) -> Result<Summary, EnsembleError> {
     let ensemble = ensemble(method).checkpoint(path, Duration::from_secs(60));
     ensemble.resume(true).threads(1).run()
 }
@@ -118,12 +109,9 @@ fn versions_and_contents_are_checked() {
     assert_eq!(with(6, &bytes[28..]), bytes);
     for version in [5, 7] {
         std::fs::write(&path, with(version, &bytes[28..])).unwrap();
-        let error = resumed(&method, &path).unwrap_err().to_string();
+        let error = resumed(&method, &path).unwrap_err();
         let found = format!("version.sve has format {version}");
-        assert!(
-            error.contains(&found) && error.contains("reads format 6"),
-            "{error}"
-        );
+        assert_says(error, &[&found, "reads format 6"]);
     }
     // the content with one of its bytes another: refused, or one that fits together by chance
     let mut refused = 0;
@@ -144,16 +132,13 @@ fn versions_and_contents_are_checked() {
 fn other_runs_are_refused_by_what_differs() {
     let method = kubo();
     let (path, ..) = written("other.sve");
-    let refused = |other: Ensemble<'_, Method>, expected: Difference| {
+    let refused = |other: Ensemble<'_, KuboMethod>, expected: Difference| {
         let error = other.checkpoint(&path, Duration::ZERO).resume(true).run();
         match error {
             Err(error @ EnsembleError::OtherCheckpoint { what, .. }) => {
                 assert_eq!(what, expected);
                 let text = error.to_string();
-                assert!(
-                    text.contains("other.sve") && !text.contains("merge"),
-                    "{text}"
-                );
+                assert!(text.contains("other.sve") && !text.contains("merge"));
             }
             other => panic!("{other:?}"),
         }

@@ -3,6 +3,8 @@
 use sve_runtime::ensemble::{Cause, FAILURES_KEPT};
 use sve_runtime::prelude::*;
 
+use crate::runs::drawn;
+
 /// A hard spring, whose explicit step overflows if the amplitude is too large.
 #[derive(Clone, Debug)]
 struct Spring {
@@ -57,13 +59,14 @@ fn are_counted_described_and_left_out() {
     assert_eq!(summary.final_states().count() as u64, PATHS - failed);
 
     // each path by itself, by the scalar step
+    let starts = drawn(PATHS, 5, |_, rng| start(rng));
     let mut q = vec![Vec::new(); 7];
     let mut failures = summary.failures().iter();
     let mut ends = summary
         .final_states()
         .map(|(path, end)| (path, end.state().unwrap()));
     for path in 0..PATHS {
-        let mut generator = path_start(&method, path);
+        let mut generator = starts[path as usize];
         let mut steps = 0;
         q[0].push(generator.q[0]);
         let trajectory = method.trajectory(generator, H, Wiener::new(5).path(path));
@@ -99,25 +102,6 @@ fn are_counted_described_and_left_out() {
         let size = values.iter().map(|x| x.abs()).sum::<f64>() / count;
         assert!((shown - mean).abs() <= 1e-13 * size, "{shown} {mean}");
     }
-}
-
-/// Returns the start of a path.
-fn path_start(method: &Integrator<Spring, Endpoint>, path: u64) -> State<[f64; 1]> {
-    let seen = std::sync::Mutex::new(None);
-    let probe = Ensemble::new(method)
-        .paths(path + 1)
-        .seed(5)
-        .steps(H, 1)
-        .start_with(|k, rng| {
-            let state = start(rng);
-            if k == path {
-                *seen.lock().unwrap() = Some(state);
-            }
-            state
-        });
-    probe.replay(path).unwrap().for_each(drop);
-    drop(probe);
-    seen.into_inner().unwrap().unwrap()
 }
 
 #[test]
@@ -165,7 +149,7 @@ fn change_nothing_for_the_others() {
 fn of_observables_name_them() {
     let method = spring();
     let error = StepError::StepSize { h: 7.0 };
-    let (given, of) = (error.clone(), |path: u64| path_start(&method, path).q[0]);
+    let (given, starts) = (error.clone(), drawn(250, 5, |_, rng| start(rng)));
     // few enough that all failures are described
     let paths = 250;
     let summary = ensemble(&method)
@@ -193,7 +177,7 @@ fn of_observables_name_them() {
             Cause::Observable { name, error: e } => {
                 assert_eq!((name.as_str(), e), ("result", &error));
                 assert_eq!((failure.step, failure.t), (0, 0.0));
-                assert!(of(failure.path) > 1.0);
+                assert!(starts[failure.path as usize].q[0] > 1.0);
                 found[0] += 1;
             }
             Cause::NotFinite { name, value } => {

@@ -7,16 +7,12 @@ use std::time::Duration;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use sve_models::models::Kubo;
+use sve_models::checks::assert_says;
 use sve_runtime::prelude::*;
 
-type Method = Integrator<Kubo, Midpoint>;
+use crate::runs::{KuboMethod, kubo, scratch};
 
-fn kubo() -> Method {
-    Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
-}
-
-fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+fn ensemble(method: &KuboMethod) -> Ensemble<'_, KuboMethod> {
     Ensemble::new(method)
         .paths(700)
         .seed(3)
@@ -102,10 +98,8 @@ fn npy() {
         let header = std::str::from_utf8(&bytes[12..12 + length]).unwrap();
         let start = "{'descr': [('t', '<f8'), ('paths', '<u8'), ('q_mean', '<f8'), ";
         assert!(header.starts_with(start), "{header}");
-        assert!(
-            header
-                .contains("('a, \"b\" é_max', '<f8'), ], 'fortran_order': False, 'shape': (4,), }")
-        );
+        let end = "('a, \"b\" é_max', '<f8'), ], 'fortran_order': False, 'shape': (4,), }";
+        assert_says(header, &[end]);
         assert!(header.ends_with('\n'));
         let table = table(&summary);
         let mut words = bytes[12 + length..].chunks_exact(8);
@@ -134,7 +128,7 @@ fn npy() {
     assert!(header.ends_with('\n'));
 }
 
-fn ensemble_of_one_name(method: &Method) -> Summary {
+fn ensemble_of_one_name(method: &KuboMethod) -> Summary {
     let ensemble = Ensemble::new(method).paths(20).steps(0.1, 3);
     let ensemble = ensemble.start(State::new([1.0], [0.0]));
     ensemble.observe("it's", |_, s| s.q[0]).run().unwrap()
@@ -213,16 +207,11 @@ fn serde_of_states_and_errors() {
     assert!(matches!(back, StepError::StepSize { h } if h.is_nan()));
 }
 
-pub(crate) fn scratch(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
-}
-
 #[test]
 fn a_stopped_run_continues_with_the_same_bits() {
     let method = kubo();
     let whole = ensemble(&method).run().unwrap();
     let path = scratch("continued.sve");
-    let _ = std::fs::remove_file(&path);
     for (shard, of) in [(0, 1), (1, 3)] {
         let whole = if of == 1 {
             whole.clone()
@@ -260,7 +249,6 @@ fn a_stopped_run_continues_with_the_same_bits() {
 fn a_run_that_was_killed_continues() {
     let method = kubo();
     let path = scratch("killed.sve");
-    let _ = std::fs::remove_file(&path);
     let ensemble = |panics: bool| {
         ensemble(&method)
             .observe("end", move |_, s| {
@@ -304,20 +292,14 @@ fn files_that_cannot_be_written_are_errors_with_their_path() {
         }
         for path in paths {
             let error = write(&summary, &path).unwrap_err();
-            assert!(
-                error.to_string().contains(path.to_str().unwrap()),
-                "{error}"
-            );
+            assert_says(error, &[path.to_str().unwrap()]);
         }
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "{name}");
     }
     let records = [sve_runtime::study::Record::default()];
     let path = folder.join("file/x.csv");
     let error = sve_runtime::study::to_csv(&path, &records).unwrap_err();
-    assert!(
-        error.to_string().contains(path.to_str().unwrap()),
-        "{error}"
-    );
+    assert_says(error, &[path.to_str().unwrap()]);
     sve_runtime::study::to_csv(folder.join("x.csv"), &records).unwrap();
     let read = std::fs::File::open(folder.join("x.csv")).unwrap();
     let read = sve_runtime::study::read_csv(std::io::BufReader::new(read));

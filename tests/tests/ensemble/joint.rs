@@ -1,18 +1,18 @@
 //! Covariances, two-time covariances and quantiles against exact moments of the discrete motion, and against all values.
 
-use sve_models::models::{Kubo, Oscillator};
+use sve_models::assert_matches;
+use sve_models::checks::{assert_says, assert_within};
+use sve_models::models::{Bath, Oscillator};
+use sve_models::stepper::Stepper;
 use sve_runtime::ensemble::Difference;
 use sve_runtime::prelude::*;
 
-use crate::exact::{affine, after_a_step};
+use crate::exact::Affine;
+use crate::runs::{kubo, oscillator, run_in_parts};
 
 const PATHS: u64 = 20_000;
 
 type Method = Integrator<Oscillator, Midpoint>;
-
-fn method() -> Method {
-    Integrator::new(Oscillator { sigma: 1.0 }, Midpoint)
-}
 
 fn ensemble(method: &Method) -> Ensemble<'_, Method> {
     Ensemble::new(method)
@@ -28,7 +28,7 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
 /// C₁ = A C₀ Aᵀ + h b bᵀ for equal times; C(s, t) = C(s) (A^(t−s))ᵀ for two times.
 #[test]
 fn covariances_are_those_of_the_recursion() {
-    let method = method();
+    let method = oscillator(Midpoint);
     let summary = ensemble(&method)
         .covariance("q", "p")
         .covariance("q", "q")
@@ -36,34 +36,15 @@ fn covariances_are_those_of_the_recursion() {
         .two_time("p", "p")
         .run()
         .unwrap();
-    let (a, b) = affine(&method);
-    let mut states = vec![([1.0, 0.0], [[0.0; 2]; 2])];
-    for _ in 0..60 {
-        let next = after_a_step(&a, &b, *states.last().unwrap());
-        states.push(next);
-    }
-    let (qp, qq) = (
-        summary.covariance("q", "p").unwrap(),
-        summary.covariance("q", "q").unwrap(),
-    );
-    let within = |found: f64, exact: f64, error: f64| {
-        assert!(
-            (found - exact).abs() < 4.5 * error,
-            "{found} {exact} ± {error}"
-        );
-    };
+    let affine = Affine::of(&method, 0.1);
+    let states = affine.from(1.0, 60);
+    let [qp, qq] = ["p", "q"].map(|of| summary.covariance("q", of).unwrap());
     for record in 1..=6 {
         let (_, c) = states[10 * record];
-        within(
-            qp.covariance()[record],
-            c[0][1],
-            qp.standard_error()[record],
-        );
-        within(
-            qq.covariance()[record],
-            c[0][0],
-            qq.standard_error()[record],
-        );
+        for (found, exact) in [(&qp, c[0][1]), (&qq, c[0][0])] {
+            let (covariance, error) = (found.covariance(), found.standard_error());
+            assert_within(covariance[record], exact, error[record], 4.5, record);
+        }
         // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian
         let exact = (c[0][0] * c[1][1] + c[0][1] * c[0][1]).sqrt() / (PATHS as f64 - 1.0).sqrt();
         assert!((qp.standard_error()[record] / exact - 1.0).abs() < 0.1);
@@ -75,26 +56,19 @@ fn covariances_are_those_of_the_recursion() {
     }
     assert_eq!((qp.covariance()[0], qp.standard_error()[0]), (0.0, 0.0));
     assert!(qp.correlation()[0].is_nan());
-    let (two, momentum) = (
-        summary.two_time("q", "p").unwrap(),
-        summary.two_time("p", "p").unwrap(),
-    );
+    let [two, momentum] = ["q", "p"].map(|of| summary.two_time(of, "p").unwrap());
     for s in 0..=6 {
         for t in 0..=6 {
-            let exact = exact_two_time(&a, &states, 10 * s, 10 * t);
+            let exact = exact_two_time(&affine.a, &states, 10 * s, 10 * t);
             if s * t > 0 {
-                within(two.covariance(s, t), exact[0][1], two.standard_error(s, t));
-                within(
-                    momentum.covariance(s, t),
-                    exact[1][1],
-                    momentum.standard_error(s, t),
-                );
                 let variances = [states[10 * s].1, states[10 * t].1];
                 // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian, of which fourth moments are known to 3 %
                 for (found, [first, second], exact) in [
                     (&two, [0, 1], exact[0][1]),
                     (&momentum, [1, 1], exact[1][1]),
                 ] {
+                    let (covariance, error) = (found.covariance(s, t), found.standard_error(s, t));
+                    assert_within(covariance, exact, error, 4.5, format!("{s} {t}"));
                     let [a, b] = [variances[0][first][first], variances[1][second][second]];
                     let error = ((a * b + exact * exact) / (PATHS as f64 - 1.0)).sqrt();
                     let ratio = found.standard_error(s, t) / error;
@@ -104,10 +78,8 @@ fn covariances_are_those_of_the_recursion() {
                     assert!(off.abs() < 5.0 / (PATHS as f64).sqrt(), "{s} {t} {off}");
                 }
             }
-            assert_eq!(
-                momentum.covariance(s, t).to_bits(),
-                momentum.covariance(t, s).to_bits()
-            );
+            let pair = [momentum.covariance(s, t), momentum.covariance(t, s)];
+            assert_eq!(pair[0].to_bits(), pair[1].to_bits());
         }
         assert_eq!(two.covariance(s, s).to_bits(), qp.covariance()[s].to_bits());
     }
@@ -138,42 +110,15 @@ fn exact_two_time(
     }
 }
 
-/// An oscillator with friction in a bath, which begins in the stationary law of its discrete motion.
-struct Bath {
-    nu: f64,
-    sigma: f64,
-}
-
-#[variational(midpoint)]
-impl Bath {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        0.5 * v * v - 0.5 * q * q
-    }
-    #[force]
-    fn friction(&self, _q: f64, v: f64) -> f64 {
-        -self.nu * v
-    }
-    #[gamma]
-    fn kicks(&self, q: f64) -> f64 {
-        self.sigma * q
-    }
-}
-
 /// The midpoint rule keeps q and p independent with variance kT = σ²/2ν, so C(t) = kT Aᵗ.
 #[test]
 fn autocorrelations_of_a_bath_are_stationary() {
-    let bath = Integrator::new(
-        Bath {
-            nu: 1.0,
-            sigma: 2.0,
-        },
-        Midpoint,
-    );
+    let (omega, nu, sigma) = (1.0, 1.0, 2.0);
+    let bath = Integrator::new(Bath { omega, nu, sigma }, Midpoint);
     let h = 0.2;
     let image = |q, p| {
-        let mut state = State::new([q], [p]);
-        bath.step(&mut state, h, &[0.0]).unwrap();
-        [state.q[0], state.p[0]]
+        let end = bath.after(State::new([q], [p]), h, &[0.0], 1);
+        [end.q[0], end.p[0]]
     };
     let (x, y) = (image(1.0, 0.0), image(0.0, 1.0));
     let summary = Ensemble::new(&bath)
@@ -195,8 +140,8 @@ fn autocorrelations_of_a_bath_are_stationary() {
     for lag in 0..=6 {
         for s in 0..=6 - lag {
             let (found, error) = (both.covariance(s, s + lag), both.standard_error(s, s + lag));
-            let z = (found - 2.0 * power[0]) / error;
-            assert!(z.abs() < 4.5 && error < 0.04, "{s} {lag} {z}");
+            assert_within(found, 2.0 * power[0], error, 4.5, format!("{s} {lag}"));
+            assert!(error < 0.04);
         }
         for _ in 0..2 {
             // the first row of the power of A, times A
@@ -211,7 +156,7 @@ fn autocorrelations_of_a_bath_are_stationary() {
 /// Fewer paths than values are exact; more are within the bound of the ranks.
 #[test]
 fn quantiles_are_those_of_all_values() {
-    let method = method();
+    let method = oscillator(Midpoint);
     let summary = ensemble(&method)
         .quantiles("q", PATHS as usize)
         .quantiles("p", 300)
@@ -256,7 +201,7 @@ fn quantiles_are_those_of_all_values() {
 /// A pair of times has the paths that have not failed until the later one, in several blocks.
 #[test]
 fn pairs_of_times_leave_out_paths_that_have_failed() {
-    let (method, h, paths) = (method(), 0.1, 300);
+    let (method, h, paths) = (oscillator(Midpoint), 0.1, 300);
     let bound = 1.2;
     let summary = Ensemble::new(&method)
         .paths(paths)
@@ -300,7 +245,7 @@ fn pairs_of_times_leave_out_paths_that_have_failed() {
 /// Shards and threads have the bits of the whole, with paths that fail.
 #[test]
 fn shards_merge_into_the_bits_of_the_whole() {
-    let kubo = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let kubo = kubo();
     let ensemble = || {
         Ensemble::new(&kubo)
             .paths(64 * 10 + 7)
@@ -314,53 +259,31 @@ fn shards_merge_into_the_bits_of_the_whole() {
             .two_time("p", "q")
             .quantiles("p", 100)
     };
-    let whole = ensemble().threads(1).run().unwrap();
+    let whole = run_in_parts(ensemble, &[2], &[&[1, 0], &[4, 0, 1, 2, 3]]);
     assert!(whole.failed() > 0);
-    for of in [2, 5] {
-        let mut merged = ensemble().shard(of - 1, of).run().unwrap();
-        for index in 0..of - 1 {
-            merged
-                .merge(ensemble().shard(index, of).run().unwrap())
-                .unwrap();
-        }
-        assert_eq!(merged, whole);
-        assert_eq!(merged.two_time("p", "q"), whole.two_time("p", "q"));
-        assert_eq!(merged.quantiles("p"), whole.quantiles("p"));
-    }
-    let text = serde_json::to_string(&whole).unwrap();
-    assert_eq!(serde_json::from_str::<Summary>(&text).unwrap(), whole);
     let other = |ensemble: Ensemble<'_, _>| {
-        let mut whole = whole.clone();
-        match whole
-            .merge(ensemble.shard(0, 2).run().unwrap())
-            .unwrap_err()
-        {
-            EnsembleError::OtherRun { what } => what,
-            other => panic!("{other}"),
-        }
+        let shard = ensemble.shard(0, 2).run().unwrap();
+        whole.clone().merge(shard).unwrap_err()
     };
-    assert_eq!(
-        other(ensemble().covariance("q", "q")),
-        Difference::Statistic("covariances")
-    );
-    assert_eq!(
-        other(ensemble().quantiles("q", 100)),
-        Difference::Statistic("quantiles")
-    );
+    for (ensemble, statistic) in [
+        (ensemble().covariance("q", "q"), "covariances"),
+        (ensemble().quantiles("q", 100), "quantiles"),
+    ] {
+        assert_matches!(other(ensemble), EnsembleError::OtherRun { what: Difference::Statistic(name) } if *name == statistic);
+    }
 }
 
 #[test]
 fn names_and_sizes_are_checked() {
-    let method = method();
-    let message = |ensemble: Ensemble<'_, Method>| ensemble.run().unwrap_err().to_string();
-    assert!(
-        message(ensemble(&method).covariance("q", "x")).contains("`x` to take a covariance of")
-    );
-    assert!(message(ensemble(&method).quantiles("x", 10)).contains("`x` to take quantiles of"));
-    assert!(message(ensemble(&method).quantiles("q", 1)).contains("at least 2"));
-    let many = ensemble(&method)
-        .steps(1e-9, 1 << 21)
-        .record_every(1)
-        .two_time("q", "q");
-    assert!(message(many).contains("covariances of `q` and `q`"));
+    let method = oscillator(Midpoint);
+    let of = || ensemble(&method);
+    let many = of().steps(1e-9, 1 << 21).record_every(1);
+    for (refused, says) in [
+        (of().covariance("q", "x"), "`x` to take a covariance of"),
+        (of().quantiles("x", 10), "`x` to take quantiles of"),
+        (of().quantiles("q", 1), "at least 2"),
+        (many.two_time("q", "q"), "covariances of `q` and `q`"),
+    ] {
+        assert_says(refused.run().unwrap_err(), &[says]);
+    }
 }

@@ -1,13 +1,14 @@
 //! Memory grows with recorded times and observables, not with paths and steps.
 
 use allocation_counter::measure;
-use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
+
+use crate::runs::{KuboMethod, kubo};
 
 /// The largest number of bytes that a run had at once, with what the summary keeps. On one thread, whose own pool cannot be
 /// counted, so on this one.
 fn peak(paths: u64, steps: u64, every: u64) -> u64 {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let method = kubo();
     let counted = measure(|| {
         // a rayon pool of this thread alone
         let pool = rayon::ThreadPoolBuilder::new()
@@ -21,7 +22,7 @@ fn peak(paths: u64, steps: u64, every: u64) -> u64 {
     counted.bytes_max
 }
 
-fn run(method: &Integrator<Kubo, Midpoint>, paths: u64, steps: u64, every: u64) -> Summary {
+fn run(method: &KuboMethod, paths: u64, steps: u64, every: u64) -> Summary {
     Ensemble::new(method)
         .paths(paths)
         .steps(0.01, steps)

@@ -4,12 +4,15 @@ use std::collections::BTreeSet;
 use std::sync::Mutex;
 use std::time::Duration;
 
+use sve_models::assert_matches;
+use sve_models::checks::{assert_says, assert_within};
 use sve_models::models::Oscillator;
 use sve_runtime::ensemble::By;
 use sve_runtime::noise::{Recorded, ThreePoint};
 use sve_runtime::prelude::*;
 
-use crate::exact::Gaussian;
+use crate::exact::Affine;
+use crate::runs::oscillator;
 
 /// Without noise: every path is the same.
 struct Swing {
@@ -28,10 +31,6 @@ const STEPS: u64 = 4;
 
 type Method = Integrator<Oscillator, Endpoint>;
 
-fn method() -> Method {
-    Integrator::new(Oscillator { sigma: 1.0 }, Endpoint)
-}
-
 fn ensemble(method: &Method) -> Ensemble<'_, Method> {
     Ensemble::new(method)
         .paths(200)
@@ -45,7 +44,7 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
 /// Level l has the paths from l 2⁴⁸ on. Its coarse steps have the sums of the increments of its fine steps.
 #[test]
 fn levels_are_differences_along_common_paths() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let estimate = ensemble(&method).multilevel("q²").run(0.3).unwrap();
     let levels = estimate.levels();
     assert_eq!(levels[0].paths % 64, 0);
@@ -88,49 +87,21 @@ fn levels_are_differences_along_common_paths() {
     );
 }
 
-/// Mean of q² after `steps` steps of length `h`, by the recursion of mean and covariance.
-fn exact_mean(method: &Method, h: f64, steps: u64) -> f64 {
-    let image = |q, p, dw| {
-        let mut state = State::new([q], [p]);
-        method.step(&mut state, h, &[dw]).unwrap();
-        [state.q[0], state.p[0]]
-    };
-    let (x, y, b) = (
-        image(1.0, 0.0, 0.0),
-        image(0.0, 1.0, 0.0),
-        image(0.0, 0.0, 1.0),
-    );
-    let apply = |z: [f64; 2]| [x[0] * z[0] + y[0] * z[1], x[1] * z[0] + y[1] * z[1]];
-    let (mut m, mut c): Gaussian = ([1.0, 0.0], [[0.0; 2]; 2]);
-    for _ in 0..steps {
-        m = apply(m);
-        let half = [apply(c[0]), apply(c[1])];
-        let columns = [
-            apply([half[0][0], half[1][0]]),
-            apply([half[0][1], half[1][1]]),
-        ];
-        for i in 0..2 {
-            for j in 0..2 {
-                c[i][j] = columns[j][i] + h * b[i] * b[j];
-            }
-        }
-    }
-    m[0] * m[0] + c[0][0]
-}
-
 /// The endpoint rule has weak order 1 here, so there is a bias to estimate. E q² = cos²t + σ²(t − sin t cos t)/2.
 #[test]
 fn means_are_exact_to_their_errors() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let t = H * STEPS as f64;
     let exact = t.cos().powi(2) + 0.5 * (t - t.sin() * t.cos());
     for error in [0.1, 0.03, 0.01] {
         let estimate = ensemble(&method).multilevel("q²").run(error).unwrap();
         let mut before = 0.0;
         for (level, found) in (0_u32..).zip(estimate.levels()) {
-            let mean = exact_mean(&method, found.h, STEPS << level);
-            let z = (found.mean - (mean - before)) / found.standard_error;
-            assert!(z.abs() < 4.5, "level {level}: {z}");
+            let moments = Affine::of(&method, found.h).from(1.0, STEPS << level);
+            let (m, c) = moments[moments.len() - 1];
+            let mean = m[0] * m[0] + c[0][0];
+            let row = format!("level {level}");
+            assert_within(found.mean, mean - before, found.standard_error, 4.5, row);
             before = mean;
         }
         let bias = (before - exact).abs();
@@ -163,7 +134,7 @@ fn means_are_exact_to_their_errors() {
 /// The variance of a difference falls like h² at strong order 1: a factor of 4 a level.
 #[test]
 fn variances_of_levels_fall_with_the_square_of_the_step() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let ensemble = ensemble(&method).paths(20_000);
     let estimate = ensemble.multilevel("q²").run(0.01).unwrap();
     for pair in estimate.levels()[2..].windows(2) {
@@ -174,7 +145,7 @@ fn variances_of_levels_fall_with_the_square_of_the_step() {
 
 #[test]
 fn threads_have_the_same_bits() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let run = |threads| {
         ensemble(&method)
             .threads(threads)
@@ -194,7 +165,7 @@ fn threads_have_the_same_bits() {
 /// The momentum is linear in the noise, so that pairs leave no variance on any level.
 #[test]
 fn antithetic_levels_have_the_variance_of_pairs() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let ensemble = ensemble(&method).antithetic(true);
     let estimate = ensemble.multilevel("p").run(0.01).unwrap();
     assert!(estimate.standard_error() < 1e-15);
@@ -205,76 +176,78 @@ fn antithetic_levels_have_the_variance_of_pairs() {
 
 #[test]
 fn impossible_estimates_are_errors() {
-    let method = method();
-    let error = |ensemble: Ensemble<'_, Method>, wanted: f64| {
-        ensemble.multilevel("q²").run(wanted).unwrap_err()
+    let method = oscillator(Endpoint);
+    let of = || ensemble(&method);
+    let deepest = |deepest, wanted| {
+        let ensemble = of();
+        ensemble.multilevel("q²").deepest(deepest).run(wanted)
     };
-    let stopped = |deepest| {
-        ensemble(&method)
-            .multilevel("q²")
-            .deepest(deepest)
-            .run(0.03)
-    };
-    assert!(matches!(
-        stopped(2),
-        Err(EnsembleError::Bias { level: 2, .. })
-    ));
+    assert_matches!(deepest(2, 0.03), Err(EnsembleError::Bias { level: 2, .. }));
     // a bias that no number of paths removes is seen before the 10⁹ paths for such an error are made
-    let hopeless = ensemble(&method).multilevel("q²").deepest(2).run(1e-5);
-    assert!(matches!(
-        hopeless,
-        Err(EnsembleError::Bias { level: 2, .. })
-    ));
-    let found = error(ensemble(&method), -1.0);
-    assert!(found.to_string().contains("the error -1e0"), "{found}");
-    let found = error(ensemble(&method).noise(ThreePoint::new(1)), 0.1);
-    assert!(matches!(found, EnsembleError::NoSums), "{found}");
-    let few = ensemble(&method).multilevel("q²").deepest(1).run(0.1);
-    assert!(matches!(
-        few,
-        Err(EnsembleError::TooFewLevels { deepest: 1 })
-    ));
+    assert_matches!(deepest(2, 1e-5), Err(EnsembleError::Bias { level: 2, .. }));
+    let few = EnsembleError::TooFewLevels { deepest: 1 };
+    assert_says(deepest(1, 0.1).unwrap_err(), &[&few.to_string()]);
     let refined = Wiener::new(1).refine(2).unwrap();
-    for (ensemble, setting) in [
-        (ensemble(&method).noise(refined), "refined noise"),
-        (ensemble(&method).refine(3), "refine"),
-        (ensemble(&method).stop_at("x", |_, s| s.q[0]), "stop_at"),
+    let not_together = |setting: &str| format!("`multilevel` and `{setting}` do not");
+    let none = of().observe("none", |_, s| if s.t > 0.0 { f64::NAN } else { 0.0 });
+    for (ensemble, name, wanted, says) in [
+        (of(), "q²", -1.0, "the error -1e0".to_owned()),
         (
-            ensemble(&method).first_passage("x", |_, s| s.q[0]),
-            "first_passage",
+            of().noise(ThreePoint::new(1)),
+            "q²",
+            0.1,
+            EnsembleError::NoSums.to_string(),
         ),
         (
-            ensemble(&method).keep_final_states(true),
-            "keep_final_states",
+            of().noise(refined),
+            "q²",
+            0.1,
+            not_together("refined noise"),
         ),
+        (of().refine(3), "q²", 0.1, not_together("refine")),
+        (
+            of().stop_at("x", |_, s| s.q[0]),
+            "q²",
+            0.1,
+            not_together("stop_at"),
+        ),
+        (
+            of().first_passage("x", |_, s| s.q[0]),
+            "q²",
+            0.1,
+            not_together("first_passage"),
+        ),
+        (
+            of().keep_final_states(true),
+            "q²",
+            0.1,
+            not_together("keep_final_states"),
+        ),
+        (
+            of().shard(0, 2),
+            "q²",
+            0.1,
+            EnsembleError::MultilevelInParts.to_string(),
+        ),
+        (
+            of().checkpoint("x.sve", Duration::ZERO),
+            "q²",
+            0.1,
+            EnsembleError::MultilevelInParts.to_string(),
+        ),
+        (of(), "x", 0.1, "`x` to take the mean of".to_owned()),
+        (none, "none", 0.1, "256 of 256".to_owned()),
     ] {
-        let found = error(ensemble, 0.1).to_string();
-        assert!(
-            found.starts_with(&format!("`multilevel` and `{setting}` do not")),
-            "{found}"
-        );
+        let error = ensemble.multilevel(name).run(wanted).unwrap_err();
+        assert_says(&error, &[&says]);
+        assert!(name != "none" || error.to_string().contains("level 0"));
     }
-    let found = error(ensemble(&method).shard(0, 2), 0.1);
-    assert!(matches!(found, EnsembleError::MultilevelInParts), "{found}");
-    let found = error(ensemble(&method).checkpoint("x.sve", Duration::ZERO), 0.1);
-    assert!(matches!(found, EnsembleError::MultilevelInParts), "{found}");
-    let found = ensemble(&method).multilevel("x").run(0.1).unwrap_err();
-    assert!(
-        found.to_string().contains("`x` to take the mean of"),
-        "{found}"
-    );
-    let failing = ensemble(&method).observe("none", |_, s| if s.t > 0.0 { f64::NAN } else { 0.0 });
-    let found = failing.multilevel("none").run(0.1).unwrap_err();
-    assert!(
-        found.to_string().contains("level 0") && found.to_string().contains("256 of 256"),
-        "{found}"
-    );
 }
 
 /// An average over [1, 4] has the same interval on all levels, and so has a derivative by a parameter during some steps.
 #[test]
 fn steps_in_settings_are_those_of_the_coarsest_level() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let estimate = ensemble(&method)
         .noise(NoNoise)
         .steps(H, 8)
@@ -307,7 +280,7 @@ fn steps_in_settings_are_those_of_the_coarsest_level() {
 /// Each level has starts of its own, common to its two runs.
 #[test]
 fn levels_have_independent_random_starts() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let starts = Mutex::new(BTreeSet::new());
     let estimate = ensemble(&method)
         .start_with(|_, rng| {
@@ -325,7 +298,7 @@ fn levels_have_independent_random_starts() {
 /// Where three of four paths fail, four times as many are run.
 #[test]
 fn paths_that_fail_do_not_count() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let wanted = 0.1;
     let estimate = ensemble(&method)
         .start_with(|path, _| {
@@ -343,7 +316,7 @@ fn paths_that_fail_do_not_count() {
 /// The largest of the last three differences, each scaled to the last level, over 2ʷ − 1.
 #[test]
 fn the_bias_follows_the_weak_order() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let ensemble = ensemble(&method);
     for order in [1.0, 1.5, 2.0] {
         let estimate = ensemble.multilevel("q²").weak_order(order).run(0.1);

@@ -1,10 +1,14 @@
 //! An ensemble against a loop over trajectories.
 
-use sve_models::models::{DoublePendulum, Kubo, Pendulum};
+use sve_models::checks::assert_relative;
+use sve_models::models::{DoublePendulum, Pendulum};
+use sve_models::orders::numbers;
 use sve_runtime::baseline::Heun;
 use sve_runtime::noise::ThreePoint;
 use sve_runtime::prelude::*;
 use sve_runtime::{Dims, System};
+
+use crate::runs::kubo;
 
 /// Two full blocks and a part of a third, whose last tile is partial as well.
 const PATHS: u64 = 2 * 64 + 16 + 5;
@@ -14,10 +18,6 @@ const H: f64 = 0.01;
 
 /// Lane steps may differ from scalar ones by rounding, which the motion does not amplify within 50 short steps.
 const ROUNDING: f64 = 1e-12;
-
-fn close(a: f64, b: f64) -> bool {
-    (a - b).abs() <= ROUNDING * (1.0 + b.abs())
-}
 
 fn check<I, S, const N: usize, const M: usize>(
     method: &I,
@@ -53,10 +53,8 @@ fn check<I, S, const N: usize, const M: usize>(
             }
         }
         assert_eq!(end.t, state.t);
-        for i in 0..N {
-            assert!(close(end.q[i], state.q[i]), "{end:?} {state:?}");
-            assert!(close(end.p[i], state.p[i]), "{end:?} {state:?}");
-        }
+        let (found, expected) = ([end.q, end.p].concat(), numbers(&state));
+        assert_relative(&found, &expected, ROUNDING, path);
     }
     let times: Vec<f64> = [0, 20, 40, 50]
         .map(|k| f64::from(k).mul_add(H, start.t))
@@ -76,26 +74,19 @@ fn two_pass(summary: &Summary, record: usize, values: &[f64]) {
     let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let of = |join: fn(f64, f64) -> f64| values.iter().copied().reduce(join).unwrap();
     for (shown, computed) in [
-        (statistics.mean()[record], mean),
-        (statistics.variance()[record], variance),
-        (statistics.standard_error()[record], (variance / n).sqrt()),
-        (statistics.standard_deviation()[record], variance.sqrt()),
-        (statistics.min()[record], of(f64::min)),
-        (statistics.max()[record], of(f64::max)),
+        (statistics.mean(), mean),
+        (&statistics.variance(), variance),
+        (&statistics.standard_error(), (variance / n).sqrt()),
+        (&statistics.standard_deviation(), variance.sqrt()),
+        (statistics.min(), of(f64::min)),
+        (statistics.max(), of(f64::max)),
     ] {
-        assert!(close(shown, computed), "{record}: {shown} for {computed}");
+        assert_relative(&shown[record..=record], &[computed], ROUNDING, record);
     }
 }
 
 fn wiener(path: u64) -> Box<dyn Noise> {
     Box::new(Wiener::new(7).path(path))
-}
-
-#[test]
-fn one_noise() {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let start = State::at(0.3, [1.0], [0.2]);
-    check(&method, start, wiener, |e| e.seed(7));
 }
 
 fn double_pendulum() -> DoublePendulum {
@@ -129,39 +120,24 @@ fn no_processes() {
 }
 
 #[test]
-fn noise_switched_off() {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let start = State::new([0.5], [0.1]);
-    check(&method, start, |_| Box::new(NoNoise), |e| e.noise(NoNoise));
-}
-
-#[test]
-fn truncated_increments() {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let start = State::new([0.5], [0.1]);
-    // 149 paths of 50 steps have some twenty of them beyond 3 standard deviations
-    let truncated = |path| -> Box<dyn Noise> {
-        Box::new(Truncated::new(wiener(path)).deviations(3.0).unwrap())
+fn noises_of_one_process() {
+    let method = kubo();
+    check(&method, State::at(0.3, [1.0], [0.2]), wiener, |e| e.seed(7));
+    let check = |noise: &dyn Fn(u64) -> Box<dyn Noise>,
+                 setting: &dyn for<'a> Fn(Ensemble<'a, _>) -> Ensemble<'a, _>| {
+        check(&method, State::new([0.5], [0.1]), noise, setting);
     };
-    check(&method, start, truncated, |e| {
-        e.noise(Truncated::new(Wiener::new(7)).deviations(3.0).unwrap())
+    check(&|_| Box::new(NoNoise), &|e| e.noise(NoNoise));
+    // 149 paths of 50 steps have some twenty increments beyond 3 standard deviations
+    check(
+        &|path| Box::new(Truncated::new(wiener(path)).deviations(3.0).unwrap()),
+        &|e| e.noise(Truncated::new(Wiener::new(7)).deviations(3.0).unwrap()),
+    );
+    check(&|path| Box::new(ThreePoint::new(7).path(path)), &|e| {
+        e.noise(ThreePoint::new(7))
     });
-}
-
-#[test]
-fn three_point_increments() {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let start = State::new([0.5], [0.1]);
-    let three_point = |path| -> Box<dyn Noise> { Box::new(ThreePoint::new(7).path(path)) };
-    check(&method, start, three_point, |e| e.noise(ThreePoint::new(7)));
-}
-
-#[test]
-fn a_source_with_a_path_begins_there() {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
-    let start = State::new([0.5], [0.1]);
-    let later = |path: u64| wiener(path + 1000);
-    check(&method, start, later, |e| {
+    // a source with a path begins there
+    check(&|path| wiener(path + 1000), &|e| {
         e.noise(Wiener::new(7).path(1000))
     });
 }
@@ -169,7 +145,7 @@ fn a_source_with_a_path_begins_there() {
 /// The seed of random starts is that of the ensemble, without one that of the noise.
 #[test]
 fn seeds_of_noise_and_starts() {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let method = kubo();
     let run = |settings: &dyn Fn(Ensemble<'_, _>) -> Summary| {
         let ensemble = Ensemble::new(&method)
             .paths(70)
@@ -180,10 +156,8 @@ fn seeds_of_noise_and_starts() {
     };
     let both = run(&|e| e.seed(7).run().unwrap());
     assert_eq!(run(&|e| e.noise(Wiener::new(7)).run().unwrap()), both);
-    assert_eq!(
-        run(&|e| e.seed(7).noise(Wiener::new(7)).run().unwrap()),
-        both
-    );
+    let again = run(&|e| e.seed(7).noise(Wiener::new(7)).run().unwrap());
+    assert_eq!(again, both);
     let ends = |summary: &Summary| -> Vec<f64> {
         summary.final_states().map(|(_, end)| end.q[0]).collect()
     };

@@ -1,30 +1,15 @@
 //! Settings that make another run: shards with another one do not merge, and a checkpoint with another one is not continued.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
+use sve_models::models::Pushed;
 use sve_runtime::ensemble::{By, Difference};
 use sve_runtime::prelude::*;
 
-/// A pendulum that is pushed at random.
-struct Pendulum {
-    g: f64,
-    s: f64,
-}
+use crate::runs::scratch;
 
-#[variational(midpoint)]
-impl Pendulum {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        0.5 * v * v + self.g * q.cos()
-    }
-    #[gamma]
-    fn push(&self, q: f64) -> f64 {
-        self.s * q
-    }
-}
-
-type Method = Integrator<Pendulum, Midpoint>;
+type Method = Integrator<Pushed, Midpoint>;
 type Change = fn(Ensemble<'_, Method>) -> Ensemble<'_, Method>;
 
 /// Settings, changes to one of them, and the difference that the error names.
@@ -90,7 +75,7 @@ const CASES: [(Change, Change, Difference); 14] = [
 ];
 
 fn method() -> Method {
-    Integrator::new(Pendulum { g: 1.0, s: 0.3 }, Midpoint)
+    Integrator::new(Pushed { g: 1.0, s: 0.3 }, Midpoint)
 }
 
 fn ensemble(method: &Method) -> Ensemble<'_, Method> {
@@ -123,10 +108,9 @@ fn shards_with_another_setting_do_not_merge() {
 #[test]
 fn a_checkpoint_is_not_continued_with_another_setting() {
     let method = method();
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("other_runs.sve");
     let mut wrong = Vec::new();
     for (number, (setting, change, expected)) in CASES.into_iter().enumerate() {
-        let _ = std::fs::remove_file(&path);
+        let path = scratch("other_runs.sve");
         let blocks = AtomicU32::new(0);
         let begun = setting(ensemble(&method))
             .threads(1)
@@ -146,6 +130,6 @@ fn a_checkpoint_is_not_continued_with_another_setting() {
         let whole = setting(ensemble(&method)).run().unwrap();
         assert_eq!(resumed(setting).unwrap(), whole, "case {number}");
     }
-    std::fs::remove_file(path).unwrap();
+    let _ = scratch("other_runs.sve");
     assert!(wrong.is_empty(), "{wrong:?}");
 }

@@ -5,21 +5,12 @@ use parquet::record::Field;
 use sve_runtime::ensemble::Passages;
 use sve_runtime::prelude::*;
 
-use super::files::{same, scratch};
+use crate::files::same;
+use crate::runs::{free, scratch};
 
-/// Free particles that pass, fail, are stopped elsewhere, or go on.
-struct Free;
-
-#[variational(midpoint)]
-impl Free {
-    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
-        0.5 * v * v
-    }
-}
-
-/// Passages of 300 particles with velocities from −1 to 1; the slow ones to the right fail.
+/// Passages of 300 free particles that pass, fail, are stopped elsewhere, or go on: velocities from −1 to 1; the slow ones to the right fail.
 fn passages() -> Summary {
-    let method = Integrator::new(Free, Midpoint);
+    let method = free();
     Ensemble::new(&method)
         .paths(300)
         .steps(0.1, 40)

@@ -1,43 +1,17 @@
 //! First passages: exact times of free particles, exact laws, competing ends, paths out of bounds, refused noises.
 
+use sve_models::assert_matches;
+use sve_models::checks::{assert_says, assert_within};
+use sve_models::models::{Kicked, Pushed};
 use sve_runtime::ensemble::Cause;
 use sve_runtime::noise::{ThreePoint, Truncated};
 use sve_runtime::prelude::*;
 
-/// A particle whose momentum is a Brownian motion; without noise it is free.
-struct Particle {
-    sigma: f64,
-}
-
-#[variational(midpoint)]
-impl Particle {
-    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
-        0.5 * v * v
-    }
-    #[gamma]
-    fn kicks(&self, q: f64) -> f64 {
-        self.sigma * q
-    }
-}
-
-struct Pendulum;
-
-#[variational(midpoint, stormer_verlet)]
-impl Pendulum {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        0.5 * v * v + q.cos()
-    }
-    #[gamma]
-    fn push(&self, q: f64) -> f64 {
-        0.4 * q
-    }
-}
+use crate::runs::free;
 
 const H: f64 = 0.05;
 
-fn free() -> Integrator<Particle, Midpoint> {
-    Integrator::new(Particle { sigma: 0.0 }, Midpoint)
-}
+const PENDULUM: Pushed = Pushed { g: 1.0, s: 0.4 };
 
 /// Velocities from 1/4 to 2: a free particle from 0 passes 1 at 1/v.
 fn velocity(path: u64) -> f64 {
@@ -101,13 +75,14 @@ fn free_particles_pass_at_their_exact_times() {
 
 /// Compares the end of each path with that of a trajectory. Returns the largest difference of the times, and how many paths stopped.
 fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
-    let method = Integrator::new(Pendulum, StormerVerlet);
+    let method = Integrator::new(PENDULUM, StormerVerlet);
     let start = |path: u64| State::new([0.0], [0.3 + 0.01 * path as f64]);
+    let half = |_: &Pushed, state: &State<[f64; 1]>| state.q[0].abs() - 0.5;
     let ensemble = Ensemble::new(&method)
         .paths(paths)
         .steps(H, 600)
         .start_with(move |path, _| start(path))
-        .stop_at("half", |_, state| state.q[0].abs() - 0.5)
+        .stop_at("half", half)
         .keep_final_states(true);
     let ensemble = match noise {
         Some(seed) => ensemble.seed(seed),
@@ -116,33 +91,22 @@ fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
     let summary = ensemble.run().unwrap();
     let (mut largest, mut stopped) = (0.0_f64, 0);
     for (path, state) in summary.final_states() {
-        let wiener = Wiener::new(noise.unwrap_or(0)).path(path);
-        let half = |_: &Pendulum, state: &State<[f64; 1]>| state.q[0].abs() - 0.5;
-        let end = match noise {
-            Some(_) => method
-                .trajectory(start(path), H, wiener)
-                .stop_at(half)
-                .nth(599),
-            None => method
-                .trajectory(start(path), H, NoNoise)
-                .stop_at(half)
-                .nth(599),
-        };
         // a trajectory that makes all steps has not stopped
-        if end.is_some() {
+        let expected = match noise {
+            Some(seed) => {
+                let path = || method.trajectory(start(path), H, Wiener::new(seed).path(path));
+                let stopped = path().stop_at(half).nth(599).is_none();
+                stopped.then(|| path().stop_at(half).last())
+            }
+            None => {
+                let path = || method.trajectory(start(path), H, NoNoise);
+                let stopped = path().stop_at(half).nth(599).is_none();
+                stopped.then(|| path().stop_at(half).last())
+            }
+        };
+        let Some(expected) = expected else {
             assert!((state.t - 600.0 * H).abs() < 1e-12);
             continue;
-        }
-        let wiener = Wiener::new(noise.unwrap_or(0)).path(path);
-        let expected = match noise {
-            Some(_) => method
-                .trajectory(start(path), H, wiener)
-                .stop_at(half)
-                .last(),
-            None => method
-                .trajectory(start(path), H, NoNoise)
-                .stop_at(half)
-                .last(),
         };
         let expected = expected.unwrap().unwrap();
         largest = largest.max((state.t - expected.t).abs());
@@ -180,7 +144,7 @@ fn erf(x: f64) -> f64 {
 #[test]
 fn brownian_passages_have_their_law_with_the_documented_shift() {
     let (sigma, level, h) = (0.7, 0.9, 0.01_f64);
-    let method = Integrator::new(Particle { sigma }, Midpoint);
+    let method = Integrator::new(Kicked { sigma }, Midpoint);
     let summary = Ensemble::new(&method)
         .paths(20_000)
         .seed(11)
@@ -196,8 +160,7 @@ fn brownian_passages_have_their_law_with_the_documented_shift() {
     for record in 1..=4 {
         let scale = sigma * (2.0 * summary.times()[record]).sqrt();
         let (survival, error) = (survival[record].unwrap(), errors[record].unwrap());
-        let z = (survival - erf(seen / scale)) / error;
-        assert!(z.abs() < 4.5, "record {record}: z = {z}");
+        assert_within(survival, erf(seen / scale), error, 4.5, record);
         // the shift is resolved
         let z = (survival - erf(level / scale)) / error;
         assert!(z > 4.0, "record {record}: z = {z}");
@@ -287,11 +250,7 @@ fn paths_out_of_bounds_where_they_stop_have_not_passed() {
         if let Some(failure) = failure {
             assert!((failure.t - end).abs() < 1e-12, "{failure} {end}");
             assert!(matches!(failure.cause, Cause::OutOfBound { .. }));
-            assert!(
-                failure
-                    .to_string()
-                    .contains(&format!("at t = {}", failure.t))
-            );
+            assert_says(failure, &[&format!("at t = {}", failure.t)]);
             within_steps += u32::from((failure.t / H - (failure.t / H).round()).abs() > 1e-9);
         }
     }
@@ -317,7 +276,7 @@ fn paths_out_of_bounds_where_they_stop_have_not_passed() {
 
 #[test]
 fn noises_that_are_not_known_within_steps_are_refused() {
-    let method = Integrator::new(Pendulum, Midpoint);
+    let method = Integrator::new(PENDULUM, Midpoint);
     let ensemble = || {
         Ensemble::new(&method)
             .paths(10)
@@ -330,14 +289,11 @@ fn noises_that_are_not_known_within_steps_are_refused() {
         ensemble().noise(Truncated::new(Wiener::new(1))),
     ] {
         let error = ensemble.run().unwrap_err();
-        assert!(
-            matches!(
-                error,
-                EnsembleError::NoiseWithinSteps { setting: "stop_at" }
-            ),
-            "{error}"
+        assert_matches!(
+            error,
+            EnsembleError::NoiseWithinSteps { setting: "stop_at" }
         );
-        assert!(error.to_string().contains("`Wiener`"), "{error}");
+        assert_says(error, &["`Wiener`"]);
     }
     assert!(ensemble().noise(NoNoise).run().is_ok());
     let twice = ensemble().first_passage("right", |_, state| state.q[0]);

@@ -1,25 +1,17 @@
 //! Quantiles: the errors of their ranks over many seeds, extremes, threads and shards; intervals: their ranks, and how often they contain the quantile of the distribution.
 
+use sve_models::models::Kicked;
 use sve_runtime::prelude::*;
 
-/// A particle that stays where it starts.
-struct Particle;
+use crate::runs::{free, run_in_parts};
 
-#[variational(midpoint)]
-impl Particle {
-    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
-        0.5 * v * v
-    }
-}
-
-fn particle() -> Integrator<Particle, Midpoint> {
-    Integrator::new(Particle, Midpoint)
-}
+/// Particles that stay where they start.
+type Free = Integrator<Kicked, Midpoint>;
 
 /// Values 1 to n: the value of a rank is the rank. The ends are beyond the ranks np ∓ z√(np(1 − p)) by less than 2.
 #[test]
 fn ends_have_the_ranks_of_so_many_deviations() {
-    let (method, paths) = (particle(), 1000_u16);
+    let (method, paths) = (free(), 1000_u16);
     let summary = Ensemble::new(&method)
         .paths(u64::from(paths))
         .steps(0.1, 1)
@@ -46,11 +38,7 @@ fn ends_have_the_ranks_of_so_many_deviations() {
     assert_eq!(quantiles.interval(0.998, 2.0)[1][1], f64::INFINITY);
 }
 
-fn normals(
-    method: &Integrator<Particle, Midpoint>,
-    size: usize,
-    seed: u64,
-) -> Ensemble<'_, Integrator<Particle, Midpoint>> {
+fn normals(method: &Free, size: usize, seed: u64) -> Ensemble<'_, Free> {
     Ensemble::new(method)
         .paths(6000)
         .seed(seed)
@@ -65,7 +53,7 @@ fn normals(
 fn ranks_are_right_in_the_mean_over_seeds() {
     const SIZES: [usize; 7] = [16, 33, 45, 100, 128, 250, 1000];
     const PARTS: [f64; 5] = [0.01, 0.1, 0.5, 0.9, 0.99];
-    let method = particle();
+    let method = free();
     let (paths, seeds) = (6000_u32, 60_u32);
     let mut sums = [[[0.0; 2]; PARTS.len()]; SIZES.len()];
     for seed in 0..seeds {
@@ -111,25 +99,16 @@ fn ranks_are_right_in_the_mean_over_seeds() {
 /// A rule that depended on the order of merges would differ here.
 #[test]
 fn threads_and_shards_have_the_same_quantiles() {
-    let method = particle();
+    let method = free();
     for size in [2, 33, 64, 200] {
-        let whole = normals(&method, size, 4).threads(1).run().unwrap();
-        let threads = normals(&method, size, 4).threads(3).run().unwrap();
-        assert_eq!(threads, whole);
-        let shard = |index| normals(&method, size, 4).shard(index, 5).run().unwrap();
-        let mut merged = shard(3);
-        for index in [0, 4, 2, 1] {
-            merged.merge(shard(index)).unwrap();
-        }
-        assert_eq!(merged, whole);
-        assert_eq!(merged.quantiles("q"), whole.quantiles("q"));
+        run_in_parts(|| normals(&method, size, 4), &[3], &[&[3, 0, 4, 2, 1]]);
     }
 }
 
 /// With two deviations 95 % of the intervals contain the quantile, and a few more, since the ends are whole ranks.
 #[test]
 fn intervals_contain_the_quantile_as_often_as_they_say() {
-    let method = particle();
+    let method = free();
     let (runs, p) = (1000_u32, 0.3);
     let found = |seed: u32| {
         let summary = Ensemble::new(&method)
@@ -154,7 +133,7 @@ fn intervals_contain_the_quantile_as_often_as_they_say() {
 #[test]
 #[should_panic(expected = "0 or more")]
 fn an_interval_of_no_width_is_a_mistake() {
-    let method = particle();
+    let method = free();
     let ensemble = Ensemble::new(&method).paths(4).steps(0.1, 1);
     let ensemble = ensemble.start(State::new([1.0], [0.0]));
     let summary = ensemble

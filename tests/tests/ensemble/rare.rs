@@ -2,18 +2,18 @@
 
 use std::f64::consts::PI;
 
+use sve_models::assert_matches;
+use sve_models::checks::assert_says;
 use sve_models::models::Oscillator;
-use sve_runtime::ensemble::MultilevelEstimate;
 use sve_runtime::prelude::*;
+
+use crate::exact::Affine;
+use crate::runs::oscillator;
 
 const H: f64 = 0.25;
 const STEPS: u64 = 8;
 
 type Method = Integrator<Oscillator, Endpoint>;
-
-fn method() -> Method {
-    Integrator::new(Oscillator { sigma: 1.0 }, Endpoint)
-}
 
 fn ensemble(method: &Method, seed: u64) -> Ensemble<'_, Method> {
     Ensemble::new(method)
@@ -25,18 +25,7 @@ fn ensemble(method: &Method, seed: u64) -> Ensemble<'_, Method> {
 
 /// P(q > far) at the end of `steps` steps of length `h`: q is normal with a variance that the recursion of the covariance gives.
 fn probability(method: &Method, far: f64, h: f64, steps: u64) -> f64 {
-    let image = |q, p, dw| {
-        let mut state = State::new([q], [p]);
-        method.step(&mut state, h, &[dw]).unwrap();
-        [state.q[0], state.p[0]]
-    };
-    // the increment of step k reaches the end by the steps after it
-    let mut z = image(0.0, 0.0, 1.0);
-    let mut variance = 0.0;
-    for _ in 0..steps {
-        variance += h * z[0] * z[0];
-        z = image(z[0], z[1], 0.0);
-    }
+    let variance = Affine::of(method, h).from(0.0, steps)[steps as usize].1[0][0];
     let x = far / (2.0 * variance).sqrt();
     // the continued fraction of erfc
     let fraction = (1..200)
@@ -48,7 +37,7 @@ fn probability(method: &Method, far: f64, h: f64, steps: u64) -> f64 {
 /// P(q > 3.23) is 0.15 %: 1024 paths have one or two such ends, or none, and fewer that differ between levels.
 #[test]
 fn probabilities_of_rare_events_are_within_their_errors() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let far = 3.23;
     let (mut squares, mut estimates) = (0.0, 0);
     for seed in 0..12 {
@@ -86,26 +75,16 @@ fn probabilities_of_rare_events_are_within_their_errors() {
     assert!((0.2..2.5).contains(&mean), "{mean}");
 }
 
-fn message(result: Result<MultilevelEstimate, EnsembleError>) -> String {
-    result.unwrap_err().to_string()
-}
-
 #[test]
 fn values_that_do_not_differ_are_no_estimate() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let never = ensemble(&method, 1).observe("never", |_, s| f64::from(s.q[0] > 30.0));
-    let found = message(never.multilevel("never").run(1e-3));
-    assert!(
-        found.contains("all of the first 1024 paths of each level have one value of `never`, 0e0")
-            && found.contains("fewer than one path in 341"),
-        "{found}"
-    );
+    let found = never.multilevel("never").run(1e-3).unwrap_err();
+    let one = "all of the first 1024 paths of each level have one value of `never`, 0e0";
+    assert_says(found, &[one, "fewer than one path in 341"]);
     let constant = || ensemble(&method, 1).observe("t", |_, s| s.t);
     let found = constant().multilevel("t").run(1e-3);
-    assert!(
-        matches!(found, Err(EnsembleError::OneValue { .. })),
-        "{found:?}"
-    );
+    assert_matches!(found, Err(EnsembleError::OneValue { .. }));
     // without noise every path is the same, and one is enough
     let found = constant().noise(NoNoise).multilevel("t").run(1e-3).unwrap();
     assert_eq!((found.mean(), found.error()), (H * STEPS as f64, 0.0));
@@ -114,16 +93,13 @@ fn values_that_do_not_differ_are_no_estimate() {
         .noise(NoNoise)
         .start_with(|_, rng| State::new([rng.normal()], [0.0]));
     let found = drawn.multilevel("t").run(1e-3);
-    assert!(
-        matches!(found, Err(EnsembleError::OneValue { .. })),
-        "{found:?}"
-    );
+    assert_matches!(found, Err(EnsembleError::OneValue { .. }));
 }
 
 /// Values that are the same on both levels of each path, and differ between paths: their levels are run until a difference on 8 paths would change the mean by less than its error.
 #[test]
 fn levels_without_a_difference_have_enough_paths() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let ensemble = ensemble(&method, 2)
         .paths(64)
         .start_with(|_, rng| State::new([0.0], [rng.uniform()]))
@@ -149,23 +125,21 @@ fn levels_without_a_difference_have_enough_paths() {
 /// Cauchy's distribution has no variance.
 #[test]
 fn tails_without_a_variance_are_an_error() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let ensemble = ensemble(&method, 3)
         .paths(64)
         .steps(1.0, 1)
         .start_with(|_, rng| State::new([(PI * (rng.uniform() - 0.5)).tan()], [0.0]))
         .observe("q", |_, s| s.q[0]);
     let found = ensemble.multilevel("q").run(0.01);
-    let is_heavy =
-        matches!(found, Err(EnsembleError::HeavyTails { carriers, .. }) if carriers < 8.0);
-    assert!(is_heavy, "{found:?}");
-    assert!(message(found).contains("tails are too heavy for a variance"));
+    assert_matches!(found, Err(EnsembleError::HeavyTails { carriers, .. }) if *carriers < 8.0);
+    assert_says(found.unwrap_err(), &["tails are too heavy for a variance"]);
 }
 
 /// Sums over steps double with each level, with and without noise in them; a mean that grows by the same amount each time has no limit either.
 #[test]
 fn means_without_a_limit_are_an_error() {
-    let method = method();
+    let method = oscillator(Endpoint);
     let ensemble = ensemble(&method, 4)
         .fold("steps", |_, _| 0.0, |n, _, _| *n += 1.0, |n| *n)
         .fold(
@@ -194,7 +168,7 @@ fn means_without_a_limit_are_an_error() {
                 "{name}: {changes:?}"
             );
         }
-        assert!(message(found).contains("the changes do not fall"));
+        assert_says(found.unwrap_err(), &["the changes do not fall"]);
     }
     // the integral has a limit
     let integral = ensemble.integral("∫p²", |_, s| s.p[0] * s.p[0]);

@@ -1,40 +1,17 @@
 //! Refined paths and steps that are refined where they fail, against trajectories on the same paths.
 
+use sve_models::checks::{assert_close, assert_relative};
+use sve_models::models::{Kicked, Rotor};
 use sve_runtime::prelude::*;
 
-/// A particle whose momentum is a Brownian motion.
-struct Particle;
-
-#[variational(midpoint)]
-impl Particle {
-    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
-        0.5 * v * v
-    }
-    #[gamma]
-    fn kicks(&self, q: f64) -> f64 {
-        q
-    }
-}
-
 /// For a large ΔW a step has no solution.
-struct Rotor;
-
-#[variational(midpoint)]
-impl Rotor {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        0.5 * v * v + q.cos()
-    }
-    #[h1]
-    fn jitter(&self, _q: f64, p: f64) -> f64 {
-        0.1 * p.powi(4)
-    }
-}
+const ROTOR: Rotor = Rotor { s: 0.1 };
 
 const PATHS: u64 = 100;
 
 /// The final momenta of particles on the same paths, in steps of 0.1 / 2^depth.
 fn momenta(depth: u32) -> Vec<f64> {
-    let method = Integrator::new(Particle, Midpoint);
+    let method = Integrator::new(Kicked { sigma: 1.0 }, Midpoint);
     let parts = 1_u64 << depth;
     let summary = Ensemble::new(&method)
         .paths(PATHS)
@@ -54,19 +31,14 @@ fn momenta(depth: u32) -> Vec<f64> {
 fn refined_paths_are_the_same_paths() {
     let whole = momenta(0);
     for depth in [1, 3, 6] {
-        for (path, (fine, whole)) in momenta(depth).into_iter().zip(&whole).enumerate() {
-            assert!(
-                (fine - whole).abs() < 1e-12,
-                "{depth} {path}: {fine} {whole}"
-            );
-        }
+        assert_close(&momenta(depth), &whole, 1e-12, depth);
     }
 }
 
 /// On the same path a smaller step is nearer to the limit: the difference of two step sizes is of the first order of h, not of the size of a path.
 #[test]
 fn differences_of_levels_are_small() {
-    let method = Integrator::new(Rotor, Midpoint);
+    let method = Integrator::new(ROTOR, Midpoint);
     let run = |depth| {
         let parts = 1_u64 << depth;
         Ensemble::new(&method)
@@ -84,16 +56,13 @@ fn differences_of_levels_are_small() {
         let squares = pairs.map(|((_, a), (_, b))| (a.q[0] - b.q[0]).powi(2));
         (squares.sum::<f64>() / PATHS as f64).sqrt()
     };
-    let (coarse, fine) = (
-        distance(&levels[0], &levels[1]),
-        distance(&levels[1], &levels[2]),
-    );
+    let [coarse, fine] = [0, 1].map(|k| distance(&levels[k], &levels[k + 1]));
     assert!(coarse < 0.02 && fine < 0.5 * coarse, "{coarse} {fine}");
 }
 
 #[test]
 fn steps_that_fail_are_refined_as_in_trajectories() {
-    let method = Integrator::new(Rotor, Midpoint);
+    let method = Integrator::new(ROTOR, Midpoint);
     let ensemble = |depth| {
         Ensemble::new(&method)
             .paths(PATHS)
@@ -116,11 +85,8 @@ fn steps_that_fail_are_refined_as_in_trajectories() {
         let expected = trajectory.nth(11).unwrap().unwrap();
         steps += trajectory.refinements().steps;
         // rounding grows fast along a path with such noise
-        let close = |a: f64, b: f64| (a - b).abs() < 1e-4 * (1.0 + b.abs());
-        assert!(
-            close(state.q[0], expected.q[0]) && close(state.p[0], expected.p[0]),
-            "{path}"
-        );
+        let found = [state.q[0], state.p[0]];
+        assert_relative(&found, &[expected.q[0], expected.p[0]], 1e-4, path);
     }
     assert_eq!(refined.refined_steps(), steps);
     let again = ensemble(16).threads(3).run().unwrap();
@@ -133,7 +99,7 @@ fn steps_that_fail_are_refined_as_in_trajectories() {
 /// A stop within refined paths is that of a trajectory on the refined path.
 #[test]
 fn refined_paths_stop_where_trajectories_stop() {
-    let method = Integrator::new(Rotor, Midpoint);
+    let method = Integrator::new(ROTOR, Midpoint);
     let h = 0.05 / 8.0;
     let fine = || Wiener::new(9).path(0);
     let summary = Ensemble::new(&method)
@@ -158,7 +124,7 @@ fn refined_paths_stop_where_trajectories_stop() {
 /// The search for a zero refines the parts of a step that have no solution, as the path itself does: else a path that crosses in such a step would fail.
 #[test]
 fn passages_within_refined_steps_are_found() {
-    let method = Integrator::new(Rotor, Midpoint);
+    let method = Integrator::new(ROTOR, Midpoint);
     let ensemble = || {
         Ensemble::new(&method)
             .paths(1000)

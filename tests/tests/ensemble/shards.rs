@@ -1,51 +1,43 @@
 //! Shards merge into the bits of the whole, in any order.
 
-use sve_models::models::Kubo;
+use sve_models::assert_matches;
+use sve_models::checks::assert_says;
 use sve_runtime::Dims;
 use sve_runtime::baseline::{EulerMaruyama, Heun};
 use sve_runtime::ensemble::Difference;
 use sve_runtime::prelude::*;
 
-type Method = Integrator<Kubo, Midpoint>;
-
-fn kubo() -> Method {
-    Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
-}
+use crate::runs::{KuboMethod, kubo, run_in_parts};
 
 /// Eleven blocks, the last a partial one.
 const PATHS: u64 = 64 * 10 + 7;
 
-fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+fn ensemble(method: &KuboMethod) -> Ensemble<'_, KuboMethod> {
     Ensemble::new(method)
         .paths(PATHS)
         .seed(3)
         .steps(0.05, 40)
         .record_every(10)
         .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
-        .observe("q", |_, state| {
-            if state.q[0] > 2.5 {
-                f64::NAN
-            } else {
-                state.q[0]
-            }
-        })
+        .observe("q", |_, s| if s.q[0] > 2.5 { f64::NAN } else { s.q[0] })
         .observe("energy", |system, state| system.hamiltonian(state))
         .histogram("q", -2.0..2.0, 10)
         .final_histogram("energy", 0.0..2.0, 7)
         .keep_final_states(true)
 }
 
-fn shards(method: &Method, of: u64) -> Vec<Summary> {
+fn shards(method: &KuboMethod, of: u64) -> Vec<Summary> {
     let shard = |k| ensemble(method).shard(k, of).run().unwrap();
     (0..of).map(shard).collect()
 }
 
-fn orders(n: usize) -> Vec<Vec<usize>> {
+/// All orders of so many shards.
+fn orders(n: u64) -> Vec<Vec<u64>> {
     if n == 0 {
         return vec![Vec::new()];
     }
-    let insert = |order: Vec<usize>| {
-        (0..n).map(move |at| {
+    let insert = |order: Vec<u64>| {
+        (0..n as usize).map(move |at| {
             let mut order = order.clone();
             order.insert(at, n - 1);
             order
@@ -55,54 +47,25 @@ fn orders(n: usize) -> Vec<Vec<usize>> {
 }
 
 #[test]
-fn merge_in_any_order() {
+fn threads_and_shards_in_any_order_have_the_same_bits() {
     let method = kubo();
-    let whole = ensemble(&method).run().unwrap();
-    assert!(whole.is_complete() && whole.failed() > 0);
-    for of in [2, 3, 4, 5] {
-        let shards = shards(&method, of);
-        for order in orders(of as usize) {
-            let mut merged = shards[order[0]].clone();
-            for &k in &order[1..] {
-                assert!(!merged.is_complete());
-                merged.merge(shards[k].clone()).unwrap();
-            }
-            assert_eq!(merged, whole, "{order:?}");
-            let bits = |s: &Summary| {
-                s["energy"]
-                    .mean()
-                    .iter()
-                    .map(|x| x.to_bits())
-                    .collect::<Vec<_>>()
-            };
-            assert_eq!(bits(&merged), bits(&whole));
-            assert_eq!(merged.failures(), whole.failures());
-        }
-    }
+    let orders: Vec<_> = (2..=5).flat_map(orders).collect();
+    let orders: Vec<&[u64]> = orders.iter().map(Vec::as_slice).collect();
+    let whole = run_in_parts(|| ensemble(&method), &[2, 3, 16], &orders);
+    assert!(whole.failed() > 0 && whole["energy"].variance()[4] > 0.01);
 }
 
 #[test]
 fn may_be_many_and_none_is_empty() {
     let method = kubo();
-    let mut shards = shards(&method, 11).into_iter();
-    let mut merged = shards.next().unwrap();
-    assert_eq!(merged.paths(), 64);
-    for shard in shards {
-        assert!((1..=64).contains(&shard.paths()));
-        merged.merge(shard).unwrap();
-    }
-    assert_eq!(merged, ensemble(&method).run().unwrap());
-    let error = ensemble(&method)
-        .shard(0, 16)
-        .run()
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("647 paths are 11 blocks") && error.contains("at most 11 shards"),
-        "{error}"
-    );
-    let error = ensemble(&method).stop_when(|| true).run().unwrap_err();
-    assert!(matches!(error, EnsembleError::NothingRun));
+    let all = shards(&method, 11);
+    assert!(all.iter().all(|shard| (1..=64).contains(&shard.paths())));
+    let each: Vec<u64> = (0..11).collect();
+    run_in_parts(|| ensemble(&method), &[], &[&each]);
+    let error = ensemble(&method).shard(0, 16).run().unwrap_err();
+    assert_says(error, &["647 paths are 11 blocks", "at most 11 shards"]);
+    let none = ensemble(&method).stop_when(|| true).run();
+    assert_matches!(none, Err(EnsembleError::NothingRun));
 }
 
 #[test]
@@ -126,11 +89,10 @@ fn are_of_use_alone() {
 fn of_other_runs_do_not_merge() {
     let method = kubo();
     let part = ensemble(&method).shard(0, 2).run().unwrap();
-    let other = |change: fn(Ensemble<'_, Method>) -> Ensemble<'_, Method>, what: &str| {
+    let other = |change: fn(Ensemble<'_, KuboMethod>) -> Ensemble<'_, KuboMethod>, what: &str| {
         let mut merged = part.clone();
         let other = change(ensemble(&method).shard(1, 2)).run().unwrap();
-        let error = merged.merge(other).unwrap_err();
-        assert!(error.to_string().contains(what), "{error}");
+        assert_says(merged.merge(other).unwrap_err(), &[what]);
         assert_eq!(merged, part);
     };
     other(|e| e.paths(PATHS + 64), "number of paths");
@@ -171,10 +133,8 @@ fn of_statistics_in_another_order_merge() {
     let [a, b] = [0.0..1.0, 0.0..2.0];
     let first = (shard(0).histogram("q", a.clone(), 3)).histogram("q", b.clone(), 3);
     let second = (shard(1).histogram("q", b, 3)).histogram("q", a, 3);
-    let error = (first.run().unwrap())
-        .merge(second.run().unwrap())
-        .unwrap_err();
-    assert!(error.to_string().contains("histograms"), "{error}");
+    let error = first.run().unwrap().merge(second.run().unwrap());
+    assert_says(error.unwrap_err(), &["histograms"]);
 }
 
 /// Merges shard 0 of one ensemble with shard 1 of another. Returns the difference that the error names.
@@ -246,40 +206,42 @@ fn of_systems_and_methods_that_differ_little_do_not_merge() {
     let sixth = |f, sigma| Integrator::new(Sixth { f, sigma }, Endpoint);
     let [plain, stiff, noisier] = [sixth(0.0, 0.3), sixth(10.0, 0.3), sixth(0.0, 0.3 + 1e-9)];
     let first = from_rest(&plain, 0);
-    assert_eq!(
-        refused(&first, &from_rest(&stiff, 1)),
-        Difference::Parameters
-    );
-    assert_eq!(
-        refused(&first, &from_rest(&noisier, 1)),
-        Difference::Parameters
-    );
     let pulsed = Integrator::new(Pulse { f: 0.0, sigma: 0.3 }, Endpoint);
-    assert_eq!(
-        refused(&first, &from_rest(&pulsed, 1)),
-        Difference::Formulas
-    );
-    let midpoint = Integrator::new(Sixth { f: 0.0, sigma: 0.3 }, Midpoint);
-    assert_eq!(
-        refused(&first, &from_rest(&midpoint, 1)),
-        Difference::Method
-    );
+    let quiet = || Sixth { f: 0.0, sigma: 0.3 };
+    let midpoint = Integrator::new(quiet(), Midpoint);
     let newton = Newton {
         max_iterations: 49,
         ..Newton::default()
     };
-    let other_newton = Integrator::new(Sixth { f: 0.0, sigma: 0.3 }, Midpoint).with_newton(newton);
-    let what = refused(&from_rest(&midpoint, 0), &from_rest(&other_newton, 1));
-    assert_eq!(what, Difference::Method);
-    let heun = Heun::new(Sixth { f: 0.0, sigma: 0.3 });
-    let euler = EulerMaruyama::new(Sixth { f: 0.0, sigma: 0.3 });
-    let uncorrected = EulerMaruyama::new(Sixth { f: 0.0, sigma: 0.3 }).uncorrected();
-    assert_eq!(
-        refused(&from_rest(&heun, 0), &from_rest(&euler, 1)),
-        Difference::Method
-    );
-    let what = refused(&from_rest(&euler, 0), &from_rest(&uncorrected, 1));
-    assert_eq!(what, Difference::Method);
+    let other_newton = Integrator::new(quiet(), Midpoint).with_newton(newton);
+    let (heun, euler) = (Heun::new(quiet()), EulerMaruyama::new(quiet()));
+    let uncorrected = EulerMaruyama::new(quiet()).uncorrected();
+    let of_newton = refused(&from_rest(&midpoint, 0), &from_rest(&other_newton, 1));
+    let of_heun = refused(&from_rest(&heun, 0), &from_rest(&euler, 1));
+    let of_correction = refused(&from_rest(&euler, 0), &from_rest(&uncorrected, 1));
+    for (found, expected) in [
+        (
+            refused(&first, &from_rest(&stiff, 1)),
+            Difference::Parameters,
+        ),
+        (
+            refused(&first, &from_rest(&noisier, 1)),
+            Difference::Parameters,
+        ),
+        (
+            refused(&first, &from_rest(&pulsed, 1)),
+            Difference::Formulas,
+        ),
+        (
+            refused(&first, &from_rest(&midpoint, 1)),
+            Difference::Method,
+        ),
+        (of_newton, Difference::Method),
+        (of_heun, Difference::Method),
+        (of_correction, Difference::Method),
+    ] {
+        assert_eq!(found, expected);
+    }
     // an equal one, made anew, is the same run
     let mut whole = first.run().unwrap();
     whole

@@ -1,10 +1,11 @@
 //! Statistics for which a simple formula would fail: constants, tiny and huge deviations, rounded edges of histograms.
 
-use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
 
+use crate::runs::kubo;
+
 fn summary(observable: impl Fn(f64) -> f64 + Sync) -> Summary {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let method = kubo();
     // 300 paths are four blocks and a part of a fifth, with a part of a tile
     let ensemble = Ensemble::new(&method)
         .paths(300)
@@ -56,34 +57,23 @@ fn deviations_of_any_size_survive() {
         // the values themselves are rounded to units of 5e-324
         let allowed = 1e-13 + 5e-324 / scale;
         let close = |a: f64, b: f64| (a / b - 1.0).abs() <= allowed;
-        assert!(
-            close(x.standard_deviation()[0] / scale, deviation),
-            "{scale:e}"
-        );
-        assert!(
-            close(x.standard_error()[0] / scale, deviation / 300.0_f64.sqrt()),
-            "{scale:e}"
-        );
-        assert!(
-            (x.mean()[0] / scale - mean).abs() <= 1e-13 * 50.0 + allowed * 50.0,
-            "{scale:e}"
-        );
+        let found = [x.standard_deviation()[0], x.standard_error()[0]].map(|x| x / scale);
+        assert!(close(found[0], deviation), "{scale:e}");
+        assert!(close(found[1], deviation / 300.0_f64.sqrt()), "{scale:e}");
+        let off = (x.mean()[0] / scale - mean).abs();
+        assert!(off <= 1e-13 * 50.0 + allowed * 50.0, "{scale:e}");
         let variance = deviation * scale * deviation * scale;
         if (1e-300..1e300).contains(&variance) {
             assert!(close(x.variance()[0], variance), "{scale:e}");
         }
     }
     // blocks of all three sizes in one column
-    let summary = summary(|path| {
-        unit(path)
-            * if path < 64.0 {
-                1e-250
-            } else if path < 128.0 {
-                1.0
-            } else {
-                1e250
-            }
-    });
+    let size = |path: f64| match path {
+        ..64.0 => 1e-250,
+        64.0..128.0 => 1.0,
+        _ => 1e250,
+    };
+    let summary = summary(|path| unit(path) * size(path));
     let large: Vec<f64> = (128..300).map(|path| unit(f64::from(path))).collect();
     let mean = large.iter().sum::<f64>() / 300.0;
     let squares = large.iter().map(|x| (x - mean).powi(2)).sum::<f64>() + 128.0 * mean * mean;
@@ -97,15 +87,13 @@ fn deviations_of_any_size_survive() {
 
 #[test]
 fn edges_of_histograms_are_the_nearest_numbers() {
-    let method = Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint);
+    let method = kubo();
     let ensemble = Ensemble::new(&method)
         .paths(3)
         .steps(0.1, 1)
         .start_with(|path, _| {
-            State::new(
-                [[-0.5_f64, (-0.5_f64).next_down(), 2.5][path as usize]],
-                [0.0],
-            )
+            let starts = [-0.5_f64, (-0.5_f64).next_down(), 2.5];
+            State::new([starts[path as usize]], [0.0])
         })
         .observe("q", |_, state| state.q[0])
         .histogram("q", -3.0..3.0, 12);

@@ -3,37 +3,22 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
+use sve_models::checks::assert_within;
+use sve_models::models::{Kicked, Oscillator, Pushed};
 use sve_runtime::prelude::*;
 use sve_runtime::{IncrementLanesOf, Mask, OneStepMethod, StateLanesOf, StateOf};
 
-struct Pendulum;
+use crate::runs::{drawn, free, run_in_parts, scratch};
 
-#[variational(midpoint)]
-impl Pendulum {
-    fn lagrangian(&self, q: f64, v: f64) -> f64 {
-        0.5 * v * v + q.cos()
-    }
-    #[gamma]
-    fn push(&self, q: f64) -> f64 {
-        0.4 * q
-    }
-}
+type Method = Integrator<Pushed, Midpoint>;
 
-/// A free particle.
-struct Particle;
-
-#[variational(midpoint)]
-impl Particle {
-    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
-        0.5 * v * v
-    }
+fn pendulum() -> Method {
+    Integrator::new(Pushed { g: 1.0, s: 0.4 }, Midpoint)
 }
 
 const H: f64 = 0.05;
 
-fn observed(
-    method: &Integrator<Pendulum, Midpoint>,
-) -> Ensemble<'_, Integrator<Pendulum, Midpoint>> {
+fn observed(method: &Method) -> Ensemble<'_, Method> {
     Ensemble::new(method)
         .paths(1500)
         .seed(3)
@@ -63,28 +48,17 @@ fn observed(
 /// With one thread, 16 blocks are run together; with many, or in shards, one.
 #[test]
 fn no_layout_of_lanes_changes_a_bit() {
-    let method = Integrator::new(Pendulum, Midpoint);
-    let whole = observed(&method).threads(1).run().unwrap();
+    let method = pendulum();
+    let whole = run_in_parts(|| observed(&method), &[2, 5], &[&[0, 1, 2]]);
     let passed = whole.passage("right").unwrap().passed()[5];
     assert!((300..1400).contains(&passed), "{passed}");
     assert!(whole.failed() > 0);
-    for threads in [2, 5] {
-        assert_eq!(observed(&method).threads(threads).run().unwrap(), whole);
-    }
-    let mut shards = (0..3).map(|k| observed(&method).shard(k, 3).threads(1).run().unwrap());
-    let mut merged = shards.next().unwrap();
-    for shard in shards {
-        merged.merge(shard).unwrap();
-    }
-    assert_eq!(merged, whole);
-    assert_eq!(merged.passages(), whole.passages());
 }
 
 #[test]
 fn a_run_that_was_stopped_goes_on_with_the_same_passages() {
-    let method = Integrator::new(Pendulum, Midpoint);
-    let path = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("passages.sve");
-    let _ = std::fs::remove_file(&path);
+    let method = pendulum();
+    let path = scratch("passages.sve");
     let blocks = AtomicU64::new(0);
     let first = observed(&method)
         .threads(1)
@@ -101,12 +75,12 @@ fn a_run_that_was_stopped_goes_on_with_the_same_passages() {
 /// What observers remember, against the states of single paths.
 #[test]
 fn memories_are_those_of_replayed_paths() {
-    let method = Integrator::new(Pendulum, Midpoint);
+    let method = pendulum();
     let ensemble = observed(&method).paths(256);
     let summary = ensemble.run().unwrap();
     let ends: Vec<(u64, f64)> = summary.final_states().map(|(k, s)| (k, s.t)).collect();
     let failed: Vec<u64> = summary.failures().iter().map(|f| f.path).collect();
-    let starts = starts(&method);
+    let starts = drawn(256, 3, |_, rng| 0.1 * rng.normal());
     let (mut area, mut highest, mut lowest, mut turns) = (0.0, 0.0, 0.0, 0.0);
     let (mut kinetic, mut stopped) = (0.0, 0);
     for &(path, end) in &ends {
@@ -145,23 +119,6 @@ fn memories_are_those_of_replayed_paths() {
     close("highest", highest);
     close("lowest", lowest);
     close("turns", turns);
-}
-
-/// The starts of the paths of [`observed`].
-fn starts(method: &Integrator<Pendulum, Midpoint>) -> Vec<f64> {
-    let starts = std::sync::Mutex::new(std::collections::BTreeMap::new());
-    let run = Ensemble::new(method)
-        .paths(1500)
-        .seed(3)
-        .steps(H, 1)
-        .start_with(|path, rng| {
-            let q = 0.1 * rng.normal();
-            starts.lock().unwrap().insert(path, q);
-            State::new([q], [0.0])
-        })
-        .run();
-    run.unwrap();
-    starts.into_inner().unwrap().into_values().collect()
 }
 
 /// A method that counts its steps in lanes.
@@ -203,8 +160,7 @@ impl<I: OneStepMethod> OneStepMethod for Counting<I> {
 #[test]
 fn stopped_paths_cost_no_steps() {
     let cost = |threads: usize, end: f64| {
-        let particle = Integrator::new(Particle, Midpoint);
-        let method = Counting(particle, AtomicU64::new(0));
+        let method = Counting(free(), AtomicU64::new(0));
         let h = 0.005;
         #[allow(clippy::cast_sign_loss)] // a number of steps
         let steps = (end / h).round() as u64;
@@ -233,20 +189,7 @@ fn stopped_paths_cost_no_steps() {
 /// The integral of a Brownian motion by the trapezoidal rule over n steps is normal with variance h³ n(4n² − 1)/12.
 #[test]
 fn integrals_have_their_exact_moments() {
-    struct Walk;
-
-    #[variational(midpoint)]
-    impl Walk {
-        fn lagrangian(&self, _q: f64, v: f64) -> f64 {
-            0.5 * v * v
-        }
-        #[gamma]
-        fn kicks(&self, q: f64) -> f64 {
-            q
-        }
-    }
-
-    let method = Integrator::new(Walk, Midpoint);
+    let method = Integrator::new(Kicked { sigma: 1.0 }, Midpoint);
     let (paths, n, h) = (20_000_u32, 50, 0.1_f64);
     let summary = Ensemble::new(&method)
         .paths(u64::from(paths))
@@ -260,26 +203,15 @@ fn integrals_have_their_exact_moments() {
     let variance = h.powi(3) * n * (4.0 * n * n - 1.0) / 12.0;
     let (mean, measured) = (summary["area"].mean()[1], summary["area"].variance()[1]);
     let count = f64::from(paths);
-    assert!(mean.abs() < 4.0 * (variance / count).sqrt(), "{mean}");
-    assert!(
-        (measured / variance - 1.0).abs() < 4.0 * (2.0 / count).sqrt(),
-        "{measured} {variance}"
-    );
+    assert_within(mean, 0.0, (variance / count).sqrt(), 4.0, "mean");
+    let ratio = measured / variance;
+    assert_within(ratio, 1.0, (2.0 / count).sqrt(), 4.0, "variance");
 }
 
 /// An oscillator in steps of the midpoint rule turns by 2 arctan(h/2) a step, and stays on its circle.
 #[test]
 fn an_oscillator_has_its_exact_maximum_and_turns() {
-    struct Oscillator;
-
-    #[variational(midpoint)]
-    impl Oscillator {
-        fn lagrangian(&self, q: f64, v: f64) -> f64 {
-            0.5 * v * v - 0.5 * q * q
-        }
-    }
-
-    let method = Integrator::new(Oscillator, Midpoint);
+    let method = Integrator::new(Oscillator { sigma: 0.0 }, Midpoint);
     let (h, steps) = (0.1_f64, 1000_u64);
     let phase = |path: u64| 0.1 + 0.06 * path as f64;
     let summary = Ensemble::new(&method)

@@ -1,7 +1,10 @@
 //! Survival with censoring: Kaplan and Meier's estimate from single events, exact laws of competing ends, what is unknown, shards.
 
+use sve_models::checks::{assert_close, assert_says, assert_within};
 use sve_runtime::ensemble::Passages;
 use sve_runtime::prelude::*;
+
+use crate::runs::{drawn, run_in_parts};
 
 /// Two free particles.
 struct Pair;
@@ -76,23 +79,16 @@ fn competing_exponential_times_have_their_survival() {
         let runs = 10;
         let mut squares = 0.0;
         for seed in 0..runs {
-            let ensemble = race(
-                &method,
-                (10_000, seed),
-                (2.0 / steps as f64, steps),
-                exponential,
-            );
+            let step = (2.0 / steps as f64, steps);
+            let ensemble = race(&method, (10_000, seed), step, exponential);
             let summary = ensemble.record_every(every).run().unwrap();
             let (survival, error) = last(summary.passage("event").unwrap());
             // 10,000 e⁻⁵ paths are left, and Greenwood's sum is ∫ λ e^(2.5 t) dt/n
             let expected = exact * ((5.0_f64.exp() - 1.0) / 2.5 / 10_000.0).sqrt();
             assert!((error / expected - 1.0).abs() < 0.25, "{error} {expected}");
-            let z = (survival - exact) / expected;
-            assert!(
-                z.abs() < 4.5,
-                "{steps} {every} {seed}: {survival} ± {error}"
-            );
-            squares += z * z;
+            let row = format!("{steps} {every} {seed}");
+            assert_within(survival, exact, expected, 4.5, row);
+            squares += ((survival - exact) / expected).powi(2);
         }
         // a sum of 10 squares: above 29.6 once in a thousand times
         assert!((1.0..29.6).contains(&squares), "{steps} {every}: {squares}");
@@ -109,8 +105,7 @@ fn rates_may_vary_against_one_another() {
         let ensemble = race(&method, (paths, 3), (1.2 / steps as f64, steps), times);
         let summary = ensemble.record_every(every).run().unwrap();
         let (survival, error) = last(summary.passage("event").unwrap());
-        let z = (survival - f64::exp(-1.44)) / error;
-        assert!(z.abs() < 4.0, "{steps}: {survival} ± {error}");
+        assert_within(survival, f64::exp(-1.44), error, 4.0, steps);
     }
 }
 
@@ -119,15 +114,10 @@ fn rates_may_vary_against_one_another() {
 fn the_estimate_is_that_of_single_events() {
     let method = pair();
     let run = |every| race(&method, (300, 5), (0.1, 20), exponential).record_every(every);
-    let starts = std::sync::Mutex::new(std::collections::BTreeMap::new());
-    let drawn = race(&method, (300, 5), (0.1, 20), exponential).start_with(|path, rng| {
+    let ends = drawn(300, 5, |_, rng| {
         let [a, b] = exponential([rng.uniform(), rng.uniform()].map(|u: f64| -(1.0 - u).ln()));
-        starts.lock().unwrap().insert(path, (a.min(b), a < b));
-        State::new([0.0; 2], [1.0 / a, 1.0 / b])
+        (a.min(b), a < b)
     });
-    drawn.run().unwrap();
-    drop(drawn);
-    let ends: Vec<(f64, bool)> = starts.into_inner().unwrap().into_values().collect();
     let summary = run(1).run().unwrap();
     let event = summary.passage("event").unwrap();
     let (survival, errors) = (event.survival(), event.survival_error());
@@ -135,25 +125,15 @@ fn the_estimate_is_that_of_single_events() {
         let (exact, exact_error) = kaplan_meier(&ends, t);
         let (survival, error) = (survival[record].unwrap(), errors[record].unwrap());
         // an event and another end of n paths in one bin: 1/n² of the survival, for a few of them
-        assert!(
-            (survival - exact).abs() <= 3e-4 * exact,
-            "{t}: {survival} {exact}"
-        );
-        assert!(
-            (error - exact_error).abs() <= 3e-3 * exact_error,
-            "{t}: {error} {exact_error}"
-        );
+        assert_close(&[survival], &[exact], 3e-4 * exact, t);
+        assert_close(&[error], &[exact_error], 3e-3 * exact_error, t);
     }
     for every in [2, 5, 20] {
         let summary = run(every).run().unwrap();
         let other = summary.passage("event").unwrap();
         for (record, step) in (0..=20).step_by(every as usize).enumerate() {
-            assert_eq!(other.survival()[record], survival[step], "{every} {step}");
-            assert_eq!(
-                other.survival_error()[record],
-                errors[step],
-                "{every} {step}"
-            );
+            let found = (other.survival()[record], other.survival_error()[record]);
+            assert_eq!(found, (survival[step], errors[step]), "{every} {step}");
         }
     }
 }
@@ -173,11 +153,11 @@ fn estimates_scatter_as_their_errors_say() {
         variances += error * error;
     }
     let runs = runs as f64;
-    let z = sum / runs / (variances / runs / runs).sqrt();
-    assert!(z.abs() < 4.0, "{z}");
+    let error = (variances / runs / runs).sqrt();
+    assert_within(sum / runs, 0.0, error, 4.0, "survival");
     // a variance of 300 values has a relative error of √(2/300)
     let ratio = squares / variances;
-    assert!((ratio - 1.0).abs() < 4.0 * (2.0 / runs).sqrt(), "{ratio}");
+    assert_within(ratio, 1.0, (2.0 / runs).sqrt(), 4.0, "variance");
 }
 
 /// Failures are at recorded times, or where a path stops. Those at recorded times come after the passages until then.
@@ -216,14 +196,8 @@ fn paths_that_fail_are_at_risk_until_then() {
     assert!(ends.iter().filter(is_between).count() > 2 && wall.censored()[6] > 20);
     for (record, &t) in summary.times().iter().enumerate() {
         let (survival, error) = kaplan_meier(&ends, t);
-        assert!(
-            (wall.survival()[record].unwrap() - survival).abs() < 1e-14,
-            "{record}"
-        );
-        assert!(
-            (wall.survival_error()[record].unwrap() - error).abs() < 1e-14,
-            "{record}"
-        );
+        let found = [wall.survival(), wall.survival_error()].map(|x| x[record].unwrap());
+        assert_close(&found, &[survival, error], 1e-14, record);
     }
     // passages and time at risk from t = 1 on, with the time of the censored paths
     let late = ends.iter().filter(|end| end.0 > 1.0);
@@ -233,11 +207,7 @@ fn paths_that_fail_are_at_risk_until_then() {
     });
     let rate = wall.rate(2);
     assert_eq!(rate.events, events);
-    assert!(
-        (rate.exposure - exposure).abs() < 1e-10,
-        "{}",
-        rate.exposure
-    );
+    assert_close(&[rate.exposure], &[exposure], 1e-10, "time at risk");
 }
 
 /// Pairs of which the first particle never arrives, and the observable of some is not finite from a time on.
@@ -280,10 +250,8 @@ fn survival_is_unknown_after_the_last_path_is_censored() {
         let text = String::from_utf8(bytes).unwrap();
         assert!(text.ends_with(",0,,\n") && !text.contains("NaN"), "{text}");
         let from = format!("survival unknown from t = {} on", known.len());
-        assert!(
-            wall.to_string().contains(&from) && summary.to_string().contains(&from),
-            "{wall}"
-        );
+        assert_says(wall, &[&from]);
+        assert_says(summary, &[&from]);
     }
     // another end stops the others within an interval, at t = 1.25
     let ensemble = Ensemble::new(&method)
@@ -315,32 +283,19 @@ fn survival_is_unknown_after_the_last_path_is_censored() {
 fn threads_shards_and_stored_forms_have_the_same_bits() {
     let method = pair();
     let ensemble = || race(&method, (1000, 9), (0.1, 20), exponential).record_every(4);
-    let whole = ensemble().threads(1).run().unwrap();
-    assert_eq!(ensemble().threads(3).run().unwrap(), whole);
-    let shard = |index| ensemble().shard(index, 3).run().unwrap();
-    let mut merged = shard(2);
-    merged.merge(shard(0)).unwrap();
-    merged.merge(shard(1)).unwrap();
-    assert_eq!(merged, whole);
-    assert_eq!(merged.passages(), whole.passages());
+    let whole = run_in_parts(ensemble, &[3], &[&[2, 0, 1]]);
     let text = serde_json::to_string(&whole).unwrap();
     let read: Summary = serde_json::from_str(&text).unwrap();
     assert_eq!(read.passages(), whole.passages());
     // another format, none, a bin beyond the run, and more ends than paths
     let other = text.replacen("\"format\":6", "\"format\":5", 1);
-    let error = serde_json::from_str::<Summary>(&other)
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("has format 5, and this version of sve reads format 6"),
-        "{error}"
-    );
+    let error = serde_json::from_str::<Summary>(&other).unwrap_err();
+    let formats = "has format 5, and this version of sve reads format 6";
+    assert_says(error, &[formats]);
     let old = text.replacen("\"format\":6,\"settings\"", "\"run\"", 1);
     let old = old.replacen("\"results\"", "\"nodes\"", 1);
-    let error = serde_json::from_str::<Summary>(&old)
-        .unwrap_err()
-        .to_string();
-    assert!(error.contains("missing field `format`"), "{error}");
+    let error = serde_json::from_str::<Summary>(&old).unwrap_err();
+    assert_says(error, &["missing field `format`"]);
     for (from, to) in [
         ("\"bins\":{\"", "\"bins\":{\"9999"),
         ("\"passed\":", "\"passed\":1"),

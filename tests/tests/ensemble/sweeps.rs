@@ -2,19 +2,23 @@
 
 use std::time::Duration;
 
+use sve_models::assert_matches;
+use sve_models::checks::assert_close;
 use sve_models::models::{Kubo, Oscillator};
 use sve_runtime::ensemble::Sweep;
 use sve_runtime::prelude::*;
 
+use crate::runs::{KuboMethod, scratch};
+
 const PATHS: u64 = 64 * 6 + 10;
 
-fn oscillators() -> [Integrator<Oscillator, Midpoint>; 3] {
+type Method = Integrator<Oscillator, Midpoint>;
+
+fn oscillators() -> [Method; 3] {
     [1.0, 1.5, 0.25].map(|sigma| Integrator::new(Oscillator { sigma }, Midpoint))
 }
 
-fn ensemble(
-    method: &Integrator<Oscillator, Midpoint>,
-) -> Ensemble<'_, Integrator<Oscillator, Midpoint>> {
+fn ensemble(method: &Method) -> Ensemble<'_, Method> {
     Ensemble::new(method)
         .paths(PATHS)
         .seed(3)
@@ -71,12 +75,8 @@ fn rows_have_the_bits_of_single_runs() {
         assert_eq!(*row, ensemble(&table[0]).start(start).run().unwrap());
     }
     let difference = &sweep.difference(0, 1).unwrap()["q"];
-    assert!(
-        difference
-            .standard_error()
-            .iter()
-            .all(|error| *error < 1e-16)
-    );
+    let errors = difference.standard_error();
+    assert!(errors.iter().all(|error| *error < 1e-16));
     let mut exact = State::new([-0.5], [0.5]);
     for _ in 0..40 {
         table[0].step(&mut exact, 0.05, &[0.0]).unwrap();
@@ -84,11 +84,11 @@ fn rows_have_the_bits_of_single_runs() {
     assert!((difference.mean()[4] - exact.q[0]).abs() < 1e-14);
 }
 
-fn kubos() -> [Integrator<Kubo, Midpoint>; 2] {
+fn kubos() -> [KuboMethod; 2] {
     [0.5, 0.6].map(|sigma| Integrator::new(Kubo { a: 1.0, sigma }, Midpoint))
 }
 
-fn failing(table: &[Integrator<Kubo, Midpoint>]) -> Ensemble<'_, Integrator<Kubo, Midpoint>> {
+fn failing(table: &[KuboMethod]) -> Ensemble<'_, KuboMethod> {
     Ensemble::new(&table[0])
         .paths(PATHS)
         .seed(3)
@@ -122,21 +122,20 @@ fn failures_and_shards() {
     }
     assert_eq!(merged, whole);
     let twice = merged.merge(failing(&table).shard(0, 3).sweep(&table).unwrap());
-    assert!(matches!(twice, Err(EnsembleError::Overlap { .. })));
+    assert_matches!(twice, Err(EnsembleError::Overlap { .. }));
     let shorter = failing(&table).shard(0, 3).sweep(&table[..1]).unwrap();
-    assert!(matches!(
-        merged.merge(shorter),
+    let shorter = merged.merge(shorter);
+    assert_matches!(
+        shorter,
         Err(EnsembleError::OtherTable { rows: 2, others: 1 })
-    ));
+    );
     assert_eq!(merged, whole);
     let text = serde_json::to_string(&whole).unwrap();
     assert_eq!(serde_json::from_str::<Sweep>(&text).unwrap(), whole);
 }
 
 /// Paths that stop, at other times in each row, with memories, passages and failures.
-fn stopping(
-    method: &Integrator<Oscillator, Midpoint>,
-) -> Ensemble<'_, Integrator<Oscillator, Midpoint>> {
+fn stopping(method: &Method) -> Ensemble<'_, Method> {
     Ensemble::new(method)
         .paths(1500)
         .seed(5)
@@ -195,10 +194,7 @@ fn rows_with_stopped_paths_have_the_bits_of_single_runs() {
     let common: Vec<f64> = common.collect();
     assert_eq!(difference.counts()[4], common.len() as u64);
     let mean = common.iter().sum::<f64>() / common.len() as f64;
-    assert!(
-        (difference["time"].mean()[4] - mean).abs() < 1e-12,
-        "{mean}"
-    );
+    assert_close(&[difference["time"].mean()[4]], &[mean], 1e-12, "time");
 
     let starts = [State::new([0.2], [0.0]), State::new([-0.5], [0.5])];
     let sweep = stopping(&table[0]).sweep_starts(&starts).unwrap();
@@ -227,22 +223,15 @@ fn antithetic_pairs_of_rows() {
         .sweep(&table)
         .unwrap();
     assert!(sweep.difference(0, 1).unwrap()["q"].standard_error()[4] < 1e-16);
-    assert_eq!(
-        sweep[1],
-        ensemble(&table[1])
-            .start(start)
-            .antithetic(true)
-            .run()
-            .unwrap()
-    );
+    let alone = ensemble(&table[1]).start(start).antithetic(true).run();
+    assert_eq!(sweep[1], alone.unwrap());
 }
 
 #[test]
 fn bad_tables_are_errors() {
     let table = kubos();
-    let error = failing(&table).sweep(&[]).unwrap_err();
-    assert!(matches!(error, EnsembleError::EmptyTable), "{error}");
-    let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("sweep.sve");
+    assert_matches!(failing(&table).sweep(&[]), Err(EnsembleError::EmptyTable));
+    let file = scratch("sweep.sve");
     let error = failing(&table)
         .checkpoint(&file, Duration::ZERO)
         .sweep(&table);

@@ -5,20 +5,16 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use sve_models::models::Kubo;
+use sve_models::checks::assert_says;
 use sve_runtime::ensemble::Warning;
 use sve_runtime::prelude::*;
 
-type Method = Integrator<Kubo, Midpoint>;
+use crate::runs::{KuboMethod, kubo};
 
 /// Number of blocks of the runs here.
 const BLOCKS: u64 = 6;
 
-fn kubo() -> Method {
-    Integrator::new(Kubo { a: 1.0, sigma: 0.5 }, Midpoint)
-}
-
-fn ensemble(method: &Method) -> Ensemble<'_, Method> {
+fn ensemble(method: &KuboMethod) -> Ensemble<'_, KuboMethod> {
     Ensemble::new(method)
         .paths(64 * BLOCKS)
         .steps(0.05, 4)
@@ -75,10 +71,8 @@ fn a_path_that_cannot_be_written_is_an_error_before_the_first_path() {
             let Err(error @ EnsembleError::Checkpoint { .. }) = run else {
                 panic!("{}: {run:?}", path.display());
             };
-            let text = error.to_string();
-            assert!(text.contains(path.to_str().unwrap()), "{text}");
-            assert!(text.contains("no path was computed"), "{text}");
-            assert_eq!(observed.into_inner(), 0, "{text}");
+            assert_says(&error, &[path.to_str().unwrap(), "no path was computed"]);
+            assert_eq!(observed.into_inner(), 0, "{error}");
         }
     }
 }
@@ -96,7 +90,7 @@ fn a_device_has_no_results() {
 
 /// The checkpoint of a run whose file another function takes away before block 2 and gives back before another block, and the summary.
 fn disturbed(
-    method: &Method,
+    method: &KuboMethod,
     path: &Path,
     take: &(dyn Fn() + Sync),
     give: (u64, &(dyn Fn() + Sync)),
@@ -115,7 +109,7 @@ fn disturbed(
 }
 
 /// Asserts that a summary has all results, and a warning about so many attempts that failed.
-fn assert_warned(method: &Method, summary: &Summary, path: &Path, count: u64, is_last: bool) {
+fn assert_warned(method: &KuboMethod, summary: &Summary, path: &Path, count: u64, is_last: bool) {
     assert_eq!(*summary, ensemble(method).run().unwrap());
     let warnings = summary.warnings();
     let [
@@ -221,20 +215,15 @@ fn temporary_files_of_killed_runs_are_removed() {
     // both before there is a checkpoint and after it
     for _ in 0..2 {
         for number in 0..76 {
-            fs::write(
-                folder.join(format!(".x.sve.77{number}-{number}.new")),
-                [0; 99],
-            )
-            .unwrap();
+            let file = format!(".x.sve.77{number}-{number}.new");
+            fs::write(folder.join(file), [0; 99]).unwrap();
         }
         let living = fs::File::create(folder.join(".x.sve.1-1.new")).unwrap();
         living.try_lock().unwrap();
         fs::write(folder.join(".y.sve.1-1.new"), b"").unwrap();
         assert!(run().is_complete());
-        assert_eq!(
-            names(&folder),
-            [".x.sve.1-1.new", ".y.sve.1-1.new", "x.sve"]
-        );
+        let left = [".x.sve.1-1.new", ".y.sve.1-1.new", "x.sve"];
+        assert_eq!(names(&folder), left);
         drop(living);
     }
     assert!(run().is_complete());

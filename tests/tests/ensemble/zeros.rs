@@ -1,28 +1,15 @@
 //! Zeros within steps: their order, and jumps, which are none.
 
+use sve_models::models::Kicked;
 use sve_runtime::ensemble::{Cause, Failure};
 use sve_runtime::prelude::*;
 
-/// A particle whose momentum is a Brownian motion; without noise it is free.
-struct Particle {
-    sigma: f64,
-}
-
-#[variational(midpoint)]
-impl Particle {
-    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
-        0.5 * v * v
-    }
-    #[gamma]
-    fn kicks(&self, q: f64) -> f64 {
-        self.sigma * q
-    }
-}
+use crate::runs::free;
 
 /// Two functions have their zeros within one step: a path stops at the first one in time, whatever their order.
 #[test]
 fn the_first_zero_within_a_step_stops() {
-    let method = Integrator::new(Particle { sigma: 0.0 }, Midpoint);
+    let method = free();
     let summary = Ensemble::new(&method)
         .paths(100)
         .steps(0.5, 8)
@@ -48,7 +35,7 @@ fn the_first_zero_within_a_step_stops() {
 /// A pole is no zero, and neither is a jump; a rough function has a zero.
 #[test]
 fn jumps_are_no_passages() {
-    let method = Integrator::new(Particle { sigma: 1.0 }, Midpoint);
+    let method = Integrator::new(Kicked { sigma: 1.0 }, Midpoint);
     let ensemble = || {
         Ensemble::new(&method)
             .paths(256)
@@ -82,7 +69,7 @@ fn jumps_are_no_passages() {
 
 #[test]
 fn a_function_that_is_not_finite_fails_the_path() {
-    let method = Integrator::new(Particle { sigma: 0.0 }, Midpoint);
+    let method = free();
     let summary = Ensemble::new(&method)
         .paths(2)
         .steps(0.125, 8)
