@@ -128,7 +128,7 @@ fn the_structure_is_that_of_the_plain_rule() {
     let orders = ", strong order 1 (all noises commute), weak order 2\n";
     assert_says(verlet, &[orders]);
     let midpoint = Integrator::new(Pendulums { s: S, m: 1.3 }, Weak2(Midpoint)).plan();
-    assert_says(&midpoint.formulas.action, &[" − h·|h|·K(t̄, q̄)/8"]);
+    assert_says(midpoint.formulas.action, &[" − h·|h|·K(t̄, q̄)/8"]);
     assert_eq!(midpoint.unknowns(), 2);
 }
 
