@@ -195,7 +195,7 @@ fn histograms_count_every_path_in_its_bin() {
         let draw = |path: u64, rng: &mut StartRng| {
             let edge = low + (high - low) * (path % 40) as f64 / bins as f64 - 0.1;
             let drawn = 0.5 * rng.normal();
-            if path % 2 == 0 { edge } else { drawn }
+            if path.is_multiple_of(2) { edge } else { drawn }
         };
         let summary = Ensemble::new(&method)
             .paths(500)
