@@ -28,7 +28,8 @@ pub fn assert_close(found: &[f64], expected: &[f64], bound: f64, row: impl Displ
     assert_bounded(found, expected, |_| bound, row);
 }
 
-/// Asserts that numbers differ from those expected by at most `bound`, relative to 1 and the number.
+/// Asserts that numbers differ from those expected by at most `bound`, relative to 1 and the
+/// number.
 ///
 /// # Panics
 /// If one does not.

@@ -1,4 +1,5 @@
-//! Antithetic pairs: the noise of their paths, the mean of linear observables, errors of even ones, failures, shards.
+//! Antithetic pairs: the noise of their paths, the mean of linear observables, errors of even ones,
+//! failures, shards.
 
 use sve_models::assert_matches;
 use sve_models::checks::assert_says;
@@ -9,7 +10,8 @@ use crate::runs::{KuboMethod, kubo, oscillator, run_in_parts};
 
 const PATHS: u64 = 64 * 6 + 10;
 
-/// Paths 2k and 2k + 1 have the increments of path k of the source, the second one with the other sign.
+/// Paths 2k and 2k + 1 have the increments of path k of the source, the second one with the other
+/// sign.
 #[test]
 fn paths_have_opposite_increments() {
     let kubo = kubo();
@@ -56,7 +58,8 @@ fn paths_have_opposite_increments() {
     });
 }
 
-/// The position is linear in the noise: the mean of each pair is the motion without noise. Its square, from a start at rest, is even: both paths of a pair have the same.
+/// The position is linear in the noise: the mean of each pair is the motion without noise. Its
+/// square, from a start at rest, is even: both paths of a pair have the same.
 #[test]
 fn odd_observables_have_no_error_and_even_ones_a_larger_one() {
     let method = oscillator(Midpoint);
@@ -87,7 +90,8 @@ fn odd_observables_have_no_error_and_even_ones_a_larger_one() {
         let summary = ensemble(0.0).antithetic(antithetic).run().unwrap();
         summary["q²"].standard_error()[2]
     };
-    // each error is known to 1.6 %: √(56/4n) for the fourth moments of a squared normal number, n = 10⁴
+    // each error is known to 1.6 %: √(56/4n) for the fourth moments of a squared normal number, n =
+    // 10⁴
     let ratio = error(true) / error(false);
     assert!((ratio / 2.0_f64.sqrt() - 1.0).abs() < 0.15, "{ratio}");
 }

@@ -1,4 +1,5 @@
-//! Checkpoints of a stopped run: files that are damaged, of another run or of another program are errors that name the file.
+//! Checkpoints of a stopped run: files that are damaged, of another run or of another program are
+//! errors that name the file.
 
 use std::path::PathBuf;
 use std::time::Duration;

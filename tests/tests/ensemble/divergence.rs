@@ -1,4 +1,5 @@
-//! Warnings about motions without physical meaning: diverging observables, paths out of bounds, means dominated by one path.
+//! Warnings about motions without physical meaning: diverging observables, paths out of bounds,
+//! means dominated by one path.
 
 use sve_models::checks::assert_says;
 use sve_models::models::{Bath, Pendulum};
@@ -7,7 +8,8 @@ use sve_runtime::prelude::*;
 
 use crate::runs::oscillator;
 
-/// An oscillator under noise. Beyond ωh = 2 its explicit step is unstable: the energy grows by 25 orders and stays finite.
+/// An oscillator under noise. Beyond ωh = 2 its explicit step is unstable: the energy grows by 25
+/// orders and stays finite.
 type Stiff = Integrator<Bath, Endpoint>;
 
 fn stiff(omega: f64) -> Stiff {

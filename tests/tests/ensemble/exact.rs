@@ -1,7 +1,8 @@
 //! The mean energy of the linear oscillator against its exact recursion.
 //!
-//! A step is affine, `z₁ = A z₀ + b ΔW`, so the state is Gaussian with mean `Aⁿ z₀` and covariance `C₁ = A C₀ Aᵀ + h b bᵀ`. For a
-//! Gaussian with mean m and covariance C, H = |z|²/2 has mean (|m|² + tr C)/2 and variance tr C²/2 + mᵀ C m.
+//! A step is affine, `z₁ = A z₀ + b ΔW`, so the state is Gaussian with mean `Aⁿ z₀` and covariance
+//! `C₁ = A C₀ Aᵀ + h b bᵀ`. For a Gaussian with mean m and covariance C, H = |z|²/2 has mean (|m|²
+//! + tr C)/2 and variance tr C²/2 + mᵀ C m.
 
 use sve_models::checks::assert_within;
 use sve_models::models::Oscillator;

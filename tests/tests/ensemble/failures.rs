@@ -1,4 +1,5 @@
-//! Paths that fail are counted, described, left out of the statistics, and replayed. They do not change the bits of other paths.
+//! Paths that fail are counted, described, left out of the statistics, and replayed. They do not
+//! change the bits of other paths.
 
 use sve_runtime::ensemble::{Cause, FAILURES_KEPT};
 use sve_runtime::prelude::*;

@@ -1,4 +1,5 @@
-//! Files of summaries are read with the values that were written: CSV, npy, Parquet, serde. Runs continue from a checkpoint.
+//! Files of summaries are read with the values that were written: CSV, npy, Parquet, serde. Runs
+//! continue from a checkpoint.
 
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! Covariances, two-time covariances and quantiles against exact moments of the discrete motion, and against all values.
+//! Covariances, two-time covariances and quantiles against exact moments of the discrete motion,
+//! and against all values.
 
 use sve_models::assert_matches;
 use sve_models::checks::{assert_says, assert_within};
@@ -62,7 +63,8 @@ fn covariances_are_those_of_the_recursion() {
             let exact = exact_two_time(&affine.a, &states, 10 * s, 10 * t);
             if s * t > 0 {
                 let variances = [states[10 * s].1, states[10 * t].1];
-                // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian, of which fourth moments are known to 3 %
+                // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian, of which fourth moments are
+                // known to 3 %
                 for (found, [first, second], exact) in [
                     (&two, [0, 1], exact[0][1]),
                     (&momentum, [1, 1], exact[1][1]),

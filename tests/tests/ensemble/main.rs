@@ -1,4 +1,5 @@
-//! Ensembles: summaries against paths that are integrated one by one. Threads and shards do not change the bits of a summary.
+//! Ensembles: summaries against paths that are integrated one by one. Threads and shards do not
+//! change the bits of a summary.
 
 // closures are written as users write them
 #![allow(clippy::redundant_closure_for_method_calls)]

@@ -5,8 +5,8 @@ use sve_runtime::prelude::*;
 
 use crate::runs::{KuboMethod, kubo};
 
-/// The largest number of bytes that a run had at once, with what the summary keeps. On one thread, whose own pool cannot be
-/// counted, so on this one.
+/// The largest number of bytes that a run had at once, with what the summary keeps. On one thread,
+/// whose own pool cannot be counted, so on this one.
 fn peak(paths: u64, steps: u64, every: u64) -> u64 {
     let method = kubo();
     let counted = measure(|| {

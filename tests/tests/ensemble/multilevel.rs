@@ -41,7 +41,8 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
         .observe("q²", |_, s| s.q[0] * s.q[0])
 }
 
-/// Level l has the paths from l 2⁴⁸ on. Its coarse steps have the sums of the increments of its fine steps.
+/// Level l has the paths from l 2⁴⁸ on. Its coarse steps have the sums of the increments of its
+/// fine steps.
 #[test]
 fn levels_are_differences_along_common_paths() {
     let method = oscillator(Endpoint);
@@ -87,7 +88,8 @@ fn levels_are_differences_along_common_paths() {
     );
 }
 
-/// The endpoint rule has weak order 1 here, so there is a bias to estimate. E q² = cos²t + σ²(t − sin t cos t)/2.
+/// The endpoint rule has weak order 1 here, so there is a bias to estimate. E q² = cos²t + σ²(t −
+/// sin t cos t)/2.
 #[test]
 fn means_are_exact_to_their_errors() {
     let method = oscillator(Endpoint);
@@ -114,7 +116,8 @@ fn means_are_exact_to_their_errors() {
         // the variance is at its half of the squared error, up to blocks and the tolerance of 1 %
         assert!(estimate.standard_error() < 1.02 * error / 2.0_f64.sqrt());
         assert!(estimate.error() < 1.02 * error);
-        // numbers of paths are in the ratio of √(variance/steps), where they are more than the first ones
+        // numbers of paths are in the ratio of √(variance/steps), where they are more than the
+        // first ones
         let grown: Vec<_> = estimate
             .levels()
             .iter()
@@ -183,7 +186,8 @@ fn impossible_estimates_are_errors() {
         ensemble.multilevel("q²").deepest(deepest).run(wanted)
     };
     assert_matches!(deepest(2, 0.03), Err(EnsembleError::Bias { level: 2, .. }));
-    // a bias that no number of paths removes is seen before the 10⁹ paths for such an error are made
+    // a bias that no number of paths removes is seen before the 10⁹ paths for such an error are
+    // made
     assert_matches!(deepest(2, 1e-5), Err(EnsembleError::Bias { level: 2, .. }));
     let few = EnsembleError::TooFewLevels { deepest: 1 };
     assert_says(deepest(1, 0.1).unwrap_err(), &[&few.to_string()]);
@@ -244,7 +248,8 @@ fn impossible_estimates_are_errors() {
     }
 }
 
-/// An average over [1, 4] has the same interval on all levels, and so has a derivative by a parameter during some steps.
+/// An average over [1, 4] has the same interval on all levels, and so has a derivative by a
+/// parameter during some steps.
 #[test]
 fn steps_in_settings_are_those_of_the_coarsest_level() {
     let method = oscillator(Endpoint);

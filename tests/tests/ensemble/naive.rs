@@ -16,7 +16,8 @@ const STEPS: u64 = 50;
 const EVERY: u64 = 20;
 const H: f64 = 0.01;
 
-/// Lane steps may differ from scalar ones by rounding, which the motion does not amplify within 50 short steps.
+/// Lane steps may differ from scalar ones by rounding, which the motion does not amplify within 50
+/// short steps.
 const ROUNDING: f64 = 1e-12;
 
 fn check<I, S, const N: usize, const M: usize>(

@@ -1,4 +1,5 @@
-//! Settings that make another run: shards with another one do not merge, and a checkpoint with another one is not continued.
+//! Settings that make another run: shards with another one do not merge, and a checkpoint with
+//! another one is not continued.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;

@@ -8,7 +8,8 @@ use sve_runtime::prelude::*;
 use crate::files::same;
 use crate::runs::{free, scratch};
 
-/// Passages of 300 free particles that pass, fail, are stopped elsewhere, or go on: velocities from −1 to 1; the slow ones to the right fail.
+/// Passages of 300 free particles that pass, fail, are stopped elsewhere, or go on: velocities from
+/// −1 to 1; the slow ones to the right fail.
 fn passages() -> Summary {
     let method = free();
     Ensemble::new(&method)

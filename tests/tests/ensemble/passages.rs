@@ -1,4 +1,5 @@
-//! First passages: exact times of free particles, exact laws, competing ends, paths out of bounds, refused noises.
+//! First passages: exact times of free particles, exact laws, competing ends, paths out of bounds,
+//! refused noises.
 
 use sve_models::assert_matches;
 use sve_models::checks::{assert_says, assert_within};
@@ -73,7 +74,8 @@ fn free_particles_pass_at_their_exact_times() {
     assert!((rate.standard_error - rate.value / (events as f64).sqrt()).abs() < 1e-12);
 }
 
-/// Compares the end of each path with that of a trajectory. Returns the largest difference of the times, and how many paths stopped.
+/// Compares the end of each path with that of a trajectory. Returns the largest difference of the
+/// times, and how many paths stopped.
 fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
     let method = Integrator::new(PENDULUM, StormerVerlet);
     let start = |path: u64| State::new([0.0], [0.3 + 0.01 * path as f64]);
@@ -117,7 +119,8 @@ fn compare_with_trajectories(paths: u64, noise: Option<u64>) -> (f64, u64) {
     (largest, stopped)
 }
 
-/// Without noise the times agree to the secant within 2⁻¹² of a step. With noise the re-solved step is rough in its length, so that it has several zeros: both searches find one in the same step.
+/// Without noise the times agree to the secant within 2⁻¹² of a step. With noise the re-solved step
+/// is rough in its length, so that it has several zeros: both searches find one in the same step.
 #[test]
 fn ensembles_stop_where_trajectories_stop() {
     let (difference, stopped) = compare_with_trajectories(60, None);
@@ -140,7 +143,8 @@ fn erf(x: f64) -> f64 {
     1.0 - sum * (-x * x).exp()
 }
 
-/// P(τ > t) of a Brownian motion to a level a is erf(a/(σ√(2t))); seen after steps of length h, the level is farther by 0.5826 σ√h.
+/// P(τ > t) of a Brownian motion to a level a is erf(a/(σ√(2t))); seen after steps of length h, the
+/// level is farther by 0.5826 σ√h.
 #[test]
 fn brownian_passages_have_their_law_with_the_documented_shift() {
     let (sigma, level, h) = (0.7, 0.9, 0.01_f64);
@@ -211,7 +215,8 @@ fn competing_ends_and_failures_are_censored() {
     }
 }
 
-/// A path that is out of its bound where it stops fails at the time of the zero, and has not passed. One that goes on has passed, and fails at the next recorded time.
+/// A path that is out of its bound where it stops fails at the time of the zero, and has not
+/// passed. One that goes on has passed, and fails at the next recorded time.
 #[test]
 fn paths_out_of_bounds_where_they_stop_have_not_passed() {
     let method = free();

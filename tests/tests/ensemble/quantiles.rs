@@ -1,4 +1,5 @@
-//! Quantiles: the errors of their ranks over many seeds, extremes, threads and shards; intervals: their ranks, and how often they contain the quantile of the distribution.
+//! Quantiles: the errors of their ranks over many seeds, extremes, threads and shards; intervals:
+//! their ranks, and how often they contain the quantile of the distribution.
 
 use sve_models::models::Kicked;
 use sve_runtime::prelude::*;
@@ -8,7 +9,8 @@ use crate::runs::{free, run_in_parts};
 /// Particles that stay where they start.
 type Free = Integrator<Kicked, Midpoint>;
 
-/// Values 1 to n: the value of a rank is the rank. The ends are beyond the ranks np ∓ z√(np(1 − p)) by less than 2.
+/// Values 1 to n: the value of a rank is the rank. The ends are beyond the ranks np ∓ z√(np(1 − p))
+/// by less than 2.
 #[test]
 fn ends_have_the_ranks_of_so_many_deviations() {
     let (method, paths) = (free(), 1000_u16);
@@ -48,7 +50,8 @@ fn normals(method: &Free, size: usize, seed: u64) -> Ensemble<'_, Free> {
         .quantiles("q", size)
 }
 
-/// Ranks of quantiles of normal numbers, from many seeds: no part of the bound is a bias. The deviation is below √2/size, the bound holds, the extremes are exact.
+/// Ranks of quantiles of normal numbers, from many seeds: no part of the bound is a bias. The
+/// deviation is below √2/size, the bound holds, the extremes are exact.
 #[test]
 fn ranks_are_right_in_the_mean_over_seeds() {
     const SIZES: [usize; 7] = [16, 33, 45, 100, 128, 250, 1000];
@@ -105,7 +108,8 @@ fn threads_and_shards_have_the_same_quantiles() {
     }
 }
 
-/// With two deviations 95 % of the intervals contain the quantile, and a few more, since the ends are whole ranks.
+/// With two deviations 95 % of the intervals contain the quantile, and a few more, since the ends
+/// are whole ranks.
 #[test]
 fn intervals_contain_the_quantile_as_often_as_they_say() {
     let method = free();
@@ -126,7 +130,8 @@ fn intervals_contain_the_quantile_as_often_as_they_say() {
     };
     let part =
         f64::from((0..runs).map(|seed| u32::from(found(seed))).sum::<u32>()) / f64::from(runs);
-    // four standard errors of 0.0066 below 95.4 %; the widest interval that two more ranks on each side allow contains 98.5 %
+    // four standard errors of 0.0066 below 95.4 %; the widest interval that two more ranks on each
+    // side allow contains 98.5 %
     assert!((0.928..0.998).contains(&part), "{part}");
 }
 

@@ -1,4 +1,5 @@
-//! The multilevel method where few paths have the mean: rare events against their exact probabilities, values that do not differ, tails without a variance, means without a limit.
+//! The multilevel method where few paths have the mean: rare events against their exact
+//! probabilities, values that do not differ, tails without a variance, means without a limit.
 
 use std::f64::consts::PI;
 
@@ -23,7 +24,8 @@ fn ensemble(method: &Method, seed: u64) -> Ensemble<'_, Method> {
         .start(State::new([0.0], [0.0]))
 }
 
-/// P(q > far) at the end of `steps` steps of length `h`: q is normal with a variance that the recursion of the covariance gives.
+/// P(q > far) at the end of `steps` steps of length `h`: q is normal with a variance that the
+/// recursion of the covariance gives.
 fn probability(method: &Method, far: f64, h: f64, steps: u64) -> f64 {
     let variance = Affine::of(method, h).from(0.0, steps)[steps as usize].1[0][0];
     let x = far / (2.0 * variance).sqrt();
@@ -34,7 +36,8 @@ fn probability(method: &Method, far: f64, h: f64, steps: u64) -> f64 {
     0.5 * (-x * x).exp() / (PI.sqrt() * fraction)
 }
 
-/// P(q > 3.23) is 0.15 %: 1024 paths have one or two such ends, or none, and fewer that differ between levels.
+/// P(q > 3.23) is 0.15 %: 1024 paths have one or two such ends, or none, and fewer that differ
+/// between levels.
 #[test]
 fn probabilities_of_rare_events_are_within_their_errors() {
     let method = oscillator(Endpoint);
@@ -96,7 +99,8 @@ fn values_that_do_not_differ_are_no_estimate() {
     assert_matches!(found, Err(EnsembleError::OneValue { .. }));
 }
 
-/// Values that are the same on both levels of each path, and differ between paths: their levels are run until a difference on 8 paths would change the mean by less than its error.
+/// Values that are the same on both levels of each path, and differ between paths: their levels are
+/// run until a difference on 8 paths would change the mean by less than its error.
 #[test]
 fn levels_without_a_difference_have_enough_paths() {
     let method = oscillator(Endpoint);
@@ -136,7 +140,8 @@ fn tails_without_a_variance_are_an_error() {
     assert_says(found.unwrap_err(), &["tails are too heavy for a variance"]);
 }
 
-/// Sums over steps double with each level, with and without noise in them; a mean that grows by the same amount each time has no limit either.
+/// Sums over steps double with each level, with and without noise in them; a mean that grows by the
+/// same amount each time has no limit either.
 #[test]
 fn means_without_a_limit_are_an_error() {
     let method = oscillator(Endpoint);

@@ -1,4 +1,5 @@
-//! Refined paths and steps that are refined where they fail, against trajectories on the same paths.
+//! Refined paths and steps that are refined where they fail, against trajectories on the same
+//! paths.
 
 use sve_models::checks::{assert_close, assert_relative};
 use sve_models::models::{Kicked, Rotor};
@@ -35,7 +36,8 @@ fn refined_paths_are_the_same_paths() {
     }
 }
 
-/// On the same path a smaller step is nearer to the limit: the difference of two step sizes is of the first order of h, not of the size of a path.
+/// On the same path a smaller step is nearer to the limit: the difference of two step sizes is of
+/// the first order of h, not of the size of a path.
 #[test]
 fn differences_of_levels_are_small() {
     let method = Integrator::new(ROTOR, Midpoint);
@@ -121,7 +123,8 @@ fn refined_paths_stop_where_trajectories_stop() {
     }
 }
 
-/// The search for a zero refines the parts of a step that have no solution, as the path itself does: else a path that crosses in such a step would fail.
+/// The search for a zero refines the parts of a step that have no solution, as the path itself
+/// does: else a path that crosses in such a step would fail.
 #[test]
 fn passages_within_refined_steps_are_found() {
     let method = Integrator::new(ROTOR, Midpoint);

@@ -1,4 +1,5 @@
-//! What several tests of ensembles need: systems, starts, files, and runs in parts that have the bits of the whole.
+//! What several tests of ensembles need: systems, starts, files, and runs in parts that have the
+//! bits of the whole.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -54,7 +55,8 @@ pub(crate) fn drawn<T: Send>(
     all.into_inner().unwrap().into_values().collect()
 }
 
-/// Runs an ensemble on one thread, and asserts that other numbers of threads, shards that are merged in each of these orders, and the stored form have the same bits.
+/// Runs an ensemble on one thread, and asserts that other numbers of threads, shards that are
+/// merged in each of these orders, and the stored form have the same bits.
 pub(crate) fn run_in_parts<'a, I, const N: usize, const M: usize>(
     ensemble: impl Fn() -> Ensemble<'a, I>,
     threads: &[usize],

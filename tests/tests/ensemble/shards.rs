@@ -137,7 +137,8 @@ fn of_statistics_in_another_order_merge() {
     assert_says(error.unwrap_err(), &["histograms"]);
 }
 
-/// Merges shard 0 of one ensemble with shard 1 of another. Returns the difference that the error names.
+/// Merges shard 0 of one ensemble with shard 1 of another. Returns the difference that the error
+/// names.
 fn refused<I, J>(first: &Ensemble<'_, I>, second: &Ensemble<'_, J>) -> Difference
 where
     I: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>> + Sync,

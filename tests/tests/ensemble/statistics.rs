@@ -1,4 +1,5 @@
-//! Statistics for which a simple formula would fail: constants, tiny and huge deviations, rounded edges of histograms.
+//! Statistics for which a simple formula would fail: constants, tiny and huge deviations, rounded
+//! edges of histograms.
 
 use sve_runtime::prelude::*;
 

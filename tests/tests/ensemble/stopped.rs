@@ -1,4 +1,5 @@
-//! Paths that stop, and observers with memory: the same bits for any layout of lanes, memories against single paths, and what stopped paths cost.
+//! Paths that stop, and observers with memory: the same bits for any layout of lanes, memories
+//! against single paths, and what stopped paths cost.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
@@ -156,7 +157,8 @@ impl<I: OneStepMethod> OneStepMethod for Counting<I> {
     }
 }
 
-/// Paths stop at a constant rate. What they cost is counted in steps of lanes, in units of the steps that the paths make until they stop.
+/// Paths stop at a constant rate. What they cost is counted in steps of lanes, in units of the
+/// steps that the paths make until they stop.
 #[test]
 fn stopped_paths_cost_no_steps() {
     let cost = |threads: usize, end: f64| {
@@ -178,7 +180,8 @@ fn stopped_paths_cost_no_steps() {
         let steps = method.1.load(Ordering::Relaxed) * sve_runtime::LANES as u64;
         steps as f64 * h / exposure
     };
-    // 16 blocks together, until all have stopped: lanes are filled again every 32 steps, and the last tile empties slowly
+    // 16 blocks together, until all have stopped: lanes are filled again every 32 steps, and the
+    // last tile empties slowly
     let together = cost(1, 20.0);
     assert!(together < 1.3, "{together}");
     // four times as long a horizon costs as much
@@ -186,7 +189,8 @@ fn stopped_paths_cost_no_steps() {
     assert!((longer / together - 1.0).abs() < 1e-3, "{longer}");
 }
 
-/// The integral of a Brownian motion by the trapezoidal rule over n steps is normal with variance h³ n(4n² − 1)/12.
+/// The integral of a Brownian motion by the trapezoidal rule over n steps is normal with variance
+/// h³ n(4n² − 1)/12.
 #[test]
 fn integrals_have_their_exact_moments() {
     let method = Integrator::new(Kicked { sigma: 1.0 }, Midpoint);
@@ -208,7 +212,8 @@ fn integrals_have_their_exact_moments() {
     assert_within(ratio, 1.0, (2.0 / count).sqrt(), 4.0, "variance");
 }
 
-/// An oscillator in steps of the midpoint rule turns by 2 arctan(h/2) a step, and stays on its circle.
+/// An oscillator in steps of the midpoint rule turns by 2 arctan(h/2) a step, and stays on its
+/// circle.
 #[test]
 fn an_oscillator_has_its_exact_maximum_and_turns() {
     let method = Integrator::new(Oscillator { sigma: 0.0 }, Midpoint);

@@ -1,4 +1,5 @@
-//! Survival with censoring: Kaplan and Meier's estimate from single events, exact laws of competing ends, what is unknown, shards.
+//! Survival with censoring: Kaplan and Meier's estimate from single events, exact laws of competing
+//! ends, what is unknown, shards.
 
 use sve_models::checks::{assert_close, assert_says, assert_within};
 use sve_runtime::ensemble::Passages;
@@ -22,7 +23,8 @@ fn pair() -> Method {
     Integrator::new(Pair, Midpoint)
 }
 
-/// Pairs that start at 0 with velocities 1/a and 1/b arrive at 1 at the times a and b. The earlier one stops the pair.
+/// Pairs that start at 0 with velocities 1/a and 1/b arrive at 1 at the times a and b. The earlier
+/// one stops the pair.
 fn race<'a>(
     method: &'a Method,
     (paths, seed): (u64, u64),
@@ -47,7 +49,8 @@ fn last(passages: &Passages) -> (f64, f64) {
     (last(passages.survival()), last(error))
 }
 
-/// Kaplan and Meier's estimate from single events, and Greenwood's error: `(time, has passed)`, in the order of time, passages first.
+/// Kaplan and Meier's estimate from single events, and Greenwood's error: `(time, has passed)`, in
+/// the order of time, passages first.
 fn kaplan_meier(ends: &[(f64, bool)], t: f64) -> (f64, f64) {
     let mut ends = ends.to_vec();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
@@ -95,7 +98,8 @@ fn competing_exponential_times_have_their_survival() {
     }
 }
 
-/// The rates have no constant ratio: events of rate 2t, P(τ > t) = e^(−t²), and other ends that come early.
+/// The rates have no constant ratio: events of rate 2t, P(τ > t) = e^(−t²), and other ends that
+/// come early.
 #[test]
 fn rates_may_vary_against_one_another() {
     let method = pair();
@@ -109,7 +113,8 @@ fn rates_may_vary_against_one_another() {
     }
 }
 
-/// The exact times of the ends are known: the estimate is that of the single events, up to ends within 1/4096 of the run, and the same bits for any recorded times.
+/// The exact times of the ends are known: the estimate is that of the single events, up to ends
+/// within 1/4096 of the run, and the same bits for any recorded times.
 #[test]
 fn the_estimate_is_that_of_single_events() {
     let method = pair();
@@ -160,7 +165,8 @@ fn estimates_scatter_as_their_errors_say() {
     assert_within(ratio, 1.0, (2.0 / runs).sqrt(), 4.0, "variance");
 }
 
-/// Failures are at recorded times, or where a path stops. Those at recorded times come after the passages until then.
+/// Failures are at recorded times, or where a path stops. Those at recorded times come after the
+/// passages until then.
 #[test]
 fn paths_that_fail_are_at_risk_until_then() {
     let method = pair();
@@ -210,7 +216,8 @@ fn paths_that_fail_are_at_risk_until_then() {
     assert_close(&[rate.exposure], &[exposure], 1e-10, "time at risk");
 }
 
-/// Pairs of which the first particle never arrives, and the observable of some is not finite from a time on.
+/// Pairs of which the first particle never arrives, and the observable of some is not finite from a
+/// time on.
 fn lost(method: &Method, from: f64, speed: f64) -> Summary {
     Ensemble::new(method)
         .paths(100)

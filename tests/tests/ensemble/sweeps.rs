@@ -28,7 +28,8 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
         .observe("σ", |system, _| system.sigma)
 }
 
-/// The motion is m + σx with the same x in all rows, so the variance of a difference of rows is (σ₁ − σ₀)²/σ₀² of that of a row, and that of independent runs would be (σ₁² + σ₀²)/σ₀² of it.
+/// The motion is m + σx with the same x in all rows, so the variance of a difference of rows is (σ₁
+/// − σ₀)²/σ₀² of that of a row, and that of independent runs would be (σ₁² + σ₀²)/σ₀² of it.
 #[test]
 fn differences_have_the_variance_of_common_noise() {
     let table = oscillators();
@@ -100,7 +101,8 @@ fn failing(table: &[KuboMethod]) -> Ensemble<'_, KuboMethod> {
         .covariance("q", "q")
 }
 
-/// A difference has the paths that have failed in neither row, and shards of a sweep merge into the bits of the whole.
+/// A difference has the paths that have failed in neither row, and shards of a sweep merge into the
+/// bits of the whole.
 #[test]
 fn failures_and_shards() {
     let table = kubos();
@@ -156,7 +158,8 @@ fn stopping(method: &Method) -> Ensemble<'_, Method> {
         .keep_final_states(true)
 }
 
-/// The lanes of stopped paths are filled with others in a run alone, and not in a sweep; no bit of a row feels this.
+/// The lanes of stopped paths are filled with others in a run alone, and not in a sweep; no bit of
+/// a row feels this.
 #[test]
 fn rows_with_stopped_paths_have_the_bits_of_single_runs() {
     let table = oscillators();
@@ -181,7 +184,8 @@ fn rows_with_stopped_paths_have_the_bits_of_single_runs() {
     assert!(passed(0, "right") > 300 && passed(0, "right") < 1400);
     assert!(passed(1, "right") > passed(0, "right") && passed(2, "right") < passed(0, "right"));
     assert!(sweep[1].failed() > 10 && sweep[1].passage("left").unwrap().censored()[4] > 10);
-    // a difference is that of stopped processes along common paths, of those that failed in neither row
+    // a difference is that of stopped processes along common paths, of those that failed in neither
+    // row
     let difference = sweep.difference(0, 1).unwrap();
     let lasting = |row: usize| -> std::collections::BTreeMap<u64, f64> {
         let states = sweep[row].final_states();

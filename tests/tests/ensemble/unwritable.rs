@@ -1,4 +1,5 @@
-//! Checkpoints that cannot be written: an error before the first path, a warning after it, and no results are lost.
+//! Checkpoints that cannot be written: an error before the first path, a warning after it, and no
+//! results are lost.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -88,7 +89,8 @@ fn a_device_has_no_results() {
     assert!(summary.warnings().is_empty());
 }
 
-/// The checkpoint of a run whose file another function takes away before block 2 and gives back before another block, and the summary.
+/// The checkpoint of a run whose file another function takes away before block 2 and gives back
+/// before another block, and the summary.
 fn disturbed(
     method: &KuboMethod,
     path: &Path,
@@ -203,7 +205,8 @@ fn merged_summaries_keep_their_warnings() {
     assert!(is_of("0", &warnings[0]) && is_of("1", &warnings[1]));
 }
 
-/// A run removes the temporary files of killed runs of its own checkpoint. A living run holds a lock on its file.
+/// A run removes the temporary files of killed runs of its own checkpoint. A living run holds a
+/// lock on its file.
 #[test]
 fn temporary_files_of_killed_runs_are_removed() {
     let (method, folder) = (kubo(), folder("leftovers"));

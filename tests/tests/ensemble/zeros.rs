@@ -6,7 +6,8 @@ use sve_runtime::prelude::*;
 
 use crate::runs::free;
 
-/// Two functions have their zeros within one step: a path stops at the first one in time, whatever their order.
+/// Two functions have their zeros within one step: a path stops at the first one in time, whatever
+/// their order.
 #[test]
 fn the_first_zero_within_a_step_stops() {
     let method = free();

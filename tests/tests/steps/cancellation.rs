@@ -1,5 +1,5 @@
-//! Differences and powers that lose all digits if they are evaluated as they are written. Generated energies, derivatives and steps
-//! keep their digits.
+//! Differences and powers that lose all digits if they are evaluated as they are written. Generated
+//! energies, derivatives and steps keep their digits.
 
 use sve_models::checks::failure;
 use sve_models::stepper::one_node;
@@ -66,7 +66,8 @@ impl Power {
     }
 }
 
-/// A few units of rounding. Evaluated as they are written, the values below would have at most two correct digits.
+/// A few units of rounding. Evaluated as they are written, the values below would have at most two
+/// correct digits.
 const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
 
 fn assert_close(found: f64, expected: f64, bound: f64) {
@@ -92,7 +93,8 @@ fn energies_of_small_motions() {
 
 #[test]
 fn steps_where_the_mass_cancels() {
-    // θ²/2 θ'² has its digits in the velocity: 1 − cos 1e-6 has four, and the step would have as many
+    // θ²/2 θ'² has its digits in the velocity: 1 − cos 1e-6 has four, and the step would have as
+    // many
     let start = State::new([1e-6], [3e-18]);
     for (rule, reference) in one_node(&Cycloid).iter().zip(one_node(&Reference)) {
         let found = rule.after(start, 0.05, &[], 5);

@@ -1,5 +1,5 @@
-//! Compositions of rules: a step is a walk over substeps, which may be compositions themselves. Orders, all modes of a step, momenta, and what happens when a substep
-//! fails.
+//! Compositions of rules: a step is a walk over substeps, which may be compositions themselves.
+//! Orders, all modes of a step, momenta, and what happens when a substep fails.
 
 use sve_models::assert_matches;
 use sve_models::checks::{assert_relative, assert_says, assert_states_close, failure};
@@ -80,7 +80,8 @@ impl Pair {
     }
 }
 
-/// Checks the order by the errors of the given numbers of steps, against four times as many of the last.
+/// Checks the order by the errors of the given numbers of steps, against four times as many of the
+/// last.
 fn has_order<S, R, const N: usize, const M: usize>(
     method: &Integrator<S, R>,
     start: &State<[f64; N]>,
@@ -98,7 +99,8 @@ fn has_order<S, R, const N: usize, const M: usize>(
     let (first, last) = (error(coarse), error(fine));
     let slope = (first / last).ln() / (f64::from(fine) / f64::from(coarse)).ln();
     let expected = f64::from(method.plan().deterministic_order);
-    // At step sizes whose errors are above rounding, the next term of the error changes the slope by a few per cent.
+    // At step sizes whose errors are above rounding, the next term of the error changes the slope
+    // by a few per cent.
     assert!(
         (slope - expected).abs() < 0.06 * expected,
         "{}: order {slope} for {expected}, errors {first:e} and {last:e}",
@@ -159,7 +161,8 @@ fn start() -> State<[f64; 2]> {
     State::at(0.4, [0.8, 0.5], [-0.3, 0.2])
 }
 
-/// Steps with noise by a rule: there and back, their derivatives forwards and backwards, and in lanes. `bound` is the rounding of the substeps.
+/// Steps with noise by a rule: there and back, their derivatives forwards and backwards, and in
+/// lanes. `bound` is the rounding of the substeps.
 fn has_all_modes<R: Copy>(rule: R, bound: f64)
 where
     Driven: Variational<R>,
@@ -186,7 +189,8 @@ where
     steps_in_lanes(&method, bound);
 }
 
-/// The walk back through the substeps gives the row of the tangent map and the sensitivities that the walk forward gives.
+/// The walk back through the substeps gives the row of the tangent map and the sensitivities that
+/// the walk forward gives.
 fn goes_back<R>(method: &Integrator<Driven, R>)
 where
     Driven: Variational<R>,
@@ -331,7 +335,8 @@ fn compensated_sums_work_through_substeps() {
     assert!(compensated < 0.3 * plain, "{compensated:e} and {plain:e}");
 }
 
-/// One bound is enough for code over the rules of a system, and a bound of the system holds for references to it.
+/// One bound is enough for code over the rules of a system, and a bound of the system holds for
+/// references to it.
 #[test]
 fn one_bound_is_enough() {
     fn by_rule<R: Rule<Driven, Increments = [f64; 1]>>(system: Driven, rule: R) -> f64 {

@@ -1,7 +1,9 @@
-//! The generated derivatives against differences of the users' own functions, and the generated steps against the discrete
-//! Euler–Lagrange equations of a discrete action that is built from the users' own functions.
+//! The generated derivatives against differences of the users' own functions, and the generated
+//! steps against the discrete Euler–Lagrange equations of a discrete action that is built from the
+//! users' own functions.
 //!
-//! No test here uses a symbolic derivative, so the tests are independent of the differentiation, the residuals and the solves.
+//! No test here uses a symbolic derivative, so the tests are independent of the differentiation,
+//! the residuals and the solves.
 
 use sve_models::case::Case;
 use sve_models::checks::assert_relative;
@@ -10,8 +12,8 @@ use sve_models::functions::{Force, Functions, Lagrangian, NoiseDerivatives, Poin
 use sve_models::oracle::{Nodes, cases};
 use sve_models::random::Random;
 
-/// First differences are good to 1e-12 times the values (see `differences`); differences of differences divide that error by
-/// δ/4 once more, 1e-9. A wrong term shows with its full size.
+/// First differences are good to 1e-12 times the values (see `differences`); differences of
+/// differences divide that error by δ/4 once more, 1e-9. A wrong term shows with its full size.
 const FIRST: f64 = 1e-10;
 const SECOND: f64 = 1e-8;
 
@@ -149,7 +151,8 @@ fn one_node(
     h * model.l(t, &q, v) - noise(&q, p) + product(p, &defect) + (c - 0.5) * product(&by_p, &by_q)
 }
 
-/// Both nodes of the Taylor rule, place and velocity, found by fixed-point iterations, which converge as h² does.
+/// Both nodes of the Taylor rule, place and velocity, found by fixed-point iterations, which
+/// converge as h² does.
 fn taylor_nodes(
     model: &dyn Functions,
     step: &Step,
@@ -167,14 +170,16 @@ fn taylor_nodes(
     [(q0.to_vec(), v), end]
 }
 
-/// The action of the Taylor rule; `work` adds the virtual work of the force at the nodes of the step itself.
+/// The action of the Taylor rule; `work` adds the virtual work of the force at the nodes of the
+/// step itself.
 fn taylor(model: &dyn Functions, step: &Step, q0: &[f64], q1: &[f64], work: &[Vec<f64>; 2]) -> f64 {
     let [(q, v), (q_end, v_end)] = taylor_nodes(model, step, q0, q1);
     let action = model.l(step.t, &q, &v) + model.l(step.t + step.h, &q_end, &v_end);
     0.5 * step.h * (action + product(&work[0], &q) + product(&work[1], &q_end))
 }
 
-/// One correction of `a` towards the solution of `d/dt ∂L/∂v = ∂L/∂q + F`; `d/dt` is a difference along the parabola.
+/// One correction of `a` towards the solution of `d/dt ∂L/∂v = ∂L/∂q + F`; `d/dt` is a difference
+/// along the parabola.
 fn acceleration(model: &dyn Functions, t: f64, q: &[f64], v: &[f64], mut a: Vec<f64>) -> Vec<f64> {
     let force = sum(&gradient(q, |q| model.l(t, q, v)), 1.0, &model.f(t, q, v));
     // the equation is linear in a, with the mass matrix
@@ -199,9 +204,10 @@ fn acceleration(model: &dyn Functions, t: f64, q: &[f64], v: &[f64], mut a: Vec<
     a
 }
 
-/// Bound of the discrete equations: the correction in the action is a difference (1e-12), differentiated again (4/δ), and
-/// for the Taylor rule the acceleration comes from second differences (1e-10), differentiated again.
-/// A wrong force is of the size of h, 0.1, a wrong correction or acceleration of the size of h² or ΔW², 0.01.
+/// Bound of the discrete equations: the correction in the action is a difference (1e-12),
+/// differentiated again (4/δ), and for the Taylor rule the acceleration comes from second
+/// differences (1e-10), differentiated again. A wrong force is of the size of h, 0.1, a wrong
+/// correction or acceleration of the size of h² or ΔW², 0.01.
 const EQUATIONS: f64 = 1e-7;
 
 fn vanishes(residual: &[f64], what: &dyn Fn(&str) -> String, equation: &str) {

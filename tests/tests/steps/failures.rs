@@ -1,5 +1,5 @@
-//! Bad input at run time. Each case returns the right error with the right numbers, the message contains the numbers, and the state
-//! keeps its bits.
+//! Bad input at run time. Each case returns the right error with the right numbers, the message
+//! contains the numbers, and the state keeps its bits.
 
 use sve_models::assert_matches;
 use sve_models::case::Case;
@@ -136,7 +136,8 @@ fn newton_limit() {
     pendulum.step(&mut start.clone(), 0.5, &[]).unwrap();
 }
 
-/// An implicit equation with a huge increment may have no solution. The step then returns one of several errors.
+/// An implicit equation with a huge increment may have no solution. The step then returns one of
+/// several errors.
 #[test]
 fn no_solution() {
     let integrator = Integrator::new(mixed(), Endpoint);
@@ -240,9 +241,10 @@ fn overflow() {
     assert_matches!(error, StepError::Time { .. });
 }
 
-/// Increments far beyond any that is drawn. With `x = ah + σΔW` the limit of Kubo's step for large x is the half turn, which it
-/// misses by 4/x; the coefficients of the linear solve cancel, which costs ε|x| more. Where x² overflows the result means
-/// nothing, but it is finite or an error, never NaN.
+/// Increments far beyond any that is drawn. With `x = ah + σΔW` the limit of Kubo's step for large
+/// x is the half turn, which it misses by 4/x; the coefficients of the linear solve cancel, which
+/// costs ε|x| more. Where x² overflows the result means nothing, but it is finite or an error,
+/// never NaN.
 #[test]
 fn huge_increments() {
     let integrator = Integrator::new(kubo(), Midpoint);
@@ -279,7 +281,8 @@ mod polar {
     }
 }
 
-/// At rest in the origin the equations hold for every angular velocity. The step returns an error and not one of the solutions.
+/// At rest in the origin the equations hold for every angular velocity. The step returns an error
+/// and not one of the solutions.
 #[test]
 fn equations_that_many_velocities_satisfy_are_singular() {
     let rules = with_taylor2(&polar::Polar).into_iter();

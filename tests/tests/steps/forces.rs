@@ -1,5 +1,5 @@
-//! Forces in every rule: closed forms, the exact contraction by linear friction, and orders of convergence. `derivatives` tests that
-//! the steps obey the discrete equations with a force.
+//! Forces in every rule: closed forms, the exact contraction by linear friction, and orders of
+//! convergence. `derivatives` tests that the steps obey the discrete equations with a force.
 
 use sve_models::checks::assert_states_close;
 use sve_models::models::{Bath, Damped};
@@ -21,7 +21,8 @@ fn solve(a: [[f64; 2]; 2], b: [f64; 2]) -> [f64; 2] {
     ]
 }
 
-/// The one-node rules have `v = p̃ = c p₀ + (1−c) p₁`, `q₁ − q₀ = h p̃`, `p₁ − p₀ = −h (q₀ + c(q₁−q₀)) − hν p̃ + σΔW`.
+/// The one-node rules have `v = p̃ = c p₀ + (1−c) p₁`, `q₁ − q₀ = h p̃`, `p₁ − p₀ = −h (q₀ +
+/// c(q₁−q₀)) − hν p̃ + σΔW`.
 fn closed_form(c: f64, nu: f64, kick: f64, h: f64, q: f64, p: f64) -> (f64, f64) {
     let matrix = [[1.0, -h * (1.0 - c)], [h * c, 1.0 + h * nu * (1.0 - c)]];
     let rhs = [q + h * c * p, p - h * (1.0 - c) * q - h * nu * c * p + kick];
@@ -97,8 +98,9 @@ fn form<const N: usize>(
 /// Σ dq₁∧dp₁ = Σ dq₀∧dp₀ − hν Σ dq₀∧dp̃        p̃ = c p₀ + (1−c) p₁
 /// ```
 ///
-/// whatever the potential and the noise: the step without the force is symplectic from `p₀ + (1−c)hF` to `p₁ − chF`, and
-/// dq₁ = dq₀ + h m⁻¹ dp̃. So the endpoint contracts it by 1 − hν, the initial point by 1/(1+hν).
+/// whatever the potential and the noise: the step without the force is symplectic from `p₀ +
+/// (1−c)hF` to `p₁ − chF`, and dq₁ = dq₀ + h m⁻¹ dp̃. So the endpoint contracts it by 1 − hν, the
+/// initial point by 1/(1+hν).
 fn contraction<S, R, const N: usize, const M: usize>(
     system: S,
     rule: R,
@@ -164,7 +166,8 @@ where
     state
 }
 
-/// Every method against RK4 with a fine step. A force that is missing in one place of a method would reduce the order.
+/// Every method against RK4 with a fine step. A force that is missing in one place of a method
+/// would reduce the order.
 #[test]
 fn orders_of_convergence_with_a_force() {
     let exact = end(&RungeKutta4::new(stirred()), 4000);

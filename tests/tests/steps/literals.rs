@@ -1,13 +1,16 @@
-//! Small numbers in the formulas: lengths as in SI units, weak couplings, frictions and fields. The macro evaluates expressions at random points near 1, where functions
-//! of such lengths are constant to the last digit, and elimination looks for numeric coefficients, by which it must not divide. A step with the literal in the formulas
-//! is as accurate as that of the same system with a parameter in its place.
+//! Small numbers in the formulas: lengths as in SI units, weak couplings, frictions and fields. The
+//! macro evaluates expressions at random points near 1, where functions of such lengths are
+//! constant to the last digit, and elimination looks for numeric coefficients, by which it must not
+//! divide. A step with the literal in the formulas is as accurate as that of the same system with a
+//! parameter in its place.
 
 use sve_models::checks::assert_close;
 use sve_models::stepper::{Steppers, with_taylor2};
 use sve_runtime::prelude::*;
 use sve_runtime::{BlockSolver, Dims, Memory, StepEquations, System};
 
-/// A system of two coordinates with two parameters, whose small number is a literal in the type `Written` and a parameter in the type `Given`.
+/// A system of two coordinates with two parameters, whose small number is a literal in the type
+/// `Written` and a parameter in the type `Given`.
 macro_rules! pair {
     ($module:ident [$($rule:ident),*] $small:ident = $value:expr, $m:ident $q:ident $v:ident: $lagrangian:expr $(; $force:expr)?) => {
         mod $module {
@@ -121,7 +124,8 @@ fn weak_couplings_and_frictions() {
     compare(rules, start, sizes, bounds);
 }
 
-/// Returns the increments of position and momentum, from a state whose numbers are far larger than the increments.
+/// Returns the increments of position and momentum, from a state whose numbers are far larger than
+/// the increments.
 fn increment<S, R>(system: &S, _rule: R, h: f64) -> [f64; 4]
 where
     S: StepEquations<R, Increments = [f64; 0]> + System<Dims = Dims<2, 0>>,

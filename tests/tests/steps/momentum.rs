@@ -1,9 +1,10 @@
-//! Noether's theorem of the discrete step: if the generator of a symmetry is affine, steps of any size conserve its momentum to rounding,
-//! with noise too.
+//! Noether's theorem of the discrete step: if the generator of a symmetry is affine, steps of any
+//! size conserve its momentum to rounding, with noise too.
 //!
-//! Bound: a step rounds each p once in its last addition, and its equations hold to a few units of rounding (Newton's
-//! tolerance is two), so the momentum changes by about 4ε times the size of its terms. The changes are practically independent from step
-//! to step and add up to 4ε√n times this size after n steps; the bound is four times as large. A wrong term has an effect of order h².
+//! Bound: a step rounds each p once in its last addition, and its equations hold to a few units of
+//! rounding (Newton's tolerance is two), so the momentum changes by about 4ε times the size of its
+//! terms. The changes are practically independent from step to step and add up to 4ε√n times this
+//! size after n steps; the bound is four times as large. A wrong term has an effect of order h².
 
 use sve_models::models::{Central, Chain, Charges, Mixed, Stretched};
 use sve_models::oracle::{central, chain, charges, mixed, stretched};
@@ -46,7 +47,8 @@ where
     worst
 }
 
-/// Central and translated potentials, and two momenta of six coordinates with noise of every kind: the momentum at the start, and its drift by each rule.
+/// Central and translated potentials, and two momenta of six coordinates with noise of every kind:
+/// the momentum at the start, and its drift by each rule.
 #[test]
 fn momenta_of_affine_symmetries_are_conserved() {
     macro_rules! conserved {
@@ -111,7 +113,8 @@ impl Expanding {
     }
 }
 
-/// If a generator is not affine, or depends on time, the motion conserves its momentum, but steps conserve it only to their order of accuracy, 2.
+/// If a generator is not affine, or depends on time, the motion conserves its momentum, but steps
+/// conserve it only to their order of accuracy, 2.
 #[test]
 fn other_symmetries_are_conserved_to_the_order_of_the_rule() {
     let plan = Integrator::new(Expanding, Midpoint).plan();

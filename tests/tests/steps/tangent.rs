@@ -1,5 +1,6 @@
-//! The tangent map and the sensitivities of every step against differences of the step itself, and the exact identities
-//! that a tangent map obeys: a step of a variational integrator is symplectic, `MᵀΩM = Ω`, with noise too.
+//! The tangent map and the sensitivities of every step against differences of the step itself, and
+//! the exact identities that a tangent map obeys: a step of a variational integrator is symplectic,
+//! `MᵀΩM = Ω`, with noise too.
 
 use sve_models::assert_matches;
 use sve_models::case::Case;
@@ -13,8 +14,9 @@ use sve_models::steps::stepped;
 use sve_runtime::prelude::*;
 use sve_runtime::{System, Tangent, Variational};
 
-/// Differences are good to 1e-12 (see `differences`) times derivatives of the seventh order and the condition of the Jacobian, below 100 here. A step that is not
-/// symplectic is wrong by the order of h², 1e-2.
+/// Differences are good to 1e-12 (see `differences`) times derivatives of the seventh order and the
+/// condition of the Jacobian, below 100 here. A step that is not symplectic is wrong by the order
+/// of h², 1e-2.
 const DIFFERENCES: f64 = 1e-9;
 
 /// Rounding: some 50 operations an entry, and entries up to 10 that are multiplied and cancel.
@@ -82,7 +84,8 @@ fn tangents_are_derivatives_of_steps_and_symplectic() {
     }
 }
 
-/// The scheme that the paper prints as symplectic Euler–Maruyama is backward Euler. Its determinant is 1/(1+h²).
+/// The scheme that the paper prints as symplectic Euler–Maruyama is backward Euler. Its determinant
+/// is 1/(1+h²).
 #[test]
 fn the_printed_scheme_is_not_symplectic() {
     let h = 0.1;
@@ -99,7 +102,8 @@ fn the_printed_scheme_is_not_symplectic() {
     assert!(defect > 1e6 * DIFFERENCES);
 }
 
-/// The tangent of many steps is the product of theirs, and symplectic to the rounding of the products.
+/// The tangent of many steps is the product of theirs, and symplectic to the rounding of the
+/// products.
 #[test]
 fn tangents_of_successive_steps() {
     let integrator = Integrator::new(oracle::double_pendulum(), Midpoint);

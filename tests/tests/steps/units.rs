@@ -1,11 +1,13 @@
-//! The units of length, time and mass do not matter: the same problem in units that differ by powers of two gives the same
-//! bits.
+//! The units of length, time and mass do not matter: the same problem in units that differ by
+//! powers of two gives the same bits.
 //!
-//! Multiplication by a power of two commutes with every rounding, so that a step whose every operation is homogeneous in the
-//! units has to agree bit for bit: sums of terms of one unit, products, quotients, square roots, and the solves and stopping
-//! tests of Newton's method for one and two unknowns, which compare terms of one unit. From three unknowns on the pivots are
-//! chosen by size, relative to the row: they stay the same where the unknowns have one unit, and where these differ the results
-//! agree to a few ulp instead. An absolute constant hidden anywhere (a tolerance, a first guess) breaks this.
+//! Multiplication by a power of two commutes with every rounding, so that a step whose every
+//! operation is homogeneous in the units has to agree bit for bit: sums of terms of one unit,
+//! products, quotients, square roots, and the solves and stopping tests of Newton's method for one
+//! and two unknowns, which compare terms of one unit. From three unknowns on the pivots are chosen
+//! by size, relative to the row: they stay the same where the unknowns have one unit, and where
+//! these differ the results agree to a few ulp instead. An absolute constant hidden anywhere (a
+//! tolerance, a first guess) breaks this.
 
 use sve_models::models::{
     Chain, DoublePendulum, Kubo, Magnetic, Polar, Quartic, Relativistic, SphericalPendulum,
@@ -71,7 +73,8 @@ fn others() -> impl Iterator<Item = Units> {
 /// The unit of each coordinate.
 type CoordinateUnits<const N: usize> = fn(Units) -> [f64; N];
 
-/// Largest difference between a run and the same in other units, brought back; relative to the largest entry of its kind.
+/// Largest difference between a run and the same in other units, brought back; relative to the
+/// largest entry of its kind.
 fn difference<const N: usize, const M: usize>(
     [here, there]: [&dyn Stepper<[f64; N], [f64; M]>; 2],
     units: Units,
@@ -233,8 +236,8 @@ fn six_unknowns() {
     check(of_chains, make, angles, start, 0.0);
 }
 
-/// Three unknowns of different units (an increment of r, velocities of r and θ): other pivots, so the same to rounding, which
-/// 200 steps of a regular motion multiply by less than 1e4.
+/// Three unknowns of different units (an increment of r, velocities of r and θ): other pivots, so
+/// the same to rounding, which 200 steps of a regular motion multiply by less than 1e4.
 #[test]
 fn unknowns_of_different_units() {
     let Polar { m, k, sigma } = polar();

@@ -1,5 +1,6 @@
-//! Steps whose residuals cannot be smaller than the rounding errors of their terms: far from the origin, the force between neighbours
-//! has a rounding error that does not decrease with the momenta. The step must succeed and be accurate to this rounding error.
+//! Steps whose residuals cannot be smaller than the rounding errors of their terms: far from the
+//! origin, the force between neighbours has a rounding error that does not decrease with the
+//! momenta. The step must succeed and be accurate to this rounding error.
 
 use sve_models::checks::assert_close;
 use sve_models::oracle::{chain, rails};
@@ -28,7 +29,8 @@ impl Morse {
     }
 }
 
-/// L depends on differences only, so a step far from the origin, of a chain at rest whose one end is kicked, is the translated step at the origin.
+/// L depends on differences only, so a step far from the origin, of a chain at rest whose one end
+/// is kicked, is the translated step at the origin.
 fn check<const N: usize>(rule: &dyn Stepper<[f64; N], [f64; 1]>, spacing: f64) {
     let kicked = |h: f64, offset: f64| {
         let q = core::array::from_fn(|i| offset + spacing * i as f64);
@@ -40,7 +42,8 @@ fn check<const N: usize>(rule: &dyn Stepper<[f64; N], [f64; 1]>, spacing: f64) {
         for offset in [0.1, -3.7, 1e3, 1e6] {
             let far = kicked(h, offset);
             let row = format!("{}, h = {h}, offset {offset}", rule.name());
-            // coordinates are known to half a unit in the last place, forces to stiffnesses below 10 times that
+            // coordinates are known to half a unit in the last place, forces to stiffnesses below
+            // 10 times that
             let rounding = 2.0 * f64::EPSILON * (offset.abs() + N as f64);
             let of_p = 20.0 * h * rounding + 8.0 * f64::EPSILON;
             let moved = far.q.map(|q| q - offset);

@@ -1,5 +1,5 @@
-//! A kinetic energy whose mass vanishes at rest, `L = v⁴/4 − q²/2`. The Legendre transform `p = v³` is inverted, and steps are made, if
-//! `p ≠ 0`.
+//! A kinetic energy whose mass vanishes at rest, `L = v⁴/4 − q²/2`. The Legendre transform `p = v³`
+//! is inverted, and steps are made, if `p ≠ 0`.
 
 use sve_models::stepper::Stepper;
 use sve_runtime::Mechanics;

@@ -1,4 +1,5 @@
-//! The rule of Störmer and Verlet: closed form, order, what trajectories carry. Symmetry and symplecticity are those of all rules, in `backwards` and `tangent`.
+//! The rule of Störmer and Verlet: closed form, order, what trajectories carry. Symmetry and
+//! symplecticity are those of all rules, in `backwards` and `tangent`.
 
 use sve_models::assert_matches;
 use sve_models::checks::assert_close;
@@ -53,7 +54,8 @@ fn energy_errors_decrease_with_the_square_of_the_step() {
     assert!((order - 2.0).abs() < 0.02, "{order}");
 }
 
-/// Follows a trajectory and repeated steps. Both have the same bits: what the trajectory carries changes none.
+/// Follows a trajectory and repeated steps. Both have the same bits: what the trajectory carries
+/// changes none.
 fn carries<S, R, const N: usize, const M: usize>(method: &Integrator<S, R>, start: &State<[f64; N]>)
 where
     S: Variational<R> + System<Dims = Dims<N, M>>,

@@ -1,5 +1,6 @@
-//! The option `weak2`: its step is that of the Lagrangian L − |h| K/8, which is written by hand here for steps of one size; with everything that steps have:
-//! tangent maps, sensitivities, symmetry, lanes, what a trajectory carries.
+//! The option `weak2`: its step is that of the Lagrangian L − |h| K/8, which is written by hand
+//! here for steps of one size; with everything that steps have: tangent maps, sensitivities,
+//! symmetry, lanes, what a trajectory carries.
 
 use sve_models::checks::{assert_close, assert_says};
 use sve_models::orders::numbers;
@@ -12,7 +13,8 @@ use sve_runtime::{BlockKind, Dims, System, Variational};
 
 const H: f64 = 0.1;
 
-/// Rounding of steps whose equations are solved to rounding, with condition numbers below 10 and some 100 operations.
+/// Rounding of steps whose equations are solved to rounding, with condition numbers below 10 and
+/// some 100 operations.
 const ROUNDING: f64 = 1e-13;
 
 /// Rounding of derivatives of these.
