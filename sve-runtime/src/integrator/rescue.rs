@@ -114,7 +114,7 @@ where
                 part,
             });
         }
-        // what counts is the mass matrix along the constraints
+        // The mass matrix along the constraints decides whether a step exists.
         Err(ContinuationError::NoStart(SolveError::SingularMass { .. }))
             if !S::CONSTRAINTS.is_empty() =>
         {
@@ -126,8 +126,8 @@ where
     })
 }
 
-/// Returns the error of a step in the words of the first thing that is wrong: the start, the
-/// domain, or the solution.
+/// Returns the error of a step. It describes the first cause: the start, the domain, or the
+/// solution.
 #[cold]
 pub(super) fn explain_step<S, R, Q, const N: usize, const M: usize>(
     walker: Walker<'_, S, R>,
@@ -152,7 +152,7 @@ where
     } else if (S::CONSTRAINTS.is_empty() || matches!(plain, StepError::NonFiniteResult { .. }))
         && let Some(error) = start_error(walker.system, state)
     {
-        // inputs that are not finite come first there too
+        // Inputs that are not finite are reported first.
         return step_error(error, state, h, dw.as_ref());
     }
     match (error, plain) {
@@ -169,8 +169,8 @@ where
     }
 }
 
-/// Returns why no step starts from `state`: no velocity of its momentum was found, or none that is
-/// isolated.
+/// Returns the reason why no step starts from `state`: no velocity of its momentum was found, or no
+/// isolated one.
 fn start_error<S, Q, const N: usize, const M: usize>(
     system: &S,
     state: &State<Q::Flat>,

@@ -160,8 +160,8 @@ impl From<f64> for Dual {
 
 macro_rules! functions {
     ($($(#[$doc:meta])* $name:ident($x:ident) = $value:expr, $derivative:expr;)*) => {
-        /// Smooth functions of one number; outside of their domain they are NaN, as the functions of `f64`
-        /// are.
+        /// Smooth functions of one number; outside of their domain they are NaN, like the functions
+        /// of `f64`.
         impl Dual {$(
             $(#[$doc])*
             #[inline(always)]

@@ -1,9 +1,11 @@
 //! Axes: the map from coordinates to device units, room for texts, and their drawing.
 //!
-//! Input: a panel and its size. Output: a [`Frame`] with the texts of its axes. Invariant: no text of a panel touches another one or leaves the panel, whatever its numbers
-//! and names are; the room around the axes is measured in the embedded font.
+//! Input: a panel and its size. Output: a [`Frame`] with the texts of its axes. Invariant: no text
+//! of a panel touches another text or leaves the panel, for any numbers and names; the room around
+//! the axes is measured in the embedded font.
 //!
-//! Done here so that an axis without a finite range is an error: plotters' search for round numbers would not end.
+//! This file does not use the axes of plotters, so that an axis without a finite range is an error:
+//! plotters' search for round numbers would not end.
 
 use std::error::Error;
 use std::ops::Range;
@@ -36,12 +38,12 @@ const GAP: f64 = 4.0;
 const BETWEEN_LABELS: f64 = 8.0;
 /// Largest number of lines of a name or a title.
 const LINES: usize = 3;
-/// Passes in which the room for texts and the number of labels are fitted to one another.
+/// Number of passes in which the room for texts and the number of labels are fitted to each other.
 const PASSES: usize = 3;
 /// Largest distance of a point from the frame, in device units.
 const FAR: f64 = 1e8;
 
-/// Where coordinates are on a panel's area, and the texts around the axes.
+/// The place of the coordinates on a panel's area, and the texts around the axes.
 pub(crate) struct Frame {
     /// Range of the horizontal axis.
     pub(crate) x: Range<f64>,
@@ -59,7 +61,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The frame of a panel on an area of the given size in device units.
+    /// Returns the frame of a panel on an area of the given size in device units.
     pub(crate) fn new(panel: &Panel, (width, height): (u32, u32)) -> Result<Self, Box<dyn Error>> {
         let (width, height) = (i32::try_from(width)?, i32::try_from(height)?);
         let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
@@ -148,7 +150,7 @@ impl Frame {
         (f64::from(right - left), f64::from(bottom - top))
     }
 
-    /// Device units of a point inside the frame.
+    /// Returns the device units of a point inside the frame.
     pub(crate) fn device(&self, &(x, y): &(f64, f64)) -> (i32, i32) {
         let (width, height) = self.size();
         let [left, _, _, bottom] = self.edges;
@@ -234,7 +236,8 @@ fn text(size: f64, h: HPos, v: VPos) -> TextStyle<'static> {
     font(size, palette::BLACK).pos(Pos::new(h, v))
 }
 
-/// Returns as many labels as an axis asks for, or fewer, so that none of them touches the next one on an axis of this length. A label takes up `side` along the axis.
+/// Returns as many labels as an axis asks for, or fewer, so that no label touches the next one on
+/// an axis of this length. A label takes up `side` along the axis.
 fn fitting(axis: &Axis, range: &Range<f64>, extent: f64, side: &dyn Fn(&str) -> f64) -> Labels {
     let at = |x: f64| (x - range.start) / length(range) * extent;
     let do_fit = |labels: &Labels| {
@@ -243,7 +246,7 @@ fn fitting(axis: &Axis, range: &Range<f64>, extent: f64, side: &dyn Fn(&str) -> 
             at(pair[1].0) - at(pair[0].0) >= room
         })
     };
-    // no label is narrower than a digit
+    // No label is narrower than a digit.
     let most = (1..axis.labels).take_while(|&count| count as f64 * side("0") < extent);
     let mut found = Labels::default();
     for count in (1..=axis.labels.min(most.count().max(1))).rev() {
@@ -252,7 +255,7 @@ fn fitting(axis: &Axis, range: &Range<f64>, extent: f64, side: &dyn Fn(&str) -> 
             return found;
         }
     }
-    // on an axis of powers the count does not decide alone
+    // On an axis of powers the count alone does not determine the labels.
     let all = found.marks.clone();
     for stride in 2..=all.len() {
         found.marks = all.iter().step_by(stride).cloned().collect();
@@ -285,7 +288,7 @@ mod tests {
         }
     }
 
-    /// A point may be anywhere, and so may a line.
+    /// Checks that points and lines may be anywhere.
     #[test]
     fn far_points_do_not_overflow() {
         let panel = Panel::new("", Axis::new("", 0.0..1.0), Axis::new("", 0.0..1.0));

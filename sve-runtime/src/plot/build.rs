@@ -6,7 +6,7 @@ use super::figure::{Axis, Corner, Layer, Note, Panel, Pen, Scale, Shape, Spread,
 use super::palette::{CYCLE, Color};
 
 impl Axis {
-    /// A linear axis.
+    /// Returns a linear axis.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Scale};
@@ -22,7 +22,7 @@ impl Axis {
         }
     }
 
-    /// An axis of decimal exponents.
+    /// Returns an axis of decimal exponents.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Scale};
@@ -36,7 +36,7 @@ impl Axis {
         }
     }
 
-    /// An axis of angles in radians.
+    /// Returns an axis of angles in radians.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Scale};
@@ -53,7 +53,7 @@ impl Axis {
 }
 
 impl Panel {
-    /// An empty panel.
+    /// Returns an empty panel.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Panel};
@@ -72,11 +72,13 @@ impl Panel {
         }
     }
 
-    /// With the same scale on both axes.
+    /// Returns the panel with the same scale on both axes.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Panel};
-    /// let panel = Panel::new("Orbit", Axis::new("x", -1.0..1.0), Axis::new("y", -1.0..1.0)).equal();
+    /// let axes = ["x", "y"].map(|name| Axis::new(name, -1.0..1.0));
+    /// let [x, y] = axes;
+    /// let panel = Panel::new("Orbit", x, y).equal();
     /// assert!(panel.equal);
     /// ```
     #[must_use]
@@ -85,7 +87,7 @@ impl Panel {
         self
     }
 
-    /// With a legend.
+    /// Returns the panel with a legend.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Corner, Panel};
@@ -99,7 +101,7 @@ impl Panel {
         self
     }
 
-    /// With one more layer on top.
+    /// Returns the panel with one more layer on top.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Layer, Panel, Pen};
@@ -113,7 +115,7 @@ impl Panel {
         self
     }
 
-    /// With a text.
+    /// Returns the panel with a text.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Axis, Panel};
@@ -134,7 +136,7 @@ impl Panel {
 }
 
 impl Layer {
-    /// A layer that the legend lists.
+    /// Returns a layer that the legend lists.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Layer, Pen};
@@ -151,7 +153,8 @@ impl Layer {
         }
     }
 
-    /// With a bar at each point between two values, for example the mean less and plus two standard errors.
+    /// Returns the layer with a bar at each point between two values, for example the mean less and
+    /// plus two standard errors.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Layer, Pen, Spread};
@@ -167,7 +170,7 @@ impl Layer {
         self
     }
 
-    /// With an area between two values at each point.
+    /// Returns the layer with an area between two values at each point.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Layer, Pen, Spread};
@@ -181,7 +184,7 @@ impl Layer {
         self
     }
 
-    /// With the area between the points and a value.
+    /// Returns the layer with the area between the points and a value.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Layer, Pen, Spread};
@@ -194,12 +197,12 @@ impl Layer {
         self
     }
 
-    /// Whether an area belongs to it.
+    /// Returns whether the layer has an area.
     pub(super) fn is_filled(&self) -> bool {
         matches!(self.spread, Spread::Band(_) | Spread::Filled(_))
     }
 
-    /// Not in the legend.
+    /// Returns the layer without an entry in the legend.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Layer, Pen};
@@ -214,7 +217,7 @@ impl Layer {
 }
 
 impl Pen {
-    /// A solid line.
+    /// Returns a solid line.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Pen};
@@ -230,7 +233,7 @@ impl Pen {
         }
     }
 
-    /// A dashed line.
+    /// Returns a dashed line.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Pen};
@@ -248,7 +251,7 @@ impl Pen {
         }
     }
 
-    /// A dot on each point.
+    /// Returns a dot on each point.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Pen};
@@ -267,7 +270,8 @@ impl Pen {
         }
     }
 
-    /// The look of the series with this number, on each point a symbol: the first seven differ in colour and symbol, later ones in their dashes.
+    /// Returns the look of the series with this number, with a symbol on each point: the first
+    /// seven differ in colour and symbol, later ones in their dashes.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Pen};
@@ -294,7 +298,7 @@ impl Pen {
         }
     }
 
-    /// With `count` symbols along the points.
+    /// Returns the pen with `count` symbols along the points.
     ///
     /// ```
     /// use sve_runtime::plot::figure::{Pen, Shape};

@@ -1,13 +1,14 @@
-//! Lines cut at a rectangle, and points thinned to what an eye can tell apart.
+//! Lines cut at a rectangle, and points thinned to the number that an eye can distinguish.
 //!
-//! Cutting is by Liang and Barsky (1984): each segment's parameter interval is narrowed edge by edge.
+//! Cutting is by Liang and Barsky (1984): each segment's parameter interval is narrowed edge by
+//! edge.
 
 use std::collections::HashSet;
 use std::ops::Range;
 
 type Point = (f64, f64);
 
-/// The parts of a polyline inside `x` × `y`. A point that is not finite ends a part.
+/// Returns the parts of a polyline inside `x` × `y`. A point that is not finite ends a part.
 pub(crate) fn polyline(points: &[Point], x: &Range<f64>, y: &Range<f64>) -> Vec<Vec<Point>> {
     let mut parts: Vec<Vec<Point>> = Vec::new();
     let mut open = false;
@@ -27,7 +28,7 @@ pub(crate) fn polyline(points: &[Point], x: &Range<f64>, y: &Range<f64>) -> Vec<
 
 fn segment(from: Point, to: Point, x: &Range<f64>, y: &Range<f64>) -> Option<(Point, Point)> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-    // also where two points are so far apart that their distance overflows
+    // The branch also covers points so far apart that their distance overflows.
     if ![from.0, from.1, to.0, to.1, dx, dy]
         .iter()
         .all(|z| z.is_finite())
@@ -58,7 +59,7 @@ fn segment(from: Point, to: Point, x: &Range<f64>, y: &Range<f64>) -> Option<(Po
     })
 }
 
-/// Points of a polyline at least `distance` from the one before; the last point stays.
+/// Returns points of a polyline at least `distance` from the point before; the last point is kept.
 pub(crate) fn thin_line(points: &[(i32, i32)], distance: f64) -> Vec<(i32, i32)> {
     let mut kept: Vec<(i32, i32)> = Vec::new();
     for (k, &(x, y)) in points.iter().enumerate() {
@@ -72,7 +73,8 @@ pub(crate) fn thin_line(points: &[(i32, i32)], distance: f64) -> Vec<(i32, i32)>
     kept
 }
 
-/// One point a cell of a grid with spacing `cell`, at most about `limit` of them, evenly along the sequence.
+/// Returns one point for each cell of a grid with spacing `cell`, at most about `limit` points,
+/// evenly along the sequence.
 pub(crate) fn thin_dots(points: &[(i32, i32)], cell: i32, limit: usize) -> Vec<(i32, i32)> {
     let mut taken = HashSet::new();
     let cells: Vec<(i32, i32)> = points

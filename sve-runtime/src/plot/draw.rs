@@ -1,6 +1,7 @@
 //! Draws a figure on any backend of plotters.
 //!
-//! All lengths of [`figure`](super::figure) are CSS pixels; [`px`] makes them device units.
+//! All lengths of [`figure`](super::figure) are in CSS pixels; [`px`] converts them to device
+//! units.
 
 use std::error::Error;
 
@@ -21,24 +22,25 @@ type Outcome = Result<(), Box<dyn Error>>;
 /// An area of device units.
 pub(crate) type Area<DB> = DrawingArea<DB, Shift>;
 
-/// Dots of one layer in an SVG, where each takes sixty bytes.
+/// Largest number of dots of one layer in an SVG, where each takes sixty bytes.
 const DOTS: usize = 2_000;
 
-/// How many points are drawn.
+/// The number of points that are drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Detail {
-    /// All of them.
+    /// All points.
     Full,
-    /// What can be told apart at the size of the figure: vector files grow with each point.
+    /// The points that are distinguishable at the size of the figure: vector files grow with each
+    /// point.
     Thinned,
 }
 
-/// Device units of a length in CSS pixels.
+/// Returns the device units of a length in CSS pixels.
 pub(crate) fn px(length: f64) -> i32 {
     (length * f64::from(SCALE)).round() as i32
 }
 
-/// A line of a width in CSS pixels.
+/// Returns a line of a width in CSS pixels.
 pub(crate) fn stroke(color: palette::Color, width: f64) -> ShapeStyle {
     rgb(color).stroke_width(px(width).unsigned_abs().max(1))
 }
@@ -47,7 +49,7 @@ pub(crate) fn rgb((r, g, b): palette::Color) -> RGBColor {
     RGBColor(r, g, b)
 }
 
-/// Text of a size in CSS pixels.
+/// Returns text of a size in CSS pixels.
 pub(crate) fn font(size: f64, color: palette::Color) -> TextStyle<'static> {
     text::font(size).color(&rgb(color))
 }
@@ -77,7 +79,7 @@ where
     DB::ErrorType: 'static,
 {
     let frame = Frame::new(panel, area.dim_in_pixel())?;
-    // areas lie under all lines
+    // Areas are drawn under all lines.
     for layer in &panel.layers {
         spread::draw(area, &frame, layer)?;
     }

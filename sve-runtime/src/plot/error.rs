@@ -1,4 +1,4 @@
-//! What can go wrong with a picture.
+//! Errors of pictures.
 
 use core::fmt;
 use std::error::Error;
@@ -10,7 +10,7 @@ pub enum PlotError {
     /// A figure that cannot be drawn, such as one with an axis of no length.
     #[error("the figure cannot be drawn: {0}")]
     Drawing(String),
-    /// Two series of a panel that some readers cannot tell apart.
+    /// Two series of a panel that some readers cannot distinguish.
     #[error(
         "“{panel}”: {first} and {second} differ by colours alone that some readers cannot tell apart; give them different symbols, dashes or widths"
     )]
@@ -19,7 +19,7 @@ pub enum PlotError {
         panel: String,
         /// Name of a series.
         first: String,
-        /// Name of another.
+        /// Name of the other series.
         second: String,
     },
     /// A file that could not be written.
@@ -28,13 +28,13 @@ pub enum PlotError {
 }
 
 impl PlotError {
-    /// From an error of the drawing library, whose type depends on the format.
+    /// Converts an error of the drawing library, whose type depends on the format.
     pub(super) fn drawing(error: impl Into<Box<dyn Error>>) -> Self {
         Self::Drawing(error.into().to_string())
     }
 }
 
-/// The message: `main` prints an error that it returns in this form.
+/// Prints the message: `main` prints an error that it returns in this form.
 impl fmt::Debug for PlotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

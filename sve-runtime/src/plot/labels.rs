@@ -1,9 +1,11 @@
-//! Labels of axes: where they stand, and their digits.
+//! Labels of axes: their places and their digits.
 //!
-//! Input: an axis and its range. Output: numbers with their texts. Invariant: the texts of an axis differ, and all its numbers are finite.
+//! Input: an axis and its range. Output: numbers with their texts. Invariant: the texts of an axis
+//! differ, and all its numbers are finite.
 //!
-//! Labels are integers times a power of ten, so their texts are exact, also where floating-point numbers have few digits: near the
-//! smallest numbers, and on short axes far from zero. On the latter a round number is subtracted from all labels, and the name of the axis says so.
+//! Labels are integers times a power of ten, so their texts are exact, even if floating-point
+//! numbers have few digits: near the smallest numbers, and on short axes far from zero. On short
+//! axes a round number is subtracted from all labels, and added to the name of the axis.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -21,18 +23,19 @@ const MOST_DIGITS: i32 = 6;
 /// Smallest power of ten that has all digits of an `f64`.
 const SUBNORMAL: i32 = -307;
 
-/// Axes of powers that are shorter have three, or two, labels a decade.
+/// Lengths, in decades, below which an axis of powers has three, or two, labels for each decade.
 const ONE_DECADE: f64 = 1.5;
 const FEW_DECADES: f64 = 3.0;
-/// One that is longer has no ticks there.
+/// Length, in decades, above which an axis of powers has no ticks between labels.
 const MANY_DECADES: f64 = 6.0;
 
 /// The labels of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Labels {
-    /// Where each stands, and its text.
+    /// The place of each label, and its text.
     pub(super) marks: Vec<(f64, String)>,
-    /// What is subtracted from the numbers, with its sign, as it follows the name: `− 10⁹`.
+    /// The number that is subtracted from the labels, with its sign, as it follows the name:
+    /// `− 10⁹`.
     pub(super) offset: Option<String>,
 }
 
@@ -48,7 +51,7 @@ impl Labels {
         labels
     }
 
-    /// The name of an axis with these labels.
+    /// Returns the name of an axis with these labels.
     pub(super) fn name(&self, name: &str) -> String {
         match &self.offset {
             Some(offset) => format!("{name} {offset}").trim_start().to_owned(),
@@ -57,7 +60,7 @@ impl Labels {
     }
 }
 
-/// The labels of an axis, about `count` of them: numbers, powers of ten, or parts of π.
+/// Returns the labels of an axis, about `count` of them: numbers, powers of ten, or parts of π.
 pub(super) fn labels(axis: &Axis, range: &Range<f64>, count: usize) -> Labels {
     if count == 0 {
         return Labels::default();
@@ -69,7 +72,8 @@ pub(super) fn labels(axis: &Axis, range: &Range<f64>, count: usize) -> Labels {
     }
 }
 
-/// Where ticks without labels stand: between powers of ten, where there are not too many.
+/// Returns the places of ticks without labels: between powers of ten, if there are not too many
+/// powers.
 pub(super) fn ticks(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
     if axis.scale == Scale::Powers && length(range) < MANY_DECADES {
         within_decades(range, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
@@ -85,10 +89,10 @@ struct Round {
 }
 
 impl Round {
-    /// Multiples of 1, 2 or 5 times a power of ten in a range, about `count` of them.
+    /// Returns multiples of 1, 2 or 5 times a power of ten in a range, about `count` of them.
     fn of(range: &Range<f64>, count: usize) -> Self {
         let count = count.clamp(1, MOST_LABELS);
-        // numbers are no closer than this
+        // Floating-point numbers in the range have at least this distance.
         let largest = range.start.abs().max(range.end.abs());
         let rough = (length(range) / count as f64).max(largest - largest.next_down());
         let decade = rough.log10().floor() as i32;
@@ -97,10 +101,10 @@ impl Round {
         let chosen = candidates.into_iter().find(is_long);
         let (factor, exponent) = chosen.unwrap_or((2, decade + 1));
         let step = float(factor, exponent);
-        // a label may stand on the very end of the axis, up to rounding
+        // A label may stand at the very end of the axis, up to rounding.
         let slack = 1e-9 * step;
         let within = range.start - slack..=range.end + slack;
-        // where numbers have few digits, the quotients are not exact
+        // If floating-point numbers have few digits, the quotients are not exact.
         let first = quotient(range.start, factor, exponent).floor() as i128 - 1;
         let last = quotient(range.end, factor, exponent).ceil() as i128 + 1;
         Self {
@@ -113,7 +117,8 @@ impl Round {
         }
     }
 
-    /// Returns the roundest number that is not above the labels, nor farther below them than they are from one another, if the labels are long without it.
+    /// Returns the roundest number that is not above the labels and not farther below them than the
+    /// length of their range. Returns `None` if the labels are short without it.
     fn offset(&self) -> Option<i128> {
         let (first, last) = (*self.multiples.first()?, *self.multiples.last()?);
         let largest = first.abs().max(last.abs());
@@ -137,7 +142,8 @@ impl Round {
     }
 }
 
-/// Returns a number divided by an integer times a power of ten. Subnormal numbers have fewer digits than the quotient.
+/// Returns a number divided by an integer times a power of ten. Subnormal numbers have fewer digits
+/// than the quotient.
 fn quotient(value: f64, factor: i128, exponent: i32) -> f64 {
     if exponent < SUBNORMAL {
         let scaled = value * float(1, -SUBNORMAL) * float(1, SUBNORMAL - exponent);
@@ -148,11 +154,11 @@ fn quotient(value: f64, factor: i128, exponent: i32) -> f64 {
 
 /// Returns the number that is nearest to an integer times a power of ten.
 fn float(mantissa: i128, exponent: i32) -> f64 {
-    // the text of a number always is one
+    // The text of a number always parses as a number.
     format!("{mantissa}e{exponent}").parse().unwrap_or(f64::NAN)
 }
 
-/// Round numbers with the digits that tell them apart.
+/// Returns round numbers with the digits that distinguish them.
 fn numbers(range: &Range<f64>, count: usize) -> Labels {
     let round = Round::of(range, count);
     let offset = round.offset();
@@ -177,7 +183,7 @@ fn numbers(range: &Range<f64>, count: usize) -> Labels {
     labels
 }
 
-/// Powers of ten, of which the range has the logarithms; multiples of them on short axes.
+/// Returns powers of ten whose logarithms are in the range; multiples of powers on short axes.
 fn powers(range: &Range<f64>, count: usize) -> Labels {
     let decades = length(range);
     let of = |logarithms: Vec<f64>| Labels::new(logarithms.into_iter().map(|x| (x, power(x))));
@@ -193,7 +199,7 @@ fn powers(range: &Range<f64>, count: usize) -> Labels {
         }
         return within_one_decade(range, count);
     }
-    // exponents are whole, so at most one label a decade
+    // Exponents are integers, so there is at most one label for each decade.
     let count = (1..count.min(MOST_LABELS))
         .take_while(|k| *k as f64 <= decades)
         .count();
@@ -202,9 +208,9 @@ fn powers(range: &Range<f64>, count: usize) -> Labels {
     of(exponents)
 }
 
-/// Round numbers whose logarithms are in a range.
+/// Returns round numbers whose logarithms are in a range.
 fn within_one_decade(range: &Range<f64>, count: usize) -> Labels {
-    // the power is taken out, so that nothing overflows
+    // The power is factored out, so that no number overflows.
     let decade = range.start.floor();
     let round = Round::of(
         &(10_f64.powf(range.start - decade)..10_f64.powf(range.end - decade)),
@@ -218,7 +224,7 @@ fn within_one_decade(range: &Range<f64>, count: usize) -> Labels {
     Labels::new(logarithms.zip(texts))
 }
 
-/// Decimal logarithms of some multiples of the powers of ten in a range.
+/// Returns decimal logarithms of some multiples of the powers of ten in a range.
 fn within_decades(range: &Range<f64>, multiples: &[f64]) -> Vec<f64> {
     let decades = range.start.floor() as i32..=range.end.ceil() as i32;
     decades
@@ -227,7 +233,8 @@ fn within_decades(range: &Range<f64>, multiples: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Multiples of π/4, π/2, π or a round number of π in the range, about `count` of them; of smaller parts in a short range.
+/// Returns multiples of π/4, π/2, π or a round number of π in the range, about `count` of them;
+/// multiples of smaller parts in a short range.
 fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<(f64, String)> {
     let turns = range.start / PI..range.end / PI;
     let rough = length(&turns) / count.clamp(1, MOST_LABELS) as f64;
@@ -243,7 +250,7 @@ fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<(f64, String)> {
                 .map(|k| (k as f64 * part * PI, angle(k * eighths)))
                 .collect()
         }
-        // many turns, or a small part of one
+        // The range has many turns, or a small part of a turn.
         _ => {
             let round = Round::of(&turns, count);
             let texts = series(&round.multiples, round.exponent);
@@ -259,7 +266,7 @@ fn parts_of_pi(range: &Range<f64>, count: usize) -> Vec<(f64, String)> {
     }
 }
 
-/// A number of eighths of π.
+/// Returns a number of eighths of π as text.
 fn angle(eighths: i64) -> String {
     let (mut above, mut below) = (eighths, 8);
     while above % 2 == 0 && below > 1 {
@@ -277,7 +284,7 @@ fn angle(eighths: i64) -> String {
     }
 }
 
-/// A power of ten, or a multiple of one, of which this is the logarithm.
+/// Returns a power of ten, or a multiple of a power, with this logarithm.
 fn power(logarithm: f64) -> String {
     let exponent = (logarithm + 1e-9).floor();
     let multiple = 10_f64.powf(logarithm - exponent).round() as i64;

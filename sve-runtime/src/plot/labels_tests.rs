@@ -70,7 +70,8 @@ fn a_round_number_is_subtracted_from_long_labels() {
     }
 }
 
-/// On every axis with a length there are labels within the axis, in order; all texts differ, and name finite numbers.
+/// Checks that on every axis with a length there are labels within the axis, in order; all texts
+/// differ, and denote finite numbers.
 #[test]
 fn texts_differ_on_every_axis() {
     let mut ends = vec![
@@ -149,7 +150,7 @@ fn short_axes_of_powers_are_labelled_within_their_decades() {
     };
     assert_eq!(labels(-3.1..-1.9), ["10⁻³", "2·10⁻³", "5·10⁻³", "10⁻²"]);
     assert_eq!(labels(-3.1..0.1), ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
-    // no multiple by 1, 2 or 5 is here
+    // The range contains no multiple of 1, 2 or 5.
     let short = labels(-2.5..-2.4);
     assert!(short.len() > 2 && short[0] == "0.0032", "{short:?}");
     let short = labels(-320.5..-320.4);

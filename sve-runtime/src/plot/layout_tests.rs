@@ -1,4 +1,5 @@
-//! Tests of the texts of figures: whatever the numbers and names are, no two texts overlap, and none leaves its panel.
+//! Tests of the texts of figures: for all numbers and names, texts do not overlap, and do not leave
+//! their panel.
 
 use std::convert::Infallible;
 use std::ops::Range;
@@ -19,7 +20,7 @@ type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 /// A text with the corners of its box: left, top, right, bottom.
 type Placed = (String, [i32; 4]);
 
-/// A backend that notes the box of each text, and draws nothing.
+/// A backend that records the box of each text, and draws nothing.
 struct Texts<'a> {
     size: (u32, u32),
     texts: &'a mut Vec<Placed>,
@@ -79,7 +80,7 @@ impl DrawingBackend for Texts<'_> {
     }
 }
 
-/// The texts of a panel of this size in CSS pixels.
+/// Returns the texts of a panel of this size in CSS pixels.
 fn texts(panel: Panel, (width, height): (u32, u32)) -> Vec<Placed> {
     prepare_font();
     let row = Row {
@@ -103,7 +104,7 @@ fn texts(panel: Panel, (width, height): (u32, u32)) -> Vec<Placed> {
     texts
 }
 
-/// Asserts that texts neither overlap nor leave the panel, and name no infinite number.
+/// Asserts that texts neither overlap nor leave the panel, and contain no infinite number.
 fn assert_apart(texts: &[Placed], (width, height): (u32, u32)) {
     let (width, height) = ((width * SCALE) as i32, (height * SCALE) as i32);
     for (number, (text, [left, top, right, bottom])) in texts.iter().enumerate() {
@@ -207,7 +208,8 @@ fn long_names_are_apart() {
     assert_apart(&texts(panel, (780, 380)), (780, 380));
 }
 
-/// The words of a name are all there, in their order, and what is subtracted from the labels.
+/// Checks that all words of a name are present, in their order, and the number that is subtracted
+/// from the labels.
 #[test]
 fn names_say_what_is_subtracted() {
     let axis = |name: &str| Axis::new(name, 1e9..1e9 + 1.0);

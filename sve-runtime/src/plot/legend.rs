@@ -1,6 +1,7 @@
-//! Legends: which series are listed, their texts in lines, and where they stand.
+//! Legends: the listed series, their texts in lines, and their places.
 //!
-//! Input: the layers of a panel and the width of its axes. Output: a box with a sample of each listed series. Invariant: the box is no wider than its place.
+//! Input: the layers of a panel and the width of its axes. Output: a box with a sample of each
+//! listed series. Invariant: the box is no wider than its place.
 
 use std::error::Error;
 
@@ -20,7 +21,7 @@ const LINE: f64 = 16.0;
 const SAMPLE: f64 = 30.0;
 const GAP: f64 = 6.0;
 const FROM_AXES: f64 = 8.0;
-/// Fonts of a browser may be wider than the embedded one.
+/// Factor for fonts of a browser that are wider than the embedded font.
 const WIDER: f64 = 1.1;
 /// Largest number of lines of a text.
 const LINES: usize = 3;
@@ -28,14 +29,14 @@ const LINES: usize = 3;
 /// The legend of a panel.
 pub(crate) struct Legend {
     corner: Corner,
-    /// The number of each layer that is listed, and its text.
+    /// The number and the text of each listed layer.
     entries: Vec<(usize, Vec<String>)>,
     /// Width and height in CSS pixels.
     size: (f64, f64),
 }
 
 impl Legend {
-    /// The legend of some layers, for axes of this width in CSS pixels.
+    /// Returns the legend of some layers, for axes of this width in CSS pixels.
     pub(crate) fn new(layers: &[Layer], corner: Corner, axes: f64) -> Self {
         let place = match corner {
             Corner::Outside => BESIDE - FROM_AXES,
@@ -108,7 +109,7 @@ impl Legend {
         let top = match self.corner {
             Corner::TopLeft | Corner::TopRight | Corner::Outside => north + px(4.0),
             Corner::BottomLeft | Corner::BottomRight => south - height - px(4.0),
-            // its place is at the lower edge of the panel
+            // The place of the legend is at the lower edge of the panel.
             Corner::Below => i32::try_from(area.dim_in_pixel().1)? - height,
         };
         let corners = [(left, top), (left + width, top + height)];

@@ -1,13 +1,16 @@
-//! Errors with standard errors on two axes of powers: what cannot be told from none is an upper limit.
+//! Errors with standard errors on two axes of powers. An error that is not distinguishable from
+//! zero is an upper limit.
 
 use super::figure::{Layer, Pen, Shape, Symbols};
 
-/// Errors below so many standard errors cannot be told from none.
+/// Number of standard errors below which an error is not distinguishable from zero.
 const SIGNIFICANT: f64 = 2.0;
 
 impl Layer {
-    /// Errors on two axes of powers, from abscissas, errors and their standard errors (0 where there are none): one layer with the errors and bars of two
-    /// standard errors on either side, and one with upper limits of those below two standard errors. No line goes through an error that is missing.
+    /// Returns the errors on two axes of powers, from abscissas, errors and their standard errors
+    /// (0 for exact errors): one layer with the errors and bars of two standard errors on either
+    /// side, and one layer with upper limits of the errors below two standard errors. No line goes
+    /// through a missing error.
     pub fn errors(
         label: impl Into<String>,
         pen: Pen,
@@ -15,7 +18,7 @@ impl Layer {
     ) -> [Self; 2] {
         let (mut found, mut bars, mut limits) = (Vec::new(), Vec::new(), Vec::new());
         for (x, error, standard_error) in points {
-            // of a single path there is no standard error, and no bar
+            // A single path has no standard error, and no bar.
             let spread = if standard_error.is_nan() {
                 0.0
             } else {
@@ -26,7 +29,7 @@ impl Layer {
                 found.push((x, error.log10()));
                 bars.push(((error - spread).log10(), (error + spread).log10()));
             } else {
-                // what is not finite ends a line
+                // A point that is not finite ends a line.
                 found.push((x, f64::NAN));
                 bars.push((f64::NAN, f64::NAN));
                 limits.push((x, (error + spread).log10()));

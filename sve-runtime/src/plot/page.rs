@@ -31,10 +31,10 @@ code { font-size: inherit }
 @media print { section { break-inside: avoid } }
 ";
 
-/// What stands in a table where there is no number.
+/// The text in a table for a missing number.
 pub(super) const NONE: &str = "–";
 
-/// A page with a body of any markup.
+/// Returns a page with a body of any markup.
 pub fn document(title: &str, body: &str) -> String {
     let title = escape(title);
     format!(
@@ -44,12 +44,12 @@ pub fn document(title: &str, body: &str) -> String {
     )
 }
 
-/// A table of names and what they stand for.
+/// Returns a table of names and their values.
 #[cfg(feature = "ensemble")]
 pub(super) fn facts(facts: &[(&str, String)]) -> String {
     let mut text = String::from("<table class=\"facts\">\n<tbody>\n");
     for (name, value) in facts {
-        // writing into a String cannot fail
+        // Writing into a String cannot fail.
         let _ = writeln!(
             text,
             "<tr><th>{}</th><td>{}</td></tr>",
@@ -61,7 +61,7 @@ pub(super) fn facts(facts: &[(&str, String)]) -> String {
     text
 }
 
-/// The facts about a system.
+/// Returns the description of a system.
 #[cfg(feature = "ensemble")]
 pub(super) fn facts_of_system(system: &SystemDescription) -> Vec<(&'static str, String)> {
     let mut facts = vec![("system", format!("`{}`", system.name))];
@@ -78,14 +78,14 @@ pub(super) fn facts_of_system(system: &SystemDescription) -> Vec<(&'static str, 
     facts
 }
 
-/// A number that may not be there.
+/// Returns the text of a number that may be missing.
 #[cfg(feature = "ensemble")]
 pub(super) fn known(value: Option<f64>, digits: usize) -> String {
     let value = value.filter(|value| !value.is_nan());
     value.map_or_else(|| NONE.to_owned(), |value| number(value, digits))
 }
 
-/// A number and its standard error, which may not be there.
+/// Returns the text of a number and its standard error, which may be missing.
 #[cfg(feature = "ensemble")]
 pub(super) fn known_with_error(value: Option<f64>, error: Option<f64>) -> [String; 2] {
     let known = |value: Option<f64>| value.filter(|value| !value.is_nan());
@@ -95,14 +95,14 @@ pub(super) fn known_with_error(value: Option<f64>, error: Option<f64>) -> [Strin
     }
 }
 
-/// A number of things.
+/// Returns the text of a count with its noun.
 #[cfg(feature = "ensemble")]
 pub(super) fn count(number: u64, thing: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{number} {thing}{plural}")
 }
 
-/// Figures beside one another, as many as the page has room for, with a text.
+/// Returns figures beside one another, as many as the page has room for, with a text.
 #[cfg(feature = "ensemble")]
 pub(super) fn panels(figures: &[Figure], caption: &str) -> Result<String, super::PlotError> {
     let mut text = String::from("<figure>\n<div class=\"panels\">\n");
@@ -116,7 +116,8 @@ pub(super) fn panels(figures: &[Figure], caption: &str) -> Result<String, super:
     Ok(text)
 }
 
-/// A table: a head, and rows with the class of each, which may be empty. Columns of numbers stand to the right, words between backticks are code.
+/// Returns a table: a head, and rows with the class of each row, which may be empty. Columns of
+/// numbers are aligned to the right, words between backticks are code.
 pub fn table<T: AsRef<str>>(head: &[&str], rows: &[(&str, Vec<T>)]) -> String {
     let numbers: Vec<bool> = (0..head.len())
         .map(|column| {
@@ -154,7 +155,7 @@ fn row<T: AsRef<str>>(text: &mut String, open: &str, cell: &str, cells: &[T], nu
         } else {
             ""
         };
-        // writing into a String cannot fail
+        // Writing into a String cannot fail.
         let _ = write!(
             text,
             "<{cell}{class}>{}</{cell}>",
@@ -164,7 +165,8 @@ fn row<T: AsRef<str>>(text: &mut String, open: &str, cell: &str, cells: &[T], nu
     text.push_str("</tr>\n");
 }
 
-/// Returns a text as markup: what stands between backticks is code. A backtick without a second one stays.
+/// Returns a text as markup: a part between backticks is code. A backtick without a second one is
+/// kept.
 fn with_code(text: &str) -> String {
     let parts: Vec<String> = text.split('`').map(escape).collect();
     if parts.len().is_multiple_of(2) {
@@ -182,14 +184,14 @@ fn with_code(text: &str) -> String {
         .collect()
 }
 
-/// Text with the characters escaped that HTML gives a meaning.
+/// Returns a text with the special characters of HTML escaped.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
 }
 
-/// Writes a page, or leaves the file as it was.
+/// Writes a page. If this fails, the file is unchanged.
 #[cfg(feature = "ensemble")]
 pub(super) fn write(path: &std::path::Path, page: &str) -> Result<(), super::PlotError> {
     use std::io::Write as _;

@@ -1,4 +1,5 @@
-//! The colours of Okabe and Ito, told apart by all common kinds of colour vision and in grey print.
+//! The colours of Okabe and Ito, distinguishable with all common kinds of colour vision and in grey
+//! print.
 //!
 //! Source: M. Okabe, K. Ito, "Color Universal Design" (2008), <https://jfly.uni-koeln.de/color/>.
 
@@ -19,7 +20,7 @@ pub const BLUE: Color = (0, 114, 178);
 pub const VERMILION: Color = (213, 94, 0);
 /// Reddish purple.
 pub const PURPLE: Color = (204, 121, 167);
-/// Grey of frames and of what is in the background.
+/// Grey of frames and of the background.
 pub const GREY: Color = (130, 130, 130);
 
 /// A cycle for curves of equal rank.

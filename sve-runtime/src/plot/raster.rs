@@ -1,8 +1,8 @@
 //! A drawing backend of plotters on a buffer of pixels, and its PNG.
 //!
-//! plotters' own bitmap backend fills the outline of a whole thick polyline as one polygon, which is wrong for lines
-//! that cross themselves, as orbits do. Here each segment is a capsule (all pixels within half the width of it).
-//! Edges become smooth by drawing larger than needed and averaging.
+//! plotters' own bitmap backend fills the outline of a whole thick polyline as one polygon, which
+//! is wrong for lines that cross themselves, as orbits do. Here each segment is a capsule: all
+//! pixels within half of its width. Drawing at a larger size and averaging makes edges smooth.
 
 use std::convert::Infallible;
 
@@ -21,7 +21,7 @@ pub(crate) struct Raster<'a> {
 }
 
 impl<'a> Raster<'a> {
-    /// A raster on a buffer of `3 · width · height` bytes.
+    /// Returns a raster on a buffer of `3 · width · height` bytes.
     pub(crate) fn new(pixels: &'a mut [u8], (width, height): (u32, u32)) -> Self {
         Self {
             pixels,
@@ -53,7 +53,7 @@ impl<'a> Raster<'a> {
         let length2 = dx * dx + dy * dy;
         let columns = from.0.min(to.0) - reach..=from.0.max(to.0) + reach;
         for x in columns {
-            // rows of the segment's part above this column, widened by the radius
+            // The rows of the segment's part above this column, widened by the radius.
             let rows = if dx.abs() > 2.0 * radius {
                 let low = ((f64::from(x) - radius - x0) / dx).clamp(0.0, 1.0);
                 let high = ((f64::from(x) + radius - x0) / dx).clamp(0.0, 1.0);
@@ -125,7 +125,7 @@ impl DrawingBackend for Raster<'_> {
         };
         let dy = match style.anchor().v_pos {
             VPos::Top => 0,
-            // the box has room for descenders, which most labels lack
+            // The box has room for descenders, which most labels lack.
             VPos::Center => (SINK * style.size()).round() as i32 - height / 2,
             VPos::Bottom => -height,
         };
@@ -154,10 +154,11 @@ impl DrawingBackend for Raster<'_> {
     }
 }
 
-/// How far down a line of text is moved, in units of its height, so that its capitals and digits are centred.
+/// Distance by which a line of text is moved down, in units of its height, so that its capitals and
+/// digits are centred.
 const SINK: f64 = 0.1;
 
-/// The PNG of pixels averaged over squares of `factor` × `factor`.
+/// Returns the PNG of pixels averaged over squares of `factor` × `factor`.
 pub(crate) fn png(
     pixels: &[u8],
     (width, height): (u32, u32),

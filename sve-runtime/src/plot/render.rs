@@ -1,7 +1,8 @@
 //! A figure as SVG and PNG.
 //!
-//! Both are drawn with the same code at `SCALE` device units a CSS pixel: plotters has integer coordinates, and whole
-//! CSS pixels would make curves jagged. The font is embedded in the program; SVG names the generic family.
+//! Both are drawn with the same code at `SCALE` device units a CSS pixel: plotters has integer
+//! coordinates, and whole CSS pixels would make curves jagged. The font is embedded in the program;
+//! SVG names the generic family.
 
 use plotters::backend::SVGBackend;
 use plotters::drawing::IntoDrawingArea;
@@ -12,9 +13,10 @@ use super::figure::Figure;
 use super::raster::{self, Raster};
 use super::text::prepare_font;
 
-/// Device units a CSS pixel.
+/// Number of device units in a CSS pixel.
 pub(crate) const SCALE: u32 = 4;
-/// Device units averaged into a pixel of the PNG, which so has two pixels a CSS pixel.
+/// Number of device units averaged into a pixel of the PNG, which then has two pixels for each CSS
+/// pixel.
 const SMOOTHING: u32 = 2;
 
 fn device_size(figure: &Figure) -> (u32, u32) {
@@ -22,10 +24,10 @@ fn device_size(figure: &Figure) -> (u32, u32) {
     (width * SCALE, height * SCALE)
 }
 
-/// The figure as an SVG document that can also stand inside an HTML page.
+/// Returns the figure as an SVG document that can also stand inside an HTML page.
 ///
 /// # Errors
-/// When it cannot be drawn.
+/// If it cannot be drawn.
 pub fn svg(figure: &Figure) -> Result<String, PlotError> {
     prepare_font();
     let mut text = String::new();
@@ -36,7 +38,7 @@ pub fn svg(figure: &Figure) -> Result<String, PlotError> {
         area.present().map_err(PlotError::drawing)?;
     }
     let (width, height) = figure.size();
-    // what is the default anyway doubles the size of a dot
+    // Attributes with their default values would double the size of a dot.
     Ok(text
         .replacen(
             &format!("width=\"{}\" height=\"{}\"", device.0, device.1),
@@ -47,10 +49,10 @@ pub fn svg(figure: &Figure) -> Result<String, PlotError> {
         .replace(" stroke=\"none\" stroke-width=\"1\"", ""))
 }
 
-/// The figure as a PNG file.
+/// Returns the figure as a PNG file.
 ///
 /// # Errors
-/// When it cannot be drawn.
+/// If it cannot be drawn.
 pub fn png(figure: &Figure) -> Result<Vec<u8>, PlotError> {
     prepare_font();
     let device = device_size(figure);

@@ -13,7 +13,7 @@ const OPACITY: f64 = 0.22;
 /// Half the width of the ends of a bar, in CSS pixels.
 const CAP: f64 = 2.5;
 
-/// Draws what is around the points of a layer.
+/// Draws bars and areas around the points of a layer.
 pub(crate) fn draw<DB>(area: &Area<DB>, frame: &Frame, layer: &Layer) -> Result<(), Box<dyn Error>>
 where
     DB: DrawingBackend,
@@ -42,7 +42,7 @@ where
     }
 }
 
-/// The look of a layer's areas.
+/// Returns the look of a layer's areas.
 pub(crate) fn style(layer: &Layer) -> ShapeStyle {
     rgb(layer.pen.color).mix(OPACITY).filled()
 }
@@ -58,7 +58,7 @@ where
     DB::ErrorType: 'static,
 {
     let visible = frame.x.contains(&x) && low <= frame.y.end && high >= frame.y.start;
-    // comparisons with NaN are false
+    // Comparisons with NaN are false.
     if !visible {
         return Ok(());
     }
@@ -66,7 +66,7 @@ where
     let at = |y: f64| frame.device(&(x, y.clamp(frame.y.start, frame.y.end)));
     let (bottom, top) = (at(low), at(high));
     area.draw(&PathElement::new(vec![bottom, top], style))?;
-    // an end outside of the axes has no cap
+    // An end outside of the axes has no cap.
     for (y, (u, v)) in [(low, bottom), (high, top)] {
         if frame.y.contains(&y) {
             let cap = vec![(u - px(CAP), v), (u + px(CAP), v)];
@@ -76,7 +76,8 @@ where
     Ok(())
 }
 
-/// Fills the area between the lower and upper edges, a part for each stretch of points within the axes.
+/// Fills the area between the lower and upper edges, in one part for each stretch of points within
+/// the axes.
 fn draw_area<DB>(
     area: &Area<DB>,
     frame: &Frame,

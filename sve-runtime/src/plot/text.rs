@@ -1,6 +1,7 @@
 //! Texts of figures: their widths in the embedded font, and their division into lines.
 //!
-//! Input: a text with its size. Output: widths and lines in CSS pixels. Invariant: no line is wider than asked for, unless a single character is.
+//! Input: a text with its size. Output: widths and lines in CSS pixels. Invariant: no line is wider
+//! than the given width, unless a single character is wider.
 
 use std::sync::Once;
 
@@ -16,7 +17,7 @@ pub(super) const LABEL: f64 = 11.0;
 pub(super) const NAME: f64 = 12.0;
 pub(super) const TITLE: f64 = 13.0;
 
-/// Registers the embedded font, so that no font of the machine is asked for.
+/// Registers the embedded font, so that no font of the machine is used.
 pub(super) fn prepare_font() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -24,13 +25,14 @@ pub(super) fn prepare_font() {
             (FontStyle::Normal, dejavu::sans::regular()),
             (FontStyle::Bold, dejavu::sans::bold()),
         ] {
-            // the bytes are part of the program: a font that does not parse shows up as an error of the first text
+            // The bytes are part of the program: a font that does not parse causes an error at the
+            // first text.
             let _ = register_font("sans-serif", style, font);
         }
     });
 }
 
-/// The font of a size; plotters measures a font by its line height.
+/// Returns the font of a size; plotters measures a font by its line height.
 pub(super) fn font(size: f64) -> FontDesc<'static> {
     ("sans-serif", LINE * size * f64::from(SCALE)).into_font()
 }
@@ -38,12 +40,14 @@ pub(super) fn font(size: f64) -> FontDesc<'static> {
 /// Returns the width of a text.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     prepare_font();
-    // a text without a size is an error where it is drawn
+    // A text without a size is an error where it is drawn.
     let (width, _) = font(size).box_size(text).unwrap_or_default();
     f64::from(width) / f64::from(SCALE)
 }
 
-/// Divides a text into lines of at most this width: between words, or within a word that is longer than a line. What does not fit into so many lines is left out, and `…` says so.
+/// Divides a text into lines of at most this width: between words, or within a word that is longer
+/// than a line. If the text needs more than `most` lines, the rest is left out, and the last line
+/// ends with `…`.
 pub(super) fn lines(text: &str, size: f64, widest: f64, most: usize) -> Vec<String> {
     let fits = |text: &str| width(text, size) <= widest;
     let mut lines = vec![String::new()];
@@ -102,7 +106,7 @@ mod tests {
         let short = lines(name, NAME, 90.0, 2);
         assert_eq!(short[0], parts[0]);
         assert!(short.len() == 2 && short[1].ends_with('…') && width(&short[1], NAME) <= 90.0);
-        // no width is too small to end
+        // The division ends for every width.
         assert_eq!(lines("ab", NAME, 0.0, 9), ["a", "b"]);
     }
 }

@@ -1,23 +1,25 @@
-//! Whether the series of a panel can be told apart without colours, or by them with the most common colour-vision deficiency.
+//! Checks whether the series of a panel are distinguishable without colours, or by their colours
+//! with the most common colour-vision deficiency.
 //!
-//! Colours are compared as a reader with deuteranopia sees them: F. Viénot, H. Brettel, J. D. Mollon, "Digital video colourmaps for checking the legibility of
-//! displays by dichromats", Color Research & Application 24 (1999). Their lightness is that of CIE 1976.
+//! Colours are compared as a reader with deuteranopia sees them: F. Viénot, H. Brettel, J. D.
+//! Mollon, "Digital video colourmaps for checking the legibility of displays by dichromats", Color
+//! Research & Application 24 (1999). Their lightness is the lightness of CIE 1976.
 
 use super::PlotError;
 use super::figure::{Figure, Layer, Pen};
 use super::palette::Color;
 
-/// Difference of lightness, of 100, that can be seen between thin lines, also in grey print.
+/// Difference of lightness, out of 100, that is visible between thin lines, also in grey print.
 const LIGHTNESS: f64 = 18.0;
-/// Ratio of widths that can be seen between two lines.
+/// Ratio of widths that is visible between two lines.
 const WIDTH: f64 = 1.5;
 
 impl Figure {
-    /// Checks that no two series of a legend differ by their hue alone: they need different symbols, dashes or widths, or colours that remain of
-    /// different lightness with deuteranopia.
+    /// Checks that no two series of a legend differ by their hue alone: they need different
+    /// symbols, dashes or widths, or colours that remain of different lightness with deuteranopia.
     ///
     /// # Errors
-    /// [`PlotError::Indistinct`] with the first two that do not.
+    /// [`PlotError::Indistinct`] with the first two series that fail the check.
     pub fn check_series(&self) -> Result<(), PlotError> {
         let panels = self.rows.iter().flat_map(|row| &row.panels);
         for panel in panels.filter(|panel| panel.legend.is_some()) {
@@ -63,7 +65,7 @@ fn same_marks(first: &Pen, second: &Pen) -> bool {
     lines && symbols
 }
 
-/// Intensities of red, green and blue light, of 1.
+/// Returns the intensities of red, green and blue light, from 0 to 1.
 fn light((r, g, b): Color) -> [f64; 3] {
     let channel = |byte: u8| {
         let x = f64::from(byte) / 255.0;
@@ -76,14 +78,14 @@ fn light((r, g, b): Color) -> [f64; 3] {
     [channel(r), channel(g), channel(b)]
 }
 
-/// The light that a reader with deuteranopia cannot tell from that of a colour.
+/// Returns the light that a reader with deuteranopia cannot distinguish from the light of a colour.
 fn with_deuteranopia(color: Color) -> [f64; 3] {
     let [r, g, b] = light(color);
     let yellow = 0.292_75 * r + 0.707_25 * g;
     [yellow, yellow, (0.022_34 * (g - r) + b).clamp(0.0, 1.0)]
 }
 
-/// CIE 1976 lightness, 0 … 100.
+/// Returns the CIE 1976 lightness, 0 … 100.
 fn lightness([r, g, b]: [f64; 3]) -> f64 {
     let luminance = 0.212_6 * r + 0.715_2 * g + 0.072_2 * b;
     if luminance > (6.0_f64 / 29.0).powi(3) {
@@ -121,7 +123,8 @@ mod tests {
         assert_eq!(lightness(with_deuteranopia(BLACK)), 0.0);
     }
 
-    /// A red and a green of the same lightness are one colour to a reader with deuteranopia.
+    /// Checks that a red and a green of the same lightness are one colour to a reader with
+    /// deuteranopia.
     #[test]
     fn red_and_green_become_one() {
         let (red, green) = (

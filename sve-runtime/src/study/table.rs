@@ -59,7 +59,7 @@ impl fmt::Display for Order {
             value,
             standard_error,
         } = self.order;
-        // no error is 0
+        // No error is printed as 0.
         let error = 1e-3 * (1e3 * standard_error).ceil().max(1.0);
         write!(
             f,
@@ -70,7 +70,7 @@ impl fmt::Display for Order {
     }
 }
 
-/// Why errors may fall faster than the order of their method says.
+/// The reason why errors may decrease faster than the order of their method.
 fn conjugate(f: &mut fmt::Formatter<'_>, order: Option<f64>) -> fmt::Result {
     match order {
         Some(order) => write!(

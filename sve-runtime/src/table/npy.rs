@@ -3,7 +3,8 @@
 //! Input: a table. Output: a one-dimensional structured array, a record for each row.
 //! Invariant: little-endian on every machine; the data start at a multiple of 64 bytes.
 //!
-//! Source: the format as `NumPy` documents it, `numpy.lib.format`, versions 1.0 and, for names beyond ASCII, 3.0.
+//! Source: the format as `NumPy` documents it, `numpy.lib.format`, versions 1.0 and, for names
+//! beyond ASCII, 3.0.
 
 use std::io::{self, Write};
 
@@ -35,7 +36,8 @@ impl Table {
     }
 }
 
-/// Returns the bytes before the data: magic, version, length of the header, the header padded with spaces to a multiple of 64.
+/// Returns the bytes before the data: magic, version, length of the header, the header padded with
+/// spaces to a multiple of 64.
 fn preamble(header: &str) -> Vec<u8> {
     let short = header.is_ascii() && header.len() < 65_000;
     let fixed = if short { 10 } else { 12 };
@@ -60,7 +62,7 @@ fn literal(name: &str) -> String {
     for c in name.chars() {
         match c {
             '\'' | '\\' => literal.extend(['\\', c]),
-            // Python refuses some of them within a literal
+            // Python refuses some control characters within a literal.
             _ if c.is_control() => literal.extend(format!("\\u{:04x}", u32::from(c)).chars()),
             _ => literal.push(c),
         }

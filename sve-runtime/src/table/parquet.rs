@@ -17,7 +17,7 @@ use super::{Table, Values};
 impl Table {
     pub(crate) fn write_parquet(&self, to: impl Write + Send) -> io::Result<()> {
         self.write_group(to).map_err(|error| match error {
-            // an error of the writer keeps its kind
+            // An error of the writer keeps its kind.
             ParquetError::External(source) => match source.downcast::<io::Error>() {
                 Ok(error) => *error,
                 Err(source) => io::Error::other(source),
@@ -55,7 +55,7 @@ impl Table {
     }
 }
 
-/// A column of the schema.
+/// Returns a column of the schema.
 fn field((name, values): &(String, Values)) -> Result<TypePtr, ParquetError> {
     let field = match values {
         Values::Counts(_) => {

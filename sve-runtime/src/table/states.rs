@@ -1,6 +1,7 @@
-//! States as a table: a row for each, a column for each coordinate and momentum.
+//! States as a table: a row for each state, a column for each coordinate and momentum.
 //!
-//! Input: states of a system. Output: columns with the names that the Lagrangian gives the coordinates. Invariant: numbers keep their bits.
+//! Input: states of a system. Output: columns with the names that the Lagrangian gives the
+//! coordinates. Invariant: numbers keep their bits.
 
 use std::io;
 
@@ -12,10 +13,13 @@ use crate::phase::state::State;
 use crate::readable::debug_is_display;
 use crate::system::{ConfigurationOf, MomentumOf, StateOf, System};
 
-/// States as a table, to be written as CSV, as an array of `NumPy` (feature `npy`), or as Parquet (feature `parquet`).
+/// States as a table, to be written as CSV, as an array of `NumPy` (feature `npy`), or as Parquet
+/// (feature `parquet`).
 ///
-/// Its columns are the time `t`, the coordinates and the momenta, with the names that the Lagrangian gives them: [`System::COORDINATES`] and [`System::MOMENTA`].
-/// Of [saved](crate::Saved) states [`table`](crate::Saved::table) makes it; `of` takes any states.
+/// Its columns are the time `t`, the coordinates and the momenta, with the names that the
+/// Lagrangian gives them: [`System::COORDINATES`] and [`System::MOMENTA`].
+/// [`table`](crate::Saved::table) makes a table of [saved](crate::Saved) states; `of` takes any
+/// states.
 ///
 /// ```
 /// use sve_runtime::StateTable;
@@ -45,12 +49,12 @@ use crate::system::{ConfigurationOf, MomentumOf, StateOf, System};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateTable {
-    /// Numbers of the paths, if the states are of several.
+    /// Numbers of the paths, if the states belong to several paths.
     paths: Option<Vec<u64>>,
     columns: Vec<(String, Vec<f64>)>,
 }
 
-/// Why saved states could not be made into a table, or written.
+/// The reason why saved states could not be made into a table, or written.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum SaveError {
@@ -70,7 +74,7 @@ pub enum SaveError {
 debug_is_display!(SaveError);
 
 impl StateTable {
-    /// An empty table of states of a system; of several paths, with a column `path`.
+    /// Returns an empty table of states of a system. A table of several paths has a column `path`.
     pub(crate) fn new<S: System + ?Sized>(has_paths: bool) -> Self {
         let names = [(S::COORDINATES, "q"), (S::MOMENTA, "p")];
         let sizes = [
@@ -80,7 +84,7 @@ impl StateTable {
         let mut columns = vec![("t".to_owned(), Vec::new())];
         for ((names, letter), size) in names.into_iter().zip(sizes) {
             for i in 0..size {
-                // a system that was not written with the attribute may have no names
+                // A system that was not written with the attribute may have no names.
                 let name = names
                     .get(i)
                     .map_or_else(|| format!("{letter}[{i}]"), |&name| name.to_owned());
@@ -93,10 +97,10 @@ impl StateTable {
         }
     }
 
-    /// The states in their order, up to the first error.
+    /// Returns a table of the states in their order.
     ///
     /// # Errors
-    /// That error.
+    /// The first error among the states.
     pub fn of<S: System + ?Sized>(
         system: &S,
         states: impl IntoIterator<Item = Result<StateOf<S>, StepError>>,
@@ -130,7 +134,7 @@ impl StateTable {
     /// The first error of the function.
     ///
     /// # Panics
-    /// If the states are those of a system with other coordinates, or there is a column of this name.
+    /// If the states belong to a system with other coordinates, or there is a column of this name.
     pub fn with<S: System, O: Observed>(
         mut self,
         system: &S,
@@ -177,18 +181,18 @@ impl StateTable {
         self.columns.first().map_or(0, |(_, column)| column.len())
     }
 
-    /// The names of the columns of numbers.
+    /// Returns the names of the columns of numbers.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|(name, _)| name.as_str())
     }
 
-    /// The values of a column; `None` if there is none of that name.
+    /// Returns the values of a column; `None` if there is no column of this name.
     pub fn get(&self, name: &str) -> Option<&[f64]> {
         let mut columns = self.columns.iter();
         columns.find_map(|(known, column)| (known == name).then_some(column.as_slice()))
     }
 
-    /// The numbers of the paths, if the states are of an ensemble.
+    /// Returns the numbers of the paths, if the states belong to an ensemble.
     pub fn paths(&self) -> Option<&[u64]> {
         self.paths.as_deref()
     }
