@@ -231,17 +231,14 @@ where
     /// Evaluates the jets at all stages.
     #[inline]
     pub(super) fn stages(&self, unknowns: &Unknowns<S, N>) -> [Stage<N>; S] {
-        let stage = |i: usize| {
+        // in place: `array::from_fn` would pass copies of the largest arrays through the stack
+        let mut stages = [Stage::EMPTY; S];
+        for i in 0..S {
             let mut q = self.state.q;
             for n in 0..N {
                 q[n] += unknowns.moves[i][n];
             }
-            self.stage(i, &q, &unknowns.velocities[i])
-        };
-        // in place: `array::from_fn` would pass copies of the largest arrays through the stack
-        let mut stages = [stage(0); S];
-        for i in 1..S {
-            stages[i] = stage(i);
+            stages[i] = self.stage(i, &q, &unknowns.velocities[i]);
         }
         stages
     }

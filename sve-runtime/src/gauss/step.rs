@@ -47,6 +47,25 @@ pub(super) struct Stage<const N: usize> {
     pub(super) rounding: [f64; N],
 }
 
+impl<const N: usize> Stage<N> {
+    /// A stage before its evaluation.
+    pub(super) const EMPTY: Self = Self {
+        lagrangian: LagrangianJet {
+            value: 0.0,
+            dq: [0.0; N],
+            dv: [0.0; N],
+            dqq: [[0.0; N]; N],
+            dqv: [[0.0; N]; N],
+            dvv: [[0.0; N]; N],
+            dqt: [0.0; N],
+            dvt: [0.0; N],
+        },
+        impulse: Response::ZERO,
+        shift: Response::ZERO,
+        rounding: [0.0; N],
+    };
+}
+
 /// A vector with its derivatives by position and velocity of the stage.
 #[derive(Clone, Copy)]
 pub(super) struct Response<const N: usize> {

@@ -85,6 +85,7 @@ struct Attempts<F> {
 impl<F> Attempts<F> {
     /// Returns the start of the next attempt.
     #[cold]
+    #[inline(never)]
     fn next<const K: usize>(&mut self, guess: &[f64; K]) -> Option<Iteration<K>>
     where
         F: FnOnce() -> [f64; K],
