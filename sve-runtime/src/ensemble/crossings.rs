@@ -4,7 +4,7 @@
 
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
-use super::observer::LastStep;
+use super::observer::{Kind, LastStep};
 use crate::error::observed::Observed;
 use crate::system::StateOf;
 use crate::trajectory::Method;
@@ -34,7 +34,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
 struct Crossings;
 
 impl Accumulate for Crossings {
-    const NUMBER: u64 = 5;
+    const KIND: Kind = Kind::Crossings;
 
     fn after(self, changes: f64, [last, now]: [f64; 2], _: &LastStep, _: usize) -> f64 {
         changes + f64::from(u8::from(crosses(last, now)))

@@ -9,12 +9,12 @@
 use std::collections::BTreeSet;
 
 use super::difference::Difference;
-use super::observer::{LastStep, Seen};
+use super::observer::{Kind, LastStep, Seen};
 use super::settings::Settings;
 use crate::fingerprint::{Hash, StepsDifference, StepsFingerprint, hash};
 use crate::lanes::LANES;
 use crate::method::DimsOf;
-use crate::noise;
+use crate::noise::{self, DistributionKind};
 use crate::phase::configuration::Configuration;
 use crate::phase::state::State;
 use crate::system::{Dimensions, Increments, IncrementsOf};
@@ -86,10 +86,10 @@ impl<I: Method> Settings<'_, I> {
                 }
             }),
             noise: hash(|hash| match self.noise.distribution {
-                None => hash.add(2),
+                None => hash.add(DistributionKind::NoNoise as u64),
                 Some(distribution) => {
                     hash.add(noise::VERSION);
-                    hash.add(distribution.number());
+                    hash.add(distribution.kind() as u64);
                     hash.add_number(self.noise.largest);
                     if self.noise.depth != 0 {
                         hash.add(u64::from(self.noise.depth));
@@ -108,10 +108,10 @@ impl<I: Method> Settings<'_, I> {
                 hash.add(self.steps);
                 hash.add(u64::from(ensemble.keep_final_states));
                 // runs without integrals have the hashes that they always had
-                let kinds: Vec<u64> = observed.observables.iter().map(|of| of.number()).collect();
-                if kinds.iter().any(|&kind| kind != 0) || observed.weight.is_some() {
+                let kinds = observed.observables.iter().map(|of| of.kind());
+                if kinds.clone().any(|kind| kind != Kind::Plain) || observed.weight.is_some() {
                     for kind in kinds {
-                        hash.add(kind);
+                        hash.add(kind as u64);
                     }
                     hash.add(observed.settle);
                     hash.add(u64::from(observed.weight.is_some()));

@@ -6,7 +6,7 @@ use core::marker::PhantomData;
 
 use super::Ensemble;
 use super::observe::Function;
-use super::observer::{Observable, Observer, Seen};
+use super::observer::{Kind, Observable, Observer, Seen};
 use super::tile::Place;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
@@ -108,8 +108,8 @@ where
     U: Fn(&mut T, &S, &StateOf<S>) + Sync,
     V: Fn(&T) -> f64 + Sync,
 {
-    fn number(&self) -> u64 {
-        6
+    fn kind(&self) -> Kind {
+        Kind::Fold
     }
 
     fn function(&self) -> &dyn Function<S> {

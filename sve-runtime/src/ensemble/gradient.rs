@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::by::By;
 use super::observe::Function;
-use super::observer::{Observable, Observer, Seen};
+use super::observer::{Kind, Observable, Observer, Seen};
 use super::statistics::Statistics;
 use super::summary::Summary;
 use super::tangents::{CarryTiles, carry_tiles};
@@ -110,8 +110,12 @@ where
     S: System,
     F: Fn(&DualStateOf<'_, S>) -> Dual + Send + Sync,
 {
-    fn number(&self) -> u64 {
-        if self.direction.is_some() { 7 } else { 0 }
+    fn kind(&self) -> Kind {
+        if self.direction.is_some() {
+            Kind::Gradient
+        } else {
+            Kind::Plain
+        }
     }
 
     fn function(&self) -> &dyn Function<S> {

@@ -7,7 +7,7 @@
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
 use super::observe::Closure;
-use super::observer::{LastStep, Plain};
+use super::observer::{Kind, LastStep, Plain};
 use crate::error::observed::Observed;
 use crate::system::StateOf;
 use crate::trajectory::Method;
@@ -158,7 +158,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
 struct Integral;
 
 impl Accumulate for Integral {
-    const NUMBER: u64 = 3;
+    const KIND: Kind = Kind::Integral;
 
     fn after(self, sum: f64, [last, now]: [f64; 2], step: &LastStep, lane: usize) -> f64 {
         sum + 0.5 * step.lengths[lane] * (last + now)
@@ -167,13 +167,13 @@ impl Accumulate for Integral {
 
 /// An average over time.
 #[derive(Clone, Copy)]
-pub(super) struct Average {
+struct Average {
     /// The step at which it begins.
     from: u64,
 }
 
 impl Accumulate for Average {
-    const NUMBER: u64 = 2;
+    const KIND: Kind = Kind::Average;
 
     fn settled(self, from: u64) -> Self {
         Self { from }

@@ -4,7 +4,7 @@
 
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
-use super::observer::LastStep;
+use super::observer::{Kind, LastStep};
 use crate::error::observed::Observed;
 use crate::system::StateOf;
 use crate::trajectory::Method;
@@ -36,7 +36,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
 struct Maximum;
 
 impl Accumulate for Maximum {
-    const NUMBER: u64 = 4;
+    const KIND: Kind = Kind::Maximum;
 
     fn begin(self, now: f64) -> f64 {
         now

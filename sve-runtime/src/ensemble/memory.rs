@@ -3,15 +3,15 @@
 //! Input: the values of a function at both ends of each step. Output: a number for each lane.
 
 use super::observe::{Closure, Function, not_finite};
-use super::observer::{LastStep, Observable, Observer, Seen};
+use super::observer::{Kind, LastStep, Observable, Observer, Seen};
 use super::tile::Place;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::system::System;
 
 /// How a number is made from the values of a function along a path.
 pub(super) trait Accumulate: Copy + Send + Sync {
-    /// The number by which a fingerprint knows the memory.
-    const NUMBER: u64;
+    /// What becomes of the values.
+    const KIND: Kind;
 
     /// Sets the step at which averages begin.
     #[must_use]
@@ -50,8 +50,8 @@ impl<F, O, A> Accumulated<Closure<F, O>, A> {
 }
 
 impl<S: System, F: Function<S>, A: Accumulate> Observable<S> for Accumulated<F, A> {
-    fn number(&self) -> u64 {
-        A::NUMBER
+    fn kind(&self) -> Kind {
+        A::KIND
     }
 
     fn function(&self) -> &dyn Function<S> {

@@ -18,10 +18,23 @@ use crate::trajectory::Method;
 /// The name of the weight in messages.
 const WEIGHT: &str = "weight";
 
+/// What becomes of the values of a function along a path. The numbers stand in the fingerprints of shards and checkpoints, so they stay.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    Plain = 0,
+    Weighted = 1,
+    Average = 2,
+    Integral = 3,
+    Maximum = 4,
+    Crossings = 5,
+    Fold = 6,
+    Gradient = 7,
+}
+
 /// A function with what becomes of its values along a path.
 pub(super) trait Observable<S: System>: Sync {
-    /// The number by which a fingerprint knows what becomes of the values. Each kind has its own.
-    fn number(&self) -> u64;
+    /// What becomes of the values.
+    fn kind(&self) -> Kind;
 
     /// The function.
     fn function(&self) -> &dyn Function<S>;
@@ -125,8 +138,12 @@ pub(super) struct Plain<F> {
 }
 
 impl<S: System, F: Function<S>> Observable<S> for Plain<F> {
-    fn number(&self) -> u64 {
-        u64::from(self.is_weighted)
+    fn kind(&self) -> Kind {
+        if self.is_weighted {
+            Kind::Weighted
+        } else {
+            Kind::Plain
+        }
     }
 
     fn function(&self) -> &dyn Function<S> {

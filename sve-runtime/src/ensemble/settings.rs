@@ -7,9 +7,8 @@ use core::ops::Range;
 use super::fingerprint::Fingerprint;
 use super::increment_buffer::IncrementBuffer;
 use super::info::Info;
-use super::integral::Average;
-use super::memory::Accumulate as _;
 use super::merge_tree::PartialResult;
+use super::observer::Kind;
 use super::passage::counts::Grid;
 use super::path_noise::PathNoise;
 use super::starts::{StartRng, Starts};
@@ -362,7 +361,7 @@ fn check_observed<I: Method>(ensemble: &Ensemble<'_, I>, steps: u64) -> Result<(
         }
     }
     let mut observables = observed.observables.iter();
-    if observed.settle >= steps && observables.any(|of| of.number() == Average::NUMBER) {
+    if observed.settle >= steps && observables.any(|of| of.kind() == Kind::Average) {
         return Err(EnsembleError::Settle {
             settle: observed.settle,
             steps,

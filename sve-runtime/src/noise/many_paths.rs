@@ -29,10 +29,19 @@ pub trait ManyPaths {
     fn many_paths(self) -> PathData;
 }
 
+/// The kinds of distributions. Their numbers are part of the fingerprints of shards and checkpoints, so they
+/// must not change.
+#[derive(Clone, Copy)]
+pub(crate) enum DistributionKind {
+    Normal = 0,
+    ThreePoint = 1,
+    NoNoise = 2,
+}
+
 /// A distribution from which the increments of many paths are drawn.
 pub(crate) trait PathDistribution: Distribution + Debug + Sync + 'static {
-    /// The number that identifies the distribution in shards and checkpoints of ensembles.
-    const NUMBER: u64;
+    /// The kind of the distribution.
+    const KIND: DistributionKind;
     /// The name of the increments on pages.
     const NAME: &'static str;
     /// True if the sum of the increments over two halves of a step has the distribution of the
@@ -48,8 +57,8 @@ pub(crate) trait PathDistribution: Distribution + Debug + Sync + 'static {
 
 /// A [`PathDistribution`] as a value.
 pub(crate) trait AnyDistribution: Debug + Sync {
-    /// Returns [`PathDistribution::NUMBER`].
-    fn number(&self) -> u64;
+    /// Returns [`PathDistribution::KIND`].
+    fn kind(&self) -> DistributionKind;
     /// Returns [`PathDistribution::NAME`].
     fn name(&self) -> &'static str;
     /// Returns [`PathDistribution::HAS_SUMS`].
@@ -63,8 +72,8 @@ pub(crate) trait AnyDistribution: Debug + Sync {
 }
 
 impl<D: PathDistribution> AnyDistribution for D {
-    fn number(&self) -> u64 {
-        D::NUMBER
+    fn kind(&self) -> DistributionKind {
+        D::KIND
     }
 
     fn name(&self) -> &'static str {

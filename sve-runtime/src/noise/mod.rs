@@ -68,7 +68,7 @@ pub use halves::{Halves, WithinSteps};
 #[cfg(feature = "ensemble")]
 pub use many_paths::ManyPaths;
 #[cfg(feature = "ensemble")]
-pub(crate) use many_paths::{AnyDistribution, PathData};
+pub(crate) use many_paths::{AnyDistribution, DistributionKind, PathData};
 pub use none::NoNoise;
 pub use recorded::Recorded;
 pub use three_point::ThreePoint;

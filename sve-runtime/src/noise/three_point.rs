@@ -9,7 +9,7 @@
 use super::counter_path::CounterPath;
 use super::distribution::Distribution;
 #[cfg(feature = "ensemble")]
-use super::many_paths::{ManyPaths, PathData, PathDistribution};
+use super::many_paths::{DistributionKind, ManyPaths, PathData, PathDistribution};
 use super::{Noise, NoiseError, Replayable};
 
 /// Increments ±√(3h) with probability 1/6 each and 0 with 2/3, counter-based as
@@ -107,7 +107,7 @@ const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
 #[cfg(feature = "ensemble")]
 impl PathDistribution for ThreePoints {
-    const NUMBER: u64 = 1;
+    const KIND: DistributionKind = DistributionKind::ThreePoint;
     const NAME: &'static str = "increments of three values";
 }
 

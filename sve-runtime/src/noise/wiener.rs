@@ -8,7 +8,7 @@ use super::Halves;
 use super::counter_path::CounterPath;
 use super::distribution::{Distribution, Workspace};
 #[cfg(feature = "ensemble")]
-use super::many_paths::{ManyPaths, PathData, PathDistribution};
+use super::many_paths::{DistributionKind, ManyPaths, PathData, PathDistribution};
 use super::stages::StagePath;
 use super::{Noise, NoiseError, Replayable, WithinSteps, box_muller};
 
@@ -147,7 +147,7 @@ impl Distribution for Normal {
 
 #[cfg(feature = "ensemble")]
 impl PathDistribution for Normal {
-    const NUMBER: u64 = 0;
+    const KIND: DistributionKind = DistributionKind::Normal;
     const NAME: &'static str = "normal increments";
     const HAS_SUMS: bool = true;
 
