@@ -1,88 +1,63 @@
 //! Results of studies as CSV files, in a format that all compared programs share.
 //!
-//! Input: records. Output: a header line with the names in [`COLUMNS`], then one line for each record; and the records of such a file.
-//! Invariant: numbers that were written are read with the same bits. Fields with a comma, a quotation mark or a line break are quoted
-//! as in RFC 4180. An unknown number is an empty field.
+//! Input: records. Output: a header line with the names of the columns, then one line for each record; and the records of such a file.
+//! Invariant: numbers that were written are read with the same bits. An unknown number is an empty field.
 
-use std::io::{BufRead, Write};
+use std::io::{self, BufRead, Write};
 use std::path::Path;
+
+use ::csv::{Error, ErrorKind, Reader, StringRecord, WriterBuilder};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::StudyError;
 
-/// Names of the columns of a file, in the order in which they are written.
-pub const COLUMNS: [&str; 15] = {
-    let mut names = [""; 15];
-    let mut column = 0;
-    while column < names.len() {
-        names[column] = FIELDS[column].0;
-        column += 1;
-    }
-    names
-};
-
-/// A column, and where a record has its value.
-type Field = (&'static str, fn(&mut Record) -> Value<'_>);
-
-/// The value of a record in a column.
-enum Value<'r> {
-    Text(&'r mut String),
-    Number(&'r mut Option<f64>),
-    Count(&'r mut u64),
-}
-
-/// The columns.
-const FIELDS: [Field; 15] = [
-    ("problem", |of| Value::Text(&mut of.problem)),
-    ("method", |of| Value::Text(&mut of.method)),
-    ("h", |of| Value::Number(&mut of.h)),
-    ("error", |of| Value::Number(&mut of.error)),
-    ("error_se", |of| Value::Number(&mut of.error_se)),
-    ("weak_error", |of| Value::Number(&mut of.weak_error)),
-    ("weak_error_se", |of| Value::Number(&mut of.weak_error_se)),
-    ("energy_error", |of| Value::Number(&mut of.energy_error)),
-    ("energy_drift", |of| Value::Number(&mut of.energy_drift)),
-    ("ns_per_step", |of| Value::Number(&mut of.ns_per_step)),
-    ("ns_spread", |of| Value::Number(&mut of.ns_spread)),
-    ("time_to_solution_s", |of| {
-        Value::Number(&mut of.time_to_solution_s)
-    }),
-    ("newton_iterations", |of| {
-        Value::Number(&mut of.newton_iterations)
-    }),
-    ("failures", |of| Value::Count(&mut of.failures)),
-    ("source", |of| Value::Text(&mut of.source)),
-];
+/// The fields of a record, in their order.
+const COLUMNS: &str = "problem,method,h,error,error_se,weak_error,weak_error_se,energy_error,\
+    energy_drift,ns_per_step,ns_spread,time_to_solution_s,newton_iterations,failures,source";
 
 /// One line of a file of results: one method with one step size (or tolerance) on one problem. Numbers that are not known are `None`.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Record {
     /// Name of the problem.
     pub problem: String,
     /// Name of the method.
     pub method: String,
     /// Step size; `None` for methods that choose their step sizes.
+    #[serde(with = "finite")]
     pub h: Option<f64>,
     /// Strong error at the horizon: the root mean square, over paths, of the distance from the reference.
+    #[serde(with = "finite")]
     pub error: Option<f64>,
     /// Standard error of `error`.
+    #[serde(with = "finite")]
     pub error_se: Option<f64>,
     /// Weak error of the problem's first observable.
+    #[serde(with = "finite")]
     pub weak_error: Option<f64>,
     /// Standard error of `weak_error`.
+    #[serde(with = "finite")]
     pub weak_error_se: Option<f64>,
     /// Largest difference of the invariant from its first value.
+    #[serde(with = "finite")]
     pub energy_error: Option<f64>,
     /// Secular change of the invariant in a unit of time.
+    #[serde(with = "finite")]
     pub energy_drift: Option<f64>,
     /// Nanoseconds for one step of one path.
+    #[serde(with = "finite")]
     pub ns_per_step: Option<f64>,
     /// Half the distance between the quartiles of `ns_per_step`.
+    #[serde(with = "finite")]
     pub ns_spread: Option<f64>,
     /// Seconds for one path to the horizon.
+    #[serde(with = "finite")]
     pub time_to_solution_s: Option<f64>,
     /// Newton iterations for one step.
+    #[serde(with = "finite")]
     pub newton_iterations: Option<f64>,
     /// Number of paths that failed.
+    #[serde(deserialize_with = "zero_unless_known")]
     pub failures: u64,
     /// The program, with its version.
     pub source: String,
@@ -102,20 +77,14 @@ pub struct Record {
 ///
 /// # Errors
 /// [`StudyError::Io`] when the writer fails.
-pub fn write_csv(mut to: impl Write, records: &[Record]) -> Result<(), StudyError> {
-    writeln!(to, "{}", COLUMNS.join(","))?;
+pub fn write_csv(to: impl Write, records: &[Record]) -> Result<(), StudyError> {
+    let mut lines = WriterBuilder::new().has_headers(false).from_writer(to);
+    (lines.write_record(COLUMNS.split(','))).map_err(io::Error::from)?;
     for record in records {
-        let mut record = record.clone();
-        let fields = FIELDS.map(|(_, field)| match field(&mut record) {
-            Value::Text(text) => quoted(text),
-            Value::Number(&mut Some(x)) if x.is_finite() => format!("{x:e}"),
-            Value::Number(_) => String::new(),
-            Value::Count(count) => count.to_string(),
-        });
-        writeln!(to, "{}", fields.join(","))?;
+        lines.serialize(record).map_err(io::Error::from)?;
     }
     // a buffered writer ignores errors when it is dropped
-    Ok(to.flush()?)
+    Ok(lines.flush()?)
 }
 
 /// Writes records into a file; see [`write_csv`]. The file is complete or not written at all: it replaces an existing one atomically.
@@ -130,67 +99,61 @@ pub fn to_csv(path: impl AsRef<Path>, records: &[Record]) -> Result<(), StudyErr
 }
 
 /// Reads records that [`write_csv`] or another program wrote. The columns can have any order. The columns `problem` and `method` are
-/// required, and unknown columns are ignored. Line breaks within a field are not supported.
+/// required, and unknown columns are ignored.
 ///
 /// # Errors
 /// [`StudyError::Csv`] with the number of the wrong line; [`StudyError::Io`] if the reader fails.
-pub fn read_csv(from: impl BufRead) -> Result<Vec<Record>, StudyError> {
-    let mut lines = from.lines().enumerate();
-    let Some((_, head)) = lines.next() else {
+pub fn read_csv(mut from: impl BufRead) -> Result<Vec<Record>, StudyError> {
+    let mut text = String::new();
+    from.read_to_string(&mut text)?;
+    let mut lines = Reader::from_reader(text.as_bytes());
+    let head = lines.headers().map_err(io::Error::from)?.clone();
+    if head.is_empty() {
         return Err(wrong(
             1,
             "the line with the names of the columns is missing",
         ));
-    };
-    let head = fields(1, &head?)?;
+    }
     for needed in ["problem", "method"] {
         if !head.iter().any(|name| name == needed) {
             return Err(wrong(1, format!("there is no column `{needed}`")));
         }
     }
-    let mut records = Vec::new();
-    for (at, text) in lines {
-        let (line, text) = (at + 1, text?);
-        if text.trim().is_empty() {
-            continue;
-        }
-        let fields = fields(line, &text)?;
-        if fields.len() != head.len() {
-            let what = format!("{} fields under {} columns", fields.len(), head.len());
-            return Err(wrong(line, what));
-        }
-        let mut record = Record::default();
-        for (name, field) in head.iter().zip(&fields) {
-            record.set(name, field).map_err(|what| wrong(line, what))?;
-        }
-        records.push(record);
+    let (mut line, mut records) = (1, Vec::new());
+    for fields in lines.records() {
+        let fields = fields.map_err(|error| unread(&error))?;
+        line = fields.position().map_or(line, |at| at.line() as usize);
+        let record = fields.deserialize(Some(&head));
+        records.push(record.map_err(|error| wrong(line, mistake(&error, &head, &fields)))?);
+    }
+    // The reader takes a field whose quotation mark is not closed up to the end of the text.
+    if text.matches('"').count() % 2 == 1 {
+        return Err(wrong(line, "a quotation mark is not closed"));
     }
     Ok(records)
 }
 
-impl Record {
-    /// Parses the field of a column and stores its value.
-    fn set(&mut self, column: &str, field: &str) -> Result<(), String> {
-        let Some((_, value)) = FIELDS.iter().find(|(name, _)| *name == column) else {
-            return Ok(());
-        };
-        match (value(self), field.trim()) {
-            (Value::Text(text), _) => field.clone_into(text),
-            (Value::Number(number), "") => *number = None,
-            (Value::Number(number), field) => {
-                *number = Some(parsed(column, field)?).filter(|x: &f64| x.is_finite());
-            }
-            (Value::Count(_), "") => {}
-            (Value::Count(count), field) => *count = parsed(column, field)?,
-        }
-        Ok(())
+/// Says what is wrong with the fields of a line.
+fn mistake(error: &Error, head: &StringRecord, fields: &StringRecord) -> String {
+    let field = match error.kind() {
+        ErrorKind::Deserialize { err, .. } => err.field().map(|field| field as usize),
+        _ => None,
+    };
+    match field.and_then(|at| Some((fields.get(at)?, head.get(at)?))) {
+        Some((field, column)) => format!("`{field}` is no number for the column `{column}`"),
+        None => error.to_string(),
     }
 }
 
-fn parsed<T: core::str::FromStr>(column: &str, field: &str) -> Result<T, String> {
-    field
-        .parse()
-        .map_err(|_| format!("`{field}` is no number for the column `{column}`"))
+/// Returns the error of a line that has not one field for each column.
+fn unread(error: &Error) -> StudyError {
+    let line = error.position().map_or(1, |at| at.line() as usize);
+    match error.kind() {
+        ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => wrong(line, format!("{len} fields under {expected_len} columns")),
+        _ => wrong(line, error.to_string()),
+    }
 }
 
 fn wrong(line: usize, what: impl Into<String>) -> StudyError {
@@ -200,35 +163,25 @@ fn wrong(line: usize, what: impl Into<String>) -> StudyError {
     }
 }
 
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
+/// Numbers that are known only if they are finite.
+mod finite {
+    use super::{Deserialize as _, Deserializer, Serializer};
+
+    #[allow(clippy::ref_option)] // the signature that serde calls
+    pub(super) fn serialize<S: Serializer>(x: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+        match x {
+            Some(x) if x.is_finite() => to.serialize_f64(*x),
+            _ => to.serialize_none(),
+        }
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+        Ok(Option::<f64>::deserialize(from)?.filter(|x| x.is_finite()))
     }
 }
 
-/// Splits a line into its fields and removes their quotation marks.
-fn fields(line: usize, text: &str) -> Result<Vec<String>, StudyError> {
-    let mut fields = vec![String::new()];
-    let mut is_quoted = false;
-    let mut characters = text.trim_end_matches('\r').chars().peekable();
-    while let Some(character) = characters.next() {
-        let last = fields.len() - 1;
-        match character {
-            '"' if is_quoted && characters.peek() == Some(&'"') => {
-                characters.next();
-                fields[last].push('"');
-            }
-            '"' => is_quoted = !is_quoted,
-            ',' if !is_quoted => fields.push(String::new()),
-            other => fields[last].push(other),
-        }
-    }
-    if is_quoted {
-        return Err(wrong(line, "a quotation mark is not closed"));
-    }
-    Ok(fields)
+fn zero_unless_known<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or_default())
 }
 
 #[cfg(test)]
@@ -239,7 +192,7 @@ mod tests {
     fn records_are_read_with_the_bits_that_were_written() {
         let records = [
             Record {
-                problem: "a \"problem\", quoted".into(),
+                problem: "a \"problem\", quoted\nin two lines".into(),
                 method: "m".into(),
                 h: Some(0.1),
                 error: Some(1.0 / 3.0),
@@ -259,17 +212,18 @@ mod tests {
         ];
         let mut file = Vec::new();
         write_csv(&mut file, &records).unwrap();
-        assert!(file.starts_with(COLUMNS.join(",").as_bytes()));
+        assert!(file.starts_with(format!("{COLUMNS}\n").as_bytes()));
         assert_eq!(read_csv(&file[..]).unwrap(), records);
     }
 
     #[test]
     fn columns_can_be_in_any_order_and_missing() {
-        let text = "method,remark,problem,error\r\nm,x,p,1e-3\r\n\r\nn,,p,nan\r\n";
+        let text = "method,remark,problem,error,failures\r\nm,x,p,1e-3,\r\n\r\nn,,p,nan,2\r\n";
         let records = read_csv(text.as_bytes()).unwrap();
         assert_eq!(records.len(), 2);
         assert_eq!((&*records[0].problem, records[0].error), ("p", Some(1e-3)));
         assert_eq!((&*records[1].method, records[1].error), ("n", None));
+        assert_eq!((records[0].failures, records[1].failures), (0, 2));
     }
 
     #[test]
@@ -282,7 +236,11 @@ mod tests {
         assert!(message("problem,h\n").1.contains("`method`"));
         let (line, what) = message("problem,method,h\np,m,1\np,m,x\n");
         assert_eq!((line, what.contains("`x`")), (3, true));
-        assert_eq!(message("problem,method\np\n").0, 2);
-        assert_eq!(message("problem,method\np,\"m\n").0, 2);
+        let (line, what) = message("problem,method\np,m\np,\"m\n");
+        assert_eq!((line, &*what), (3, "a quotation mark is not closed"));
+        let (_, what) = message("method,problem,h\np,m,x\n");
+        assert_eq!(what, "`x` is no number for the column `h`");
+        let (line, what) = message("problem,method\np\n");
+        assert_eq!((line, &*what), (2, "1 fields under 2 columns"));
     }
 }

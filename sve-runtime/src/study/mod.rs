@@ -20,7 +20,7 @@ mod settings;
 mod stopwatch;
 mod table;
 
-pub use csv::{COLUMNS, Record, read_csv, to_csv, write_csv};
+pub use csv::{Record, read_csv, to_csv, write_csv};
 pub use error::StudyError;
 pub use estimate::Estimate;
 pub use order::{NotAsymptotic, Order};
