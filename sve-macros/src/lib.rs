@@ -259,6 +259,7 @@ use sve_compiler::Settings;
 pub fn variational(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let settings = Settings {
         lanes: cfg!(feature = "lanes"),
+        ..Settings::default()
     };
     sve_compiler::expand(&attribute.into(), &item.into(), settings).into()
 }

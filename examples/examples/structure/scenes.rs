@@ -2,6 +2,7 @@
 //! table that are the same on every machine. `tests/tests/structure/comparison.rs` includes this
 //! file.
 
+use sve_comparison::compared;
 use sve_runtime::__private::Unstructured;
 use sve_runtime::prelude::*;
 use sve_runtime::{
@@ -13,7 +14,7 @@ pub(crate) struct Pendulum {
     g: f64,
 }
 
-#[variational(endpoint, midpoint, taylor2, structure = both)]
+#[compared(endpoint, midpoint, taylor2)]
 impl Pendulum {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v + self.g * q.cos()
@@ -25,7 +26,7 @@ pub(crate) struct Oscillator {
     sigma: f64,
 }
 
-#[variational(endpoint, midpoint, structure = both)]
+#[compared(endpoint, midpoint)]
 impl Oscillator {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v - 0.5 * q * q
@@ -43,7 +44,7 @@ pub(crate) struct Kubo {
     sigma: f64,
 }
 
-#[variational(midpoint, structure = both)]
+#[compared(midpoint)]
 impl Kubo {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         v * v / (2.0 * self.a) - self.a / 2.0 * q * q
@@ -61,7 +62,7 @@ pub(crate) struct Synchrotron {
     sigma: [f64; 2],
 }
 
-#[variational(endpoint, midpoint, structure = both)]
+#[compared(endpoint, midpoint)]
 impl Synchrotron {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v + self.omega.powi(2) * q.cos()
@@ -81,7 +82,7 @@ pub(crate) struct DoublePendulum {
     s: f64,
 }
 
-#[variational(midpoint, structure = both)]
+#[compared(midpoint)]
 impl DoublePendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let ([m1, m2], [l1, l2]) = (self.m, self.l);
@@ -103,7 +104,7 @@ pub(crate) struct Kepler {
     sigma: f64,
 }
 
-#[variational(midpoint, structure = both)]
+#[compared(midpoint)]
 impl Kepler {
     fn inverse_distance(&self, q: [[f64; 2]; 2]) -> f64 {
         let [[x1, y1], [x2, y2]] = q;
@@ -133,7 +134,7 @@ pub(crate) struct Langevin {
     kt: f64,
 }
 
-#[variational(midpoint, structure = both)]
+#[compared(midpoint)]
 impl Langevin {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v - self.a * (q * q - 1.0).powi(2)
@@ -157,7 +158,7 @@ pub(crate) struct Chain {
     k: f64,
 }
 
-#[variational(endpoint, midpoint, structure = both)]
+#[compared(endpoint, midpoint)]
 impl Chain {
     const N: usize = 12;
 

@@ -5,10 +5,15 @@
 pub struct Settings {
     /// True if steps of many states at once are derived, too, for ensembles.
     pub lanes: bool,
+    /// Whether each rule is derived a second time without its structure, which tests and benchmarks compare with the first one.
+    pub unstructured: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { lanes: true }
+        Self {
+            lanes: true,
+            unstructured: false,
+        }
     }
 }

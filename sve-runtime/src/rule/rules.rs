@@ -139,8 +139,7 @@ pub struct StageNoise<R>(pub R);
 pub struct Weak2<R>(pub R);
 
 /// A rule whose step is derived without analysing its structure: Newton's method in all unknowns.
-/// Tests and benchmarks compare derived steps with it; the attribute derives it with
-/// `structure = both`.
+/// Tests and benchmarks compare derived steps with it; an attribute of their own derives it.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unstructured<R>(pub R);

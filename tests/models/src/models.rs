@@ -9,6 +9,7 @@ mod small;
 mod surfaces;
 mod symmetric;
 
+use sve_comparison::compared;
 use sve_runtime::prelude::*;
 
 pub use banded::Rails;
@@ -29,7 +30,7 @@ pub struct Pendulum {
     pub g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl Pendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
@@ -44,7 +45,7 @@ pub struct Oscillator {
     pub sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Oscillator {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -67,7 +68,7 @@ pub struct Kubo {
     pub sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Kubo {
     /// L.
     pub fn lagrangian(&self, q: [f64; 1], v: [f64; 1]) -> f64 {
@@ -94,7 +95,7 @@ pub struct DoublePendulum {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl DoublePendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {

@@ -1,6 +1,7 @@
 //! Systems with the option `weak2`, and systems whose Lagrangian contains the potential of the
 //! option explicitly.
 
+use sve_comparison::compared;
 use sve_runtime::prelude::*;
 
 /// Two systems with the same functions: one with the option, and one whose Lagrangian has the
@@ -9,7 +10,6 @@ macro_rules! both {
     ($system:ident $by_hand:ident $size:literal $functions:tt) => {
         both! {
             $system (
-                structure = both,
                 midpoint,
                 midpoint(weak2),
                 stormer_verlet,
@@ -43,7 +43,7 @@ macro_rules! both {
             pub m: f64,
         }
 
-        #[variational $rules]
+        #[compared $rules]
         impl $system {
             /// L.
             pub fn lagrangian(&self, t: f64, q: [f64; $size], v: [f64; $size]) -> f64 {

@@ -172,7 +172,10 @@ fn expansion(scene: Scene, n: usize) -> Result<(f64, TokenStream), String> {
     let (attribute, block) = input(scene, n)?;
     let mut times = Vec::new();
     // as without the feature `ensemble`
-    let settings = Settings { lanes: false };
+    let settings = Settings {
+        lanes: false,
+        ..Settings::default()
+    };
     let whole = Instant::now();
     let tokens = loop {
         let start = Instant::now();

@@ -56,7 +56,7 @@ pub(crate) fn derive(
     };
     let starts = source.starts(&arena)?;
     let nodes = source.nodes(&starts)?;
-    let steps = source.steps(&starts)?;
+    let steps = source.steps(&starts, settings.unstructured)?;
     drop(starts);
     // the remaining work is proportional to the size of the expressions built so far
     arena.grant(usize::MAX);

@@ -41,16 +41,11 @@ impl From<Exhausted> for Obstacle {
 }
 
 impl Source<'_> {
-    /// Derives the steps of the rules with few nodes. If the attribute asks for steps without
-    /// structure, derives these for all rules.
-    pub(super) fn steps(&self, starts: &[Start<'_>]) -> syn::Result<Vec<Derived>> {
-        let forms = if self.block.arguments.derives_unstructured {
-            &[false, true][..]
-        } else {
-            &[false]
-        };
+    /// Derives the steps of the rules with few nodes. For `both`, derives the steps of all rules
+    /// without structure too.
+    pub(super) fn steps(&self, starts: &[Start<'_>], both: bool) -> syn::Result<Vec<Derived>> {
         let mut steps = Vec::new();
-        for &is_unstructured in forms {
+        for is_unstructured in [false, true].into_iter().take(1 + usize::from(both)) {
             for start in starts {
                 // the Gauss rules are derived from one node; their whole action is used for
                 // comparison only

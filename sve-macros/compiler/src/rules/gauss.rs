@@ -14,7 +14,7 @@
 //!
 //! The step is not derived from this unrolled action. It solves the equations of the rule for any L
 //! (`sve-runtime/src/gauss/`), with the derivatives at one node. The unrolled action remains the
-//! definition; `structure = both` derives its step too, for comparison.
+//! definition; tests derive its step too, for comparison.
 //!
 //! Sources: Marsden, West, *Discrete mechanics and variational integrators*, Acta Numerica 10
 //! (2001), section 2.6; Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), sections

@@ -16,10 +16,6 @@ pub(crate) struct Arguments {
     pub(crate) rules: Vec<ListedRule>,
     /// Path of the runtime crate: `::sve_runtime`, or the path of `crate = path`.
     pub(crate) runtime: syn::Path,
-    /// True if `structure = both` stands in the attribute: each rule is derived a second time
-    /// without its structure. Tests and benchmarks of this project compare the two; no message
-    /// offers this argument to users.
-    pub(crate) derives_unstructured: bool,
     /// True if `reduced` stands in the attribute: functions and states do not contain the attitude
     /// of the bodies.
     pub(crate) is_reduced: bool,
@@ -53,7 +49,6 @@ impl Arguments {
         let mut read = Self {
             rules: Vec::new(),
             runtime: syn::parse_quote!(::sve_runtime),
-            derives_unstructured: false,
             is_reduced: false,
         };
         let before = errors.count();
@@ -97,10 +92,6 @@ impl Arguments {
                 })?;
                 if name == "reduced" && (input.is_empty() || input.peek(Token![,])) {
                     self.is_reduced = true;
-                } else if name == "structure" && is_both(input) {
-                    self.derives_unstructured = true;
-                    input.parse::<Token![=]>()?;
-                    input.parse::<Ident>()?;
                 } else {
                     self.rule(all, &name, input, errors)?;
                 }
@@ -156,12 +147,6 @@ impl Arguments {
         }
         Ok(())
     }
-}
-
-/// Returns whether the next tokens are `= both`.
-fn is_both(input: ParseStream<'_>) -> bool {
-    let ahead = input.fork();
-    ahead.parse::<Token![=]>().is_ok() && ahead.parse::<Ident>().is_ok_and(|word| word == "both")
 }
 
 /// Returns the error of an entry that is not followed by a comma.

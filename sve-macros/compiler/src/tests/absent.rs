@@ -5,11 +5,13 @@ use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{ImplItem, Item};
 
-use crate::tests::{expand, items};
+use crate::tests::{expand, expand_compared, items};
 
 const RULES: [&str; 3] = ["initial_point", "endpoint", "midpoint"];
 
-fn expansion(attribute: &str, members: &str) -> TokenStream {
+type Expand = fn(&TokenStream, &TokenStream) -> TokenStream;
+
+fn expansion(expand: Expand, attribute: &str, members: &str) -> TokenStream {
     let item = format!("impl P {{ {members} }}");
     let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
     expand(&parse(attribute), &parse(&item))
@@ -18,7 +20,10 @@ fn expansion(attribute: &str, members: &str) -> TokenStream {
 /// Returns the functions of a step and the additional functions, each as text: `prepare`,
 /// `increment`, `increment_lanes`, `linearise`, `fallback_0`.
 fn step(attribute: &str, members: &str) -> Vec<String> {
-    let expansion = expansion(attribute, members);
+    step_of(expansion(expand, attribute, members))
+}
+
+fn step_of(expansion: TokenStream) -> Vec<String> {
     assert!(
         !expansion.to_string().contains("compile_error"),
         "{expansion}"
@@ -105,7 +110,7 @@ fn a_noise_that_vanishes_is_refused() {
         "#[gamma] fn half(&self, q: f64) -> [f64; 2] { [self.s * q, 0.0 * q] }",
         "#[h1] fn none(&self, q: f64, p: f64) -> f64 { 0.0 * q * p }",
     ] {
-        let text = expansion("midpoint", &format!("{PENDULUM} {noise}")).to_string();
+        let text = expansion(expand, "midpoint", &format!("{PENDULUM} {noise}")).to_string();
         assert!(text.contains("compile_error"), "{noise}");
     }
 }
@@ -153,29 +158,10 @@ fn the_comparison_leaves_the_step_alone() {
     let noisy = format!("{PENDULUM} {noise}");
     for members in [PENDULUM, &noisy] {
         for rule in RULES {
-            let both = format!("{rule}, structure = both");
-            assert_eq!(step(rule, members), step(&both, members), "{rule}");
-            let text = expansion(&both, members).to_string();
+            let both = expansion(expand_compared, rule, members);
+            let text = both.to_string();
             assert!(text.contains(":: Unstructured <"), "{text}");
+            assert_eq!(step(rule, members), step_of(both), "{rule}");
         }
-    }
-}
-
-/// `structure = both` is not for users: no message names it, and another value is reported as any
-/// unknown argument.
-#[test]
-fn the_comparison_is_not_offered() {
-    for (attribute, hint) in [
-        ("structure", "there is no rule `structure`"),
-        (
-            "midpoint, structure = off",
-            "there is no argument `structure`",
-        ),
-        ("structure = both", "name the rules to derive"),
-        ("middle", "there is no rule `middle`"),
-    ] {
-        let text = expansion(attribute, PENDULUM).to_string();
-        assert!(text.contains(hint), "{attribute}: {text}");
-        assert!(!text.contains("both"), "{attribute}: {text}");
     }
 }

@@ -14,7 +14,7 @@ use syn::{Expr, ImplItem, ItemImpl, Lit, Member, Pat, Stmt};
 
 use super::growth::scenes::Scene;
 use super::models::models;
-use crate::tests::{expand, items};
+use crate::tests::{expand, expand_compared, items};
 
 /// Arithmetic operations, calls of functions, and angle additions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -310,7 +310,11 @@ fn plans_tell_the_operations_of_the_models() {
     let mut rules = 0;
     for model in models() {
         let (attribute, block) = (&model.attribute, &model.block);
-        rules += compare(&model.name, &expand(attribute, &quote::quote!(#block))).0;
+        rules += compare(
+            &model.name,
+            &expand_compared(attribute, &quote::quote!(#block)),
+        )
+        .0;
     }
     assert!(rules > 120, "{rules}");
 }
@@ -320,12 +324,12 @@ fn plans_tell_the_operations_of_scenes_of_any_size() {
     for scene in Scene::ALL {
         for n in [1, 2, 3, 4, 5, 7, 12] {
             let taylor = if n > 5 { "" } else { "taylor2," };
-            let rules = format!("initial_point, endpoint, midpoint, {taylor} structure = both");
+            let rules = format!("initial_point, endpoint, midpoint, {taylor}");
             let attribute = rules.parse().expect("rules");
             let block = scene.block(n).parse().expect("a block");
             compare(
                 &format!("{} of {n}", scene.name()),
-                &expand(&attribute, &block),
+                &expand_compared(&attribute, &block),
             );
         }
     }

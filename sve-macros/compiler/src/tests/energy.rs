@@ -41,7 +41,16 @@ fn systems_without_a_formula_have_no_loop() {
     let of = |lagrangian: &str, settings| energy_lanes(lagrangian, settings);
     let plain = "fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + q.cos() }";
     assert!(of(plain, Settings::default()).is_some());
-    assert!(of(plain, Settings { lanes: false }).is_none());
+    assert!(
+        of(
+            plain,
+            Settings {
+                lanes: false,
+                ..Settings::default()
+            }
+        )
+        .is_none()
+    );
     let relativistic =
         "fn lagrangian(&self, q: f64, v: f64) -> f64 { -(1.0 - v * v).sqrt() - q * q }";
     assert!(of(relativistic, Settings::default()).is_none());

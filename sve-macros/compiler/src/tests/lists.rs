@@ -10,15 +10,11 @@ use syn::{Meta, Token};
 use super::models::models;
 use crate::tests::expand;
 
-/// Returns the rules of an attribute. `structure = both` is omitted: it doubles the work, and the
-/// same functions derive its rules.
+/// Returns the rules of an attribute.
 fn rules(attribute: TokenStream) -> Vec<String> {
     let parser = Punctuated::<Meta, Token![,]>::parse_terminated;
     let listed = syn::parse::Parser::parse2(parser, attribute).expect("a list of rules");
-    let rules = listed
-        .iter()
-        .filter(|meta| !meta.path().is_ident("structure"));
-    rules
+    (listed.iter())
         .map(|rule| rule.to_token_stream().to_string())
         .collect()
 }

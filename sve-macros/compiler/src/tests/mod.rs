@@ -32,6 +32,15 @@ pub(crate) fn expand(attribute: &TokenStream, item: &TokenStream) -> TokenStream
     crate::expand(attribute, item, Settings::default())
 }
 
+/// Returns the expansion with each rule derived a second time, without its structure.
+pub(crate) fn expand_compared(attribute: &TokenStream, item: &TokenStream) -> TokenStream {
+    let settings = Settings {
+        unstructured: true,
+        ..Settings::default()
+    };
+    crate::expand(attribute, item, settings)
+}
+
 /// Returns the items of an expansion. The items of a step with additional functions stand in a
 /// block, which is opened.
 pub(crate) fn items(expansion: TokenStream) -> Vec<syn::Item> {

@@ -35,7 +35,8 @@ fn annotated(item: Item) -> Option<Annotated> {
     let Item::Impl(mut block) = item else {
         return None;
     };
-    let is_this = |a: &syn::Attribute| a.path().is_ident("variational");
+    let is_this =
+        |a: &syn::Attribute| a.path().is_ident("variational") || a.path().is_ident("compared");
     let at = block.attrs.iter().position(is_this)?;
     let attribute = block.attrs.remove(at).meta;
     Some(Annotated {

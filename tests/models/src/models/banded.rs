@@ -1,5 +1,6 @@
 //! A system with few neighbours, whose equations are banded once they are ordered.
 
+use sve_comparison::compared;
 use sve_runtime::prelude::*;
 
 /// Beads on parallel rails, coupled to their neighbours by springs and by masses that roll on both,
@@ -17,7 +18,7 @@ pub struct Rails {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Rails {
     /// L.
     pub fn lagrangian(&self, q: [f64; 8], v: [f64; 8]) -> f64 {

@@ -1,5 +1,6 @@
 //! Systems without noise, for all four rules.
 
+use sve_comparison::compared;
 use sve_runtime::prelude::*;
 
 /// The double pendulum, at rest or not: its mass matrix depends on q.
@@ -13,7 +14,7 @@ pub struct PlanarDoublePendulum {
     pub g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl PlanarDoublePendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -40,7 +41,7 @@ pub struct Magnetic {
     pub k: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl Magnetic {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -62,7 +63,7 @@ pub struct SphericalPendulum {
     pub g: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl SphericalPendulum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -83,7 +84,7 @@ pub struct Relativistic {
     pub k: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl Relativistic {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -98,7 +99,7 @@ impl Relativistic {
 #[derive(Clone, Debug)]
 pub struct HenonHeiles;
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl HenonHeiles {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -116,7 +117,7 @@ pub struct Quartic {
     pub k: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl Quartic {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {

@@ -1,5 +1,6 @@
 //! Systems with a force, for the rules that their noises allow.
 
+use sve_comparison::compared;
 use sve_runtime::prelude::*;
 
 /// A double well in a bath: `L = ½mv² − k(q²−1)²/4`, friction `F = −νmv`, `γ = σq`.
@@ -15,7 +16,7 @@ pub struct Damped {
     pub sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Damped {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -45,7 +46,7 @@ pub struct Stirred {
     pub w: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl Stirred {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -78,7 +79,7 @@ pub struct Towed {
     pub s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Towed {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {

@@ -1,5 +1,6 @@
 //! Systems with noise, for the three one-node rules.
 
+use sve_comparison::compared;
 use sve_runtime::prelude::*;
 
 /// A coupled mass matrix that depends on q, with noises in momentum and in position.
@@ -11,7 +12,7 @@ pub struct Mixed {
     pub s: [f64; 3],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Mixed {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -50,7 +51,7 @@ pub struct Polar {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Polar {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -83,7 +84,7 @@ pub struct Driven {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Driven {
     /// L.
     pub fn lagrangian(&self, t: f64, q: f64, v: f64) -> f64 {
@@ -113,7 +114,7 @@ pub struct Synchrotron {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Synchrotron {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -142,7 +143,7 @@ pub struct Actions {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Actions {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -168,7 +169,7 @@ pub struct Clashing {
     pub sigma: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Clashing {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {
@@ -199,7 +200,7 @@ pub struct Chain {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Chain {
     const LENGTH: usize = 6;
     const HARDENING: f64 = 0.3;
@@ -240,7 +241,7 @@ pub struct OneMomentum {
     pub s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl OneMomentum {
     /// L.
     pub fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {

@@ -1,5 +1,6 @@
 //! Systems with a symmetry that is declared.
 
+use sve_comparison::compared;
 use sve_runtime::prelude::*;
 
 /// A central potential in the plane with a noise of the distance: angular momentum is conserved.
@@ -11,7 +12,7 @@ pub struct Central {
     pub s: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Central {
     /// L.
     pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
@@ -45,7 +46,7 @@ pub struct Charges {
     pub s: [f64; 3],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Charges {
     /// L.
     pub fn lagrangian(&self, q: [[f64; 3]; 2], v: [[f64; 3]; 2]) -> f64 {
@@ -108,7 +109,7 @@ pub struct Stretched {
     pub m: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, taylor2, structure = both)]
+#[compared(initial_point, endpoint, midpoint, stormer_verlet, taylor2)]
 impl Stretched {
     /// L.
     pub fn lagrangian(&self, q: f64, v: f64) -> f64 {

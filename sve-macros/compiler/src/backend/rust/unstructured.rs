@@ -1,6 +1,6 @@
 //! The step without structure: what generic code would do, which has the equations and their
-//! Jacobian and knows nothing else. The other steps are compared with it, see `structure = both` in
-//! `parse`.
+//! Jacobian and knows nothing else. Tests compare the other steps with it, see
+//! `Settings::unstructured`.
 //!
 //! Input: an iteration in all unknowns, and the results. Output: the body of `increment`. All that
 //! is needed is computed where it is needed, functions of angles too; nothing is prepared.
