@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 
 use super::palette::Color;
+use crate::table::csv::quoted;
 
 /// A figure: rows of panels under each other.
 #[derive(Clone, Debug)]
@@ -201,13 +202,5 @@ impl Figure {
             }
         }
         text
-    }
-}
-
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
     }
 }

@@ -6,7 +6,7 @@
 use std::io::{self, BufRead, Write};
 use std::path::Path;
 
-use ::csv::{Error, ErrorKind, Reader, StringRecord, WriterBuilder};
+use ::csv::{Error, ErrorKind, Position, Reader, StringRecord, WriterBuilder};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::StudyError;
@@ -119,15 +119,17 @@ pub fn read_csv(mut from: impl BufRead) -> Result<Vec<Record>, StudyError> {
             return Err(wrong(1, format!("there is no column `{needed}`")));
         }
     }
-    let (mut line, mut records) = (1, Vec::new());
+    let (mut last, mut records) = (None, Vec::new());
     for fields in lines.records() {
-        let fields = fields.map_err(|error| unread(&error))?;
-        line = fields.position().map_or(line, |at| at.line() as usize);
+        let fields = fields.map_err(|error| unread(&error, &text))?;
+        let line = || line_of(fields.position(), &text);
         let record = fields.deserialize(Some(&head));
-        records.push(record.map_err(|error| wrong(line, mistake(&error, &head, &fields)))?);
+        records.push(record.map_err(|error| wrong(line(), mistake(&error, &head, &fields)))?);
+        last = fields.position().cloned();
     }
     // The reader takes a field whose quotation mark is not closed up to the end of the text.
     if text.matches('"').count() % 2 == 1 {
+        let line = line_of(last.as_ref(), &text);
         return Err(wrong(line, "a quotation mark is not closed"));
     }
     Ok(records)
@@ -146,14 +148,23 @@ fn mistake(error: &Error, head: &StringRecord, fields: &StringRecord) -> String 
 }
 
 /// Returns the error of a line that has not one field for each column.
-fn unread(error: &Error) -> StudyError {
-    let line = error.position().map_or(1, |at| at.line() as usize);
+fn unread(error: &Error, text: &str) -> StudyError {
+    let line = line_of(error.position(), text);
     match error.kind() {
         ErrorKind::UnequalLengths {
             expected_len, len, ..
         } => wrong(line, format!("{len} fields under {expected_len} columns")),
         _ => wrong(line, error.to_string()),
     }
+}
+
+/// Returns the number of the first line with content after a position: the reader takes the line breaks before a line as part of it.
+fn line_of(at: Option<&Position>, text: &str) -> usize {
+    let at = at.map_or(0, |at| at.byte() as usize);
+    let is_break = |byte: &u8| matches!(byte, b'\r' | b'\n');
+    let breaks = text.bytes().skip(at).take_while(is_break).count();
+    let before = text.bytes().take(at + breaks);
+    1 + before.filter(|&byte| byte == b'\n').count()
 }
 
 fn wrong(line: usize, what: impl Into<String>) -> StudyError {
@@ -240,7 +251,11 @@ mod tests {
         assert_eq!((line, &*what), (3, "a quotation mark is not closed"));
         let (_, what) = message("method,problem,h\np,m,x\n");
         assert_eq!(what, "`x` is no number for the column `h`");
-        let (line, what) = message("problem,method\np\n");
-        assert_eq!((line, &*what), (2, "1 fields under 2 columns"));
+        for breaks in ["\n", "\r\n"] {
+            let (line, what) = message(&["problem,method", "p,m", "", "", "p", ""].join(breaks));
+            assert_eq!((line, &*what), (5, "1 fields under 2 columns"));
+            let (line, _) = message(&["problem,method,h", "p,\"m", "n\",1", "p,m,x"].join(breaks));
+            assert_eq!(line, 4);
+        }
     }
 }

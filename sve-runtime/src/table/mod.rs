@@ -3,7 +3,7 @@
 //! Input: columns. Output: a file, written atomically. Invariant: every format keeps the bits of all numbers. What is written, statistics, histograms or states, makes its columns and has
 //! the functions of `table_writers`.
 
-mod csv;
+pub(crate) mod csv;
 #[cfg(feature = "npy")]
 mod npy;
 #[cfg(feature = "parquet")]
