@@ -5,7 +5,8 @@
 pub struct Settings {
     /// True if steps of many states at once are derived, too, for ensembles.
     pub lanes: bool,
-    /// Whether each rule is derived a second time without its structure, which tests and benchmarks compare with the first one.
+    /// True if each rule is derived a second time without its structure. Tests and benchmarks
+    /// compare the two.
     pub unstructured: bool,
 }
 

@@ -18,7 +18,8 @@ use crate::trajectory::Method;
 /// The name of the weight in messages.
 const WEIGHT: &str = "weight";
 
-/// What becomes of the values of a function along a path. The numbers stand in the fingerprints of shards and checkpoints, so they stay.
+/// The uses of the values of a function along a path. Their numbers are part of the fingerprints of
+/// shards and checkpoints, so they must not change.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Plain = 0,

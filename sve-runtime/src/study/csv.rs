@@ -1,7 +1,8 @@
 //! Results of studies as CSV files, in a format that all compared programs share.
 //!
-//! Input: records. Output: a header line with the names of the columns, then one line for each record; and the records of such a file.
-//! Invariant: numbers that were written are read with the same bits. An unknown number is an empty field.
+//! Input: records. Output: a header line with the names of the columns, then one line for each
+//! record; and the records of such a file. Invariant: numbers that were written are read with the
+//! same bits. An unknown number is an empty field.
 
 use std::io::{self, BufRead, Write};
 use std::path::Path;
@@ -158,7 +159,8 @@ fn unread(error: &Error, text: &str) -> StudyError {
     }
 }
 
-/// Returns the number of the first line with content after a position: the reader takes the line breaks before a line as part of it.
+/// Returns the number of the first line with content after a position, since a position of the
+/// reader stands before the empty lines that the reader skips.
 fn line_of(at: Option<&Position>, text: &str) -> usize {
     let at = at.map_or(0, |at| at.byte() as usize);
     let is_break = |byte: &u8| matches!(byte, b'\r' | b'\n');

@@ -1,9 +1,11 @@
-//! The attribute `#[compared]`, with which tests compare steps with steps that are derived without looking for their structure.
+//! The attribute `#[compared]`: it lets tests compare the steps of a rule with steps that ignore the
+//! structure of their equations.
 
 use proc_macro::TokenStream;
 use sve_compiler::{Settings, expand};
 
-/// Derives what `#[variational]` derives, and each rule `R` once more without its structure, as the rule `Unstructured<R>`.
+/// Derives all that `#[variational]` derives. Derives each rule `R` a second time without its
+/// structure, for the rule `Unstructured<R>`.
 #[proc_macro_attribute]
 pub fn compared(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let settings = Settings {
