@@ -10,7 +10,6 @@ mod surfaces;
 mod symmetric;
 
 use sve_comparison::compared;
-use sve_runtime::prelude::*;
 
 pub use banded::Rails;
 pub use constrained::{OnSphere, TurnedSphere, TwoRods};

@@ -1,7 +1,6 @@
 //! A system with few neighbours, whose equations are banded once they are ordered.
 
 use sve_comparison::compared;
-use sve_runtime::prelude::*;
 
 /// Beads on parallel rails, coupled to their neighbours by springs and by masses that roll on both,
 /// and numbered at random: bead `3k mod 8` is the k-th along the chain. The spring in the middle is

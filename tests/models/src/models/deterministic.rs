@@ -1,7 +1,6 @@
 //! Systems without noise, for all four rules.
 
 use sve_comparison::compared;
-use sve_runtime::prelude::*;
 
 /// The double pendulum, at rest or not: its mass matrix depends on q.
 #[derive(Clone, Debug)]

@@ -1,7 +1,6 @@
 //! Systems with a force, for the rules that their noises allow.
 
 use sve_comparison::compared;
-use sve_runtime::prelude::*;
 
 /// A double well in a bath: `L = ½mv² − k(q²−1)²/4`, friction `F = −νmv`, `γ = σq`.
 #[derive(Clone, Debug)]

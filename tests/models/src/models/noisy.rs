@@ -1,7 +1,6 @@
 //! Systems with noise, for the three one-node rules.
 
 use sve_comparison::compared;
-use sve_runtime::prelude::*;
 
 /// A coupled mass matrix that depends on q, with noises in momentum and in position.
 #[derive(Clone, Debug)]
