@@ -1,10 +1,14 @@
 //! The motion without noise that `Mechanics::drift` tells, with the forces of constraints.
 
-use sve_models::models::{OnSphere, Thermal};
+use sve_models::assert_matches;
+use sve_models::checks::assert_relative;
+use sve_models::models::OnSphere;
+use sve_models::orders::numbers;
+use sve_models::stepper::Stepper;
 use sve_runtime::prelude::*;
 use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
 
-use super::systems::{Check, all};
+use super::systems::{Check, all, thermal};
 
 /// Compares the drift with a difference of steps without noise.
 struct Compared;
@@ -21,24 +25,13 @@ impl Check for Compared {
     {
         // one-sided rules too: a step back with the same rule is that of the other one
         let h = 2e-5;
-        let moved = |h: f64| {
-            let mut state = start;
-            integrator.step(&mut state, h, &[0.0; M]).unwrap();
-            [state.q.coordinates(), Q::components(&state.p)]
-        };
+        let moved = |h| numbers(&integrator.after(start, h, &[0.0; M], 1));
         let (forth, back) = (moved(h), moved(-h));
         let drift = integrator.system().drift(&start).unwrap();
-        let drift = [Q::components(&drift.q), Q::components(&drift.p)];
-        for (part, expected) in drift.iter().enumerate() {
-            for i in 0..N {
-                let difference = (forth[part][i] - back[part][i]) / (2.0 * h);
-                assert!(
-                    (difference - expected[i]).abs() < 1e-7 * (1.0 + expected[i].abs()),
-                    "{name}: {difference} {}",
-                    expected[i]
-                );
-            }
-        }
+        let drift = [Q::components(&drift.q), Q::components(&drift.p)].concat();
+        let pairs = forth.iter().zip(&back);
+        let differences: Vec<f64> = pairs.map(|(a, b)| (a - b) / (2.0 * h)).collect();
+        assert_relative(&differences, &drift, 1e-7, name);
     }
 }
 
@@ -63,17 +56,10 @@ fn the_force_of_a_rod_is_the_centripetal_one() {
 
 #[test]
 fn states_beside_the_constraints_have_no_drift() {
-    let thermal = Thermal {
-        g: 1.0,
-        nu: 0.5,
-        temperature: 1.0,
-    };
+    let thermal = thermal(0.5, 1.0);
     let beside = State::new(Vector3::new(0.0, 0.0, 1.01), Vector3::zeros());
     let error = thermal.drift(&beside).unwrap_err();
-    assert!(
-        matches!(&error, StepError::InconsistentStart { constraint, .. } if &**constraint == "sphere"),
-        "{error}"
-    );
+    assert_matches!(error, StepError::InconsistentStart { constraint, .. } if &**constraint == "sphere");
     let nan = State::new(Vector3::new(0.0, 0.0, f64::NAN), Vector3::zeros());
     assert!(thermal.drift(&nan).is_err());
 }

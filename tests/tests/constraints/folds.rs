@@ -2,11 +2,12 @@
 //! such place.
 
 use sve_models::models::OnSphere;
+use sve_models::stepper::{Stepper, with_verlet};
 use sve_runtime::ensemble::Cause;
 use sve_runtime::prelude::*;
 use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
 
-use super::systems::{Check, conservative, two_rods};
+use super::systems::{Check, conservative, two_rods, two_rods_at};
 
 /// A linkage of two cranks with their pivots at a distance of 1, and a coupler. A spring pulls at
 /// the ends of the coupler.
@@ -79,21 +80,18 @@ fn start(angle: f64, speed: f64) -> State<Two> {
 
 /// Steps a linkage until it fails, or to the end. Returns the error and the largest change of the
 /// kinetic energy in a step, relative to the energy.
-fn run<S, R>(
-    integrator: &Integrator<S, R>,
+fn run(
+    rule: &dyn Stepper<Two, [f64; 1]>,
     state: State<Two>,
     h: f64,
     steps: u32,
-) -> (Option<StepError>, f64)
-where
-    S: Variational<R> + System<Dims = Dims<4, 1, Two>>,
-{
-    let mut state = integrator.consistent(state).unwrap();
+) -> (Option<StepError>, f64) {
+    let mut state = rule.consistent(state).unwrap();
     let energy = |state: &State<Two>| 0.5 * (state.p[0].norm_squared() + state.p[1].norm_squared());
     let mut largest: f64 = 0.0;
     for _ in 0..steps {
         let before = state;
-        if let Err(error) = integrator.step(&mut state, h, &[0.0]) {
+        if let Err(error) = rule.step(&mut state, h, &[0.0]) {
             assert_eq!(state, before);
             return (Some(error), largest);
         }
@@ -107,47 +105,29 @@ where
 /// degrees where it is almost a line. A step of 0.01 across this place multiplied the energy by 4.
 #[test]
 fn a_step_across_a_near_fold_is_an_error() {
-    fn check<S, R>(system: S, rule: R)
-    where
-        S: Copy + Variational<R> + System<Dims = Dims<4, 1, Two>>,
-        R: Copy,
-    {
-        let integrator = Integrator::new(system, rule);
-        for k in 0..12 {
-            let at = start(0.7 + 0.05 * f64::from(k), 1.0);
-            let (error, largest) = run(&integrator, at, 0.01, 400);
-            let Some(StepError::NearFold { step, part, .. }) = error else {
-                panic!("{error:?}, {largest}");
-            };
-            assert!(part < 0.25 && step > 0.0 && step <= 1.0);
-            assert!(largest < 0.1, "{largest}");
-        }
-    }
-    let torn = Torn {
-        coupler: 1.0 + 1e-9,
-    };
-    check(torn, InitialPoint);
-    check(torn, Endpoint);
-    check(torn, Midpoint);
-    check(torn, StormerVerlet);
+    let coupler = 1.0 + 1e-9;
+    let torn = Torn { coupler };
     let linkage = Linkage {
-        lengths: [0.5, 1.0 + 1e-9, 0.5],
+        lengths: [0.5, coupler, 0.5],
         spring: 0.3,
     };
-    check(linkage, InitialPoint);
-    check(linkage, Endpoint);
-    check(linkage, Midpoint);
-    check(linkage, StormerVerlet);
+    for rule in with_verlet(&torn).iter().chain(&with_verlet(&linkage)) {
+        for k in 0..12 {
+            let at = start(0.7 + 0.05 * f64::from(k), 1.0);
+            let (error, largest) = run(&**rule, at, 0.01, 400);
+            let Some(StepError::NearFold { step, part, .. }) = error else {
+                panic!("{}: {error:?}, {largest}", rule.name());
+            };
+            assert!(part < 0.25 && step > 0.0 && step <= 1.0);
+            assert!(largest < 0.1, "{}: {largest}", rule.name());
+        }
+    }
 }
 
 #[test]
 fn lanes_find_the_same_folds() {
-    let integrator = Integrator::new(
-        Torn {
-            coupler: 1.0 + 1e-9,
-        },
-        StormerVerlet,
-    );
+    let coupler = 1.0 + 1e-9;
+    let integrator = Integrator::new(Torn { coupler }, StormerVerlet);
     assert!(integrator.plan().in_lanes);
     let summary = Ensemble::new(&integrator)
         .paths(64)
@@ -170,18 +150,14 @@ fn lanes_find_the_same_folds() {
 /// Linkages away from folds turn and swing for many steps.
 #[test]
 fn closed_loops_away_from_folds_go_on() {
-    fn check<R: Copy>(rule: R)
-    where
-        Torn: Variational<R> + System<Dims = Dims<4, 1, Two>>,
-    {
-        for coupler in [1.05, 1.3, 0.8] {
-            let integrator = Integrator::new(Torn { coupler }, rule);
-            let (error, largest) = run(&integrator, start(1.0, 1.0), 0.01, 3000);
+    for coupler in [1.05, 1.3, 0.8] {
+        let torn = Torn { coupler };
+        let rules = with_verlet(&torn).into_iter();
+        for rule in rules.filter(|rule| ["midpoint", "stormer_verlet"].contains(&rule.rule())) {
+            let (error, largest) = run(&*rule, start(1.0, 1.0), 0.01, 3000);
             assert!(error.is_none(), "{coupler}: {error:?} {largest}");
         }
     }
-    check(Midpoint);
-    check(StormerVerlet);
 }
 
 /// A pendulum that turns over and one that swings through both extremes, and a double pendulum.
@@ -190,19 +166,12 @@ fn pendulums_go_on() {
     let sphere = OnSphere { g: 9.8, s: 0.0 };
     let integrator = Integrator::new(&sphere, StormerVerlet);
     for speed in [1.0, 4.0, 6.2, 6.4, 9.0] {
-        let mut state = State::new([0.0, 0.0, -1.0], [speed, 0.0, 0.0]);
-        for _ in 0..4000 {
-            integrator.step(&mut state, 0.01, &[0.0; 2]).unwrap();
-        }
+        let start = State::new([0.0, 0.0, -1.0], [speed, 0.0, 0.0]);
+        integrator.after(start, 0.01, &[0.0; 2], 4000);
     }
-    let rods = two_rods();
+    let integrator = Integrator::new(two_rods(), Midpoint);
     for speed in [1.0, 4.0, 8.0] {
-        let integrator = Integrator::new(&rods, Midpoint);
-        let near = State::new([0.9, -0.4, 0.6, -1.0], [0.2, speed, 0.4, 0.1]);
-        let mut state = integrator.consistent(near).unwrap();
-        for _ in 0..4000 {
-            integrator.step(&mut state, 0.01, &[0.0; 2]).unwrap();
-        }
+        integrator.after(two_rods_at(speed), 0.01, &[0.0; 2], 4000);
     }
 }
 
@@ -221,9 +190,7 @@ impl Check for Long {
     {
         let trajectory = integrator.trajectory(start, 0.02, Wiener::new(5));
         for (step, state) in trajectory.take(600).enumerate() {
-            if let Err(error) = state {
-                panic!("{name}, step {step}: {error}");
-            }
+            state.unwrap_or_else(|error| panic!("{name}, step {step}: {error}"));
         }
     }
 }

@@ -4,13 +4,10 @@
 
 use sve_models::random::Random;
 use sve_runtime::prelude::*;
-use sve_runtime::{
-    ConstraintImpulses, Dimensions, Dims, LANES, OneStepMethod, StateLanesOf, System, Variational,
-    VectorCoordinates,
-};
+use sve_runtime::{ConstraintImpulses, Dims, LANES, System, Variational, VectorCoordinates};
 
 use super::path::{Followed, Scheme, follow};
-use super::systems::{Check, conservative};
+use super::systems::{Check, conservative, random_states, stepped_in_lanes};
 
 /// Largest distance of a step from the end of its path, which is found with differenced Jacobians.
 const ERROR: f64 = 1e-6;
@@ -53,15 +50,7 @@ impl Check for Sampled {
         Q: VectorCoordinates<N>,
     {
         for _ in 0..self.blocks {
-            let mut states = Vec::new();
-            while states.len() < LANES {
-                let random = &mut self.random;
-                let (q, p) = (start.q.coordinates(), Q::components(&start.p));
-                let moved: [f64; N] = core::array::from_fn(|i| q[i] + random.uniform(-0.5, 0.5));
-                let pushed: [f64; N] = core::array::from_fn(|i| p[i] + random.uniform(-2.0, 2.0));
-                let (q, p) = (Q::from_coordinates(&moved), Q::from_components(&pushed));
-                states.extend(integrator.consistent(State::at(start.t, q, p)));
-            }
+            let states = random_states(integrator, start, [0.5, 2.0], &mut self.random);
             let speeds = states.iter().map(|state| {
                 let v = Q::components(&integrator.system().drift(state).unwrap().q);
                 v.iter().map(|v| v * v).sum::<f64>().sqrt()
@@ -72,19 +61,12 @@ impl Check for Sampled {
             let dw: [[f64; LANES]; M] = core::array::from_fn(|_| {
                 core::array::from_fn(|_| self.random.uniform(-size, size))
             });
-            let mut lanes = <Dims<N, M, Q> as Dimensions>::splat(&states[0]);
-            for (lane, state) in states.iter().enumerate() {
-                <Dims<N, M, Q> as Dimensions>::set(&mut lanes, lane, state);
-            }
-            let mut next: StateLanesOf<S> = lanes;
-            let prepared = OneStepMethod::prepare(integrator, h).unwrap();
-            let left = OneStepMethod::step_lanes(integrator, &prepared, &lanes, &mut next, h, &dw);
+            let (ends, left) = stepped_in_lanes(integrator, &states, h, &dw);
             for (lane, state) in states.iter().enumerate().take(self.followed) {
                 let dw = dw.map(|row| row[lane]);
                 let mut end = *state;
                 let single = integrator.step(&mut end, h, &dw);
-                let lane_end = (left >> lane & 1 == 0)
-                    .then(|| <Dims<N, M, Q> as Dimensions>::get(&next, lane));
+                let lane_end = (left >> lane & 1 == 0).then(|| ends[lane]);
                 let what = || format!("{name}: h = {h}, dw = {dw:?} from {state:?}");
                 match follow(integrator.system(), scheme(name), state, h, &dw) {
                     Followed::Whole(d) => {

@@ -3,8 +3,12 @@
 use sve_models::models::{
     Breathing, Curved, Ellipsoid, OnSphere, Saddle, Thermal, Torus, TurnedSphere, TwoRods,
 };
+use sve_models::random::Random;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, System, Variational};
+use sve_runtime::{
+    ConstraintImpulses, Dimensions, Dims, LANES, Lane, Mask, OneStepMethod, StateLanesOf, System,
+    Variational,
+};
 
 /// A chain of five rods of equal masses whose end is shaken.
 #[derive(Clone, Debug)]
@@ -50,6 +54,50 @@ pub(crate) trait Check {
         Q: sve_runtime::VectorCoordinates<N>;
 }
 
+/// Random consistent states around a start, one for each lane.
+pub(crate) fn random_states<S, R, Q, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    around: State<Q>,
+    [of_q, of_p]: [f64; 2],
+    random: &mut Random,
+) -> Vec<State<Q>>
+where
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: sve_runtime::VectorCoordinates<N>,
+{
+    let mut states = Vec::new();
+    while states.len() < LANES {
+        let (q, p) = (around.q.coordinates(), Q::components(&around.p));
+        let moved: [f64; N] = core::array::from_fn(|i| q[i] + random.uniform(-of_q, of_q));
+        let pushed: [f64; N] = core::array::from_fn(|i| p[i] + random.uniform(-of_p, of_p));
+        let (q, p) = (Q::from_coordinates(&moved), Q::from_components(&pushed));
+        states.extend(integrator.consistent(State::at(around.t, q, p)));
+    }
+    states
+}
+
+/// Steps of all lanes. Returns the states, and the mask of the lanes that are left to the single step.
+pub(crate) fn stepped_in_lanes<S, R, Q, const N: usize, const M: usize>(
+    integrator: &Integrator<S, R>,
+    states: &[State<Q>],
+    h: f64,
+    dw: &[Lane; M],
+) -> (Vec<State<Q>>, Mask)
+where
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    Q: sve_runtime::VectorCoordinates<N>,
+{
+    let mut lanes = <Dims<N, M, Q> as Dimensions>::splat(&states[0]);
+    for (lane, state) in states.iter().enumerate() {
+        <Dims<N, M, Q> as Dimensions>::set(&mut lanes, lane, state);
+    }
+    let mut next: StateLanesOf<S> = lanes;
+    let prepared = OneStepMethod::prepare(integrator, h).unwrap();
+    let left = OneStepMethod::step_lanes(integrator, &prepared, &lanes, &mut next, h, dw);
+    let states = (0..LANES).map(|lane| <Dims<N, M, Q> as Dimensions>::get(&next, lane));
+    (states.collect(), left)
+}
+
 fn all_rules<S, Q, const N: usize, const M: usize>(
     check: &mut impl Check,
     name: &str,
@@ -71,11 +119,8 @@ fn all_rules<S, Q, const N: usize, const M: usize>(
     let start = midpoint.consistent(start).unwrap();
     let initial_point = Integrator::new(system, InitialPoint);
     check.run(&format!("{name} initial_point"), &initial_point, start);
-    check.run(
-        &format!("{name} endpoint"),
-        &Integrator::new(system, Endpoint),
-        start,
-    );
+    let endpoint = Integrator::new(system, Endpoint);
+    check.run(&format!("{name} endpoint"), &endpoint, start);
     check.run(&format!("{name} midpoint"), &midpoint, start);
     let verlet = Integrator::new(system, StormerVerlet);
     check.run(&format!("{name} stormer_verlet"), &verlet, start);
@@ -90,59 +135,46 @@ pub(crate) fn two_rods() -> TwoRods {
     }
 }
 
+/// A state of the two rods that moves, with this momentum of the upper end.
+pub(crate) fn two_rods_at(speed: f64) -> State<[f64; 4]> {
+    let near = State::new([0.9, -0.4, 0.6, -1.0], [0.2, speed, 0.4, 0.1]);
+    Integrator::new(two_rods(), Midpoint)
+        .consistent(near)
+        .unwrap()
+}
+
+pub(crate) fn thermal(nu: f64, temperature: f64) -> Thermal {
+    let g = 1.0;
+    Thermal { g, nu, temperature }
+}
+
 /// All systems without a force.
 pub(crate) fn conservative(check: &mut impl Check) {
     let q = [0.6, 0.0, -0.8];
     let p = [0.3, 0.9, 0.2];
     let [at, along] = [q, p].map(Vector3::from);
-    all_rules(
-        check,
-        "sphere",
-        &OnSphere { g: 1.3, s: 0.7 },
-        State::new(q, p),
-    );
-    all_rules(
-        check,
-        "turned sphere",
-        &TurnedSphere { s: 0.7 },
-        State::new(q, p),
-    );
-    all_rules(
-        check,
-        "two rods",
-        &two_rods(),
-        State::new([0.9, -0.4, 0.6, -1.0], [0.2, 0.5, 0.4, 0.1]),
-    );
+    let start = State::new(q, p);
+    all_rules(check, "sphere", &OnSphere { g: 1.3, s: 0.7 }, start);
+    all_rules(check, "turned sphere", &TurnedSphere { s: 0.7 }, start);
+    all_rules(check, "two rods", &two_rods(), two_rods_at(0.5));
     let torus = Torus {
         g: 1.0,
         a: 2.0,
         b: 0.7,
         s: 0.5,
     };
-    all_rules(
-        check,
-        "torus",
-        &torus,
-        State::new(Vector3::new(2.5, 0.3, 0.4), along),
-    );
+    let on_torus = State::new(Vector3::new(2.5, 0.3, 0.4), along);
+    all_rules(check, "torus", &torus, on_torus);
     let ellipsoid = Ellipsoid {
         axes: [1.0, 2.0, 0.5],
         g: 1.0,
         s: 0.4,
     };
     all_rules(check, "ellipsoid", &ellipsoid, State::new(at, along));
-    all_rules(
-        check,
-        "curved",
-        &Curved { g: 1.0, s: 0.3 },
-        State::new(at, along),
-    );
-    all_rules(
-        check,
-        "saddle",
-        &Saddle { c: 0.3, s: 0.4 },
-        State::new([0.5, -0.3, 0.0], p),
-    );
+    let curved = Curved { g: 1.0, s: 0.3 };
+    all_rules(check, "curved", &curved, State::new(at, along));
+    let saddle = Saddle { c: 0.3, s: 0.4 };
+    all_rules(check, "saddle", &saddle, State::new([0.5, -0.3, 0.0], p));
     let breathing = Breathing {
         g: 1.0,
         d: 0.2,
@@ -159,11 +191,6 @@ pub(crate) fn conservative(check: &mut impl Check) {
 /// All systems.
 pub(crate) fn all(check: &mut impl Check) {
     conservative(check);
-    let thermal = Thermal {
-        g: 1.0,
-        nu: 0.5,
-        temperature: 1.0,
-    };
     let start = State::new(Vector3::new(0.6, 0.0, -0.8), Vector3::new(0.3, 0.9, 0.2));
-    all_rules(check, "thermal", &thermal, start);
+    all_rules(check, "thermal", &thermal(0.5, 1.0), start);
 }

@@ -1,9 +1,10 @@
 //! Constraints whose gradients vanish where they hold, which a step refuses, and constraints of any
 //! size, which it takes.
 
+use sve_models::stepper::{Stepper, Steppers, with_verlet};
+use sve_runtime::Variational;
 use sve_runtime::ensemble::Cause;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
 
 /// A particle on the circle f = 0, written as s (f² + r f).
 struct Circle {
@@ -62,14 +63,11 @@ fn distance(state: &State<[f64; 2]>) -> f64 {
 
 /// Returns how many starts are projected and how many steps are made, and the largest distance from
 /// the circle of what came of them.
-fn made<S, R, const M: usize>(integrator: &Integrator<S, R>, dw: &[f64; M]) -> (u32, u32, f64)
-where
-    S: Variational<R> + System<Dims = Dims<2, M, [f64; 2]>>,
-{
+fn made<const M: usize>(rule: &dyn Stepper<[f64; 2], [f64; M]>, dw: &[f64; M]) -> (u32, u32, f64) {
     let (mut projected, mut stepped, mut worst) = (0, 0, 0.0_f64);
     for k in 0..180 {
         let start = beside(k);
-        match integrator.consistent(start) {
+        match rule.consistent(start) {
             Ok(state) => {
                 projected += 1;
                 worst = worst.max(distance(&state));
@@ -85,7 +83,7 @@ where
             }
         }
         let mut end = start;
-        match integrator.step(&mut end, 0.01, dw) {
+        match rule.step(&mut end, 0.01, dw) {
             Ok(()) => {
                 stepped += 1;
                 worst = worst.max(distance(&end));
@@ -98,26 +96,23 @@ where
 
 #[test]
 fn a_squared_function_is_no_constraint() {
-    fn check<R: Copy>(rule: R)
-    where
-        Circle: Variational<R>,
-    {
-        for s in [1.0, 2.0_f64.powi(60), 2.0_f64.powi(-60)] {
-            let integrator = Integrator::new(Circle { r: 0.0, s }, rule);
-            let (projected, stepped, _) = made(&integrator, &[]);
-            assert_eq!((projected, stepped), (0, 0), "s = {s}");
-        }
-        // both circles of f² + r f are, if they are as far apart as the digits of f
-        for r in [1e-12, 1e-9] {
-            let integrator = Integrator::new(Circle { r, s: 1.0 }, rule);
-            let (.., worst) = made(&integrator, &[]);
-            assert!(worst <= 0.51 * r + 1e-15, "r = {r}: {worst}");
+    for s in [1.0, 2.0_f64.powi(60), 2.0_f64.powi(-60)] {
+        for rule in with_verlet(&Circle { r: 0.0, s }) {
+            let (projected, stepped, _) = made(&*rule, &[]);
+            assert_eq!((projected, stepped), (0, 0), "{}, s = {s}", rule.name());
         }
     }
-    check(InitialPoint);
-    check(Endpoint);
-    check(Midpoint);
-    check(StormerVerlet);
+    // both circles of f² + r f are, if they are as far apart as the digits of f
+    for r in [1e-12, 1e-9] {
+        for rule in with_verlet(&Circle { r, s: 1.0 }) {
+            let (.., worst) = made(&*rule, &[]);
+            assert!(
+                worst <= 0.51 * r + 1e-15,
+                "{}, r = {r}: {worst}",
+                rule.name()
+            );
+        }
+    }
 }
 
 #[test]
@@ -144,46 +139,41 @@ fn the_error_has_the_numbers() {
 
 #[test]
 fn constraints_of_any_size_are_taken() {
-    fn check<R: Copy>(rule: R)
-    where
-        Circle: Variational<R>,
-    {
-        let ends = [0, 60, -60].map(|power| {
-            let s = 2.0_f64.powi(power);
-            let integrator = Integrator::new(Circle { r: 1.0, s }, rule);
-            let (projected, _, worst) = made(&integrator, &[]);
+    let circles = [0, 60, -60].map(|power| Circle {
+        r: 1.0,
+        s: 2.0_f64.powi(power),
+    });
+    let ends = circles.each_ref().map(|circle| {
+        let end = |rule: Box<dyn Stepper<[f64; 2], [f64; 0]> + '_>| {
+            let (projected, _, worst) = made(&*rule, &[]);
             assert!(projected == 180 && worst < 1e-14, "{projected} {worst}");
-            let mut state = integrator.consistent(beside(3)).unwrap();
-            for _ in 0..100 {
-                integrator.step(&mut state, 0.01, &[]).unwrap();
-            }
-            state
-        });
-        assert_eq!(ends[0], ends[1]);
-        assert_eq!(ends[0], ends[2]);
-    }
-    check(InitialPoint);
-    check(Endpoint);
-    check(Midpoint);
-    check(StormerVerlet);
+            rule.after(rule.consistent(beside(3)).unwrap(), 0.01, &[], 100)
+        };
+        with_verlet(circle).into_iter().map(end).collect::<Vec<_>>()
+    });
+    assert_eq!(ends[0], ends[1]);
+    assert_eq!(ends[0], ends[2]);
 }
 
 #[test]
 fn roots_of_third_degree_are_refused_without_bounds() {
-    fn check<R: Copy>(rule: R)
-    where
-        Curved: Variational<R>,
-    {
-        let (projected, stepped, _) = made(&Integrator::new(Curved { r: 0.0 }, rule), &[0.05]);
-        assert_eq!((projected, stepped), (0, 0));
-        let (projected, stepped, worst) = made(&Integrator::new(Curved { r: 1.0 }, rule), &[0.05]);
+    let (none, circle) = (Curved { r: 0.0 }, Curved { r: 1.0 });
+    let (midpoint, verlet) = (Midpoint, StormerVerlet);
+    let [of_none, of_circle]: [Steppers<'_, _, 1>; 2] = [&none, &circle].map(|system| {
+        let midpoint = Box::new(Integrator::new(system, midpoint)) as Box<dyn Stepper<_, _>>;
+        vec![midpoint, Box::new(Integrator::new(system, verlet))]
+    });
+    for rule in of_none {
+        let (projected, stepped, _) = made(&*rule, &[0.05]);
+        assert_eq!((projected, stepped), (0, 0), "{}", rule.name());
+    }
+    for rule in of_circle {
+        let (projected, stepped, worst) = made(&*rule, &[0.05]);
         assert!(
             projected == 180 && stepped > 30 && worst < 1e-14,
             "{stepped} {worst}"
         );
     }
-    check(Midpoint);
-    check(StormerVerlet);
 }
 
 /// Paths in lanes, from the circle and from beside it.

@@ -1,10 +1,11 @@
 //! Noise that dominates, and noise that vanishes.
 
-use sve_models::models::{DoublePendulum, Kubo, Oscillator, PlanarDoublePendulum};
+use sve_models::checks::assert_says;
+use sve_models::models::{DoublePendulum, Kepler, Kubo, Oscillator, PlanarDoublePendulum, Rotor};
+use sve_models::stepper::one_node;
 use sve_runtime::{Dims, System, Variational, prelude::*};
 
-use super::systems::{Fourth, Rotor};
-use sve_models::models::Kepler;
+use super::systems::Fourth;
 
 /// Kubo's circle, with a kick of the angle of σ√h in each step: the midpoint rule stays on it to
 /// rounding, for kicks of many turns too. The rounding of each of n steps is a few ε times the size
@@ -32,19 +33,20 @@ fn kubo_stays_on_its_circle() {
 /// kicks near a turn there is none. What they give is finite or an error.
 #[test]
 fn kubo_by_the_other_rules_is_finite_or_an_error() {
-    fn run<R>(rule: R, sigma: f64, h: f64)
-    where
-        Kubo: Variational<R>,
-    {
-        let kubo = Integrator::new(Kubo { a: 1.0, sigma }, rule);
-        let path = kubo.trajectory(State::new([1.0], [0.0]), h, Wiener::new(5));
-        for state in path.take(5000).map_while(Result::ok) {
-            assert!(state.q[0].is_finite() && state.p[0].is_finite());
-        }
-    }
     for strength in [0.1, 1.0, 10.0] {
-        run(Endpoint, strength / 0.1_f64.sqrt(), 0.1);
-        run(InitialPoint, strength / 0.1_f64.sqrt(), 0.1);
+        let (h, a) = (0.1_f64, 1.0);
+        let sigma = strength / h.sqrt();
+        for rule in one_node(&Kubo { a, sigma }) {
+            let mut state = State::new([1.0], [0.0]);
+            for step in 0..5000 {
+                let dw = [Wiener::new(5).increment(step, 0, h)];
+                if rule.step(&mut state, h, &dw).is_err() {
+                    break;
+                }
+                let is_finite = state.q[0].is_finite() && state.p[0].is_finite();
+                assert!(is_finite, "{}, step {step}: {state:?}", rule.name());
+            }
+        }
     }
 }
 
@@ -52,18 +54,12 @@ fn kubo_by_the_other_rules_is_finite_or_an_error() {
 /// small h; with unbounded ones a long run meets the end of its branch, and says so.
 #[test]
 fn degree_four_needs_truncation() {
-    let rotor = Integrator::new(Rotor { s: 0.3 }, Midpoint);
+    let rotor = Integrator::new(Rotor { s: 0.25 * 0.3 }, Midpoint);
     let start = State::new([0.0], [2.0]);
     let h = 0.3;
     let bounded = Truncated::new(Wiener::new(1));
-    let failed =
-        |states: Vec<Result<State<[f64; 1]>, StepError>>| states.into_iter().find_map(Result::err);
-    let error = failed(
-        rotor
-            .trajectory(start, h, Wiener::new(1))
-            .take(200_000)
-            .collect(),
-    );
+    let path = rotor.trajectory(start, h, Wiener::new(1));
+    let error = path.take(200_000).find_map(Result::err);
     let Some(StepError::BranchLost {
         t,
         h: step,
@@ -76,17 +72,9 @@ fn degree_four_needs_truncation() {
     };
     assert!(*t > 0.0 && *step == h && dw.len() == 1 && (0.0..1.0).contains(reached));
     assert_eq!(*followed, 1.0);
-    let message = error.as_ref().unwrap().to_string();
-    for part in ["refine", "smaller h", "3e-1"] {
-        assert!(message.contains(part), "{message}");
-    }
-    let error = failed(
-        rotor
-            .trajectory(start, 0.02, bounded)
-            .take(20_000)
-            .collect(),
-    );
-    assert_eq!(error, None);
+    assert_says(error.as_ref().unwrap(), &["refine", "smaller h", "3e-1"]);
+    let mut path = rotor.trajectory(start, 0.02, bounded).take(20_000);
+    assert_eq!(path.find_map(Result::err), None);
 }
 
 /// The bits of a trajectory.
@@ -108,6 +96,10 @@ where
     .collect()
 }
 
+/// The bits of a path with a strength of noise and a source.
+type PathBits<'a> = dyn Fn(f64, &mut dyn Noise) -> Vec<u64> + 'a;
+
+/// σ = 0 with noise, no noise with σ, and a σ whose kicks are below the last digit: the same bits.
 fn no_noise_is_the_limit<R: Copy>(rule: R)
 where
     Oscillator: Variational<R>,
@@ -116,38 +108,32 @@ where
     Kubo: Variational<R>,
     DoublePendulum: Variational<R>,
 {
-    // σ = 0 with noise, no noise with σ, and a σ whose kicks are below the last digit
-    let start = State::new([1.0], [0.3]);
-    let oscillator = |sigma, noise: &mut dyn Noise| bits(Oscillator { sigma }, rule, start, noise);
-    let still = oscillator(0.7, &mut NoNoise);
-    for sigma in [0.0, 1e-20, 1e-300] {
-        assert_eq!(oscillator(sigma, &mut Wiener::new(2)), still);
-    }
-    let start = State::new([1.0, 0.1], [0.1, 1.0]);
-    let kepler = |sigma, noise: &mut dyn Noise| bits(Kepler { k: 1.0, sigma }, rule, start, noise);
-    let still = kepler(0.7, &mut NoNoise);
-    for sigma in [0.0, 1e-22, 1e-300] {
-        assert_eq!(kepler(sigma, &mut Wiener::new(2)), still);
-    }
-    let start = State::new([1.0], [0.3]);
-    let fourth = |s, noise: &mut dyn Noise| bits(Fourth { s, beta: 1.0 }, rule, start, noise);
-    let still = fourth(0.7, &mut NoNoise);
-    for s in [0.0, 1e-22, 1e-300] {
-        assert_eq!(fourth(s, &mut Wiener::new(2)), still);
-    }
-    let kubo = |sigma, noise: &mut dyn Noise| bits(Kubo { a: 1.0, sigma }, rule, start, noise);
-    let still = kubo(0.7, &mut NoNoise);
-    for sigma in [0.0, 1e-22, 1e-300] {
-        assert_eq!(kubo(sigma, &mut Wiener::new(2)), still);
-    }
-    let start = State::new([1.0, 0.5], [0.1, 0.2]);
-    let double = |s, noise: &mut dyn Noise| {
-        let (m, l, g) = ([1.0, 0.7], [1.0, 1.2], 9.8);
-        bits(DoublePendulum { m, l, g, s }, rule, start, noise)
-    };
-    let still = double(0.7, &mut NoNoise);
-    for s in [0.0, 1e-22, 1e-300] {
-        assert_eq!(double(s, &mut Wiener::new(2)), still);
+    let (line, double) = (State::new([1.0], [0.3]), State::new([1.0, 0.5], [0.1, 0.2]));
+    let planet = State::new([1.0, 0.1], [0.1, 1.0]);
+    let (m, l, g) = ([1.0, 0.7], [1.0, 1.2], 9.8);
+    let paths: [(&str, &PathBits<'_>); 5] = [
+        ("Oscillator", &|sigma, noise| {
+            bits(Oscillator { sigma }, rule, line, noise)
+        }),
+        ("Kepler", &|sigma, noise| {
+            bits(Kepler { k: 1.0, sigma }, rule, planet, noise)
+        }),
+        ("Fourth", &|s, noise| {
+            bits(Fourth { s, beta: 1.0 }, rule, line, noise)
+        }),
+        ("Kubo", &|sigma, noise| {
+            bits(Kubo { a: 1.0, sigma }, rule, line, noise)
+        }),
+        ("DoublePendulum", &|s, noise| {
+            bits(DoublePendulum { m, l, g, s }, rule, double, noise)
+        }),
+    ];
+    for (name, path) in paths {
+        let still = path(0.7, &mut NoNoise);
+        for sigma in [0.0, 1e-22, 1e-300] {
+            let quiet = path(sigma, &mut Wiener::new(2));
+            assert_eq!(quiet, still, "{name}, σ = {sigma:e}");
+        }
     }
 }
 
@@ -161,23 +147,19 @@ fn vanishing_noise_leaves_the_bits_of_the_deterministic_step() {
 /// A system with σ = 0 against a system without noise.
 #[test]
 fn a_system_without_noise_has_the_same_bits() {
-    fn check<R: Copy>(rule: R)
-    where
-        DoublePendulum: Variational<R>,
-        PlanarDoublePendulum: Variational<R>,
-    {
-        let (m, l, g) = ([1.0, 0.7], [1.0, 1.2], 9.8);
+    let (m, l, g) = ([1.0, 0.7], [1.0, 1.2], 9.8);
+    let (noisy, still) = (
+        DoublePendulum { m, l, g, s: 0.0 },
+        PlanarDoublePendulum { m, l, g },
+    );
+    for (noisy, still) in one_node(&noisy).iter().zip(one_node(&still)) {
         let start = State::new([1.0, 0.5], [0.1, 0.2]);
-        let noisy = bits(
-            DoublePendulum { m, l, g, s: 0.0 },
-            rule,
-            start,
-            Wiener::new(2),
-        );
-        let still = bits(PlanarDoublePendulum { m, l, g }, rule, start, NoNoise);
-        assert_eq!(noisy, still);
+        let (mut with, mut without) = (start, start);
+        for step in 0..500 {
+            let dw = [0, 1].map(|process| Wiener::new(2).increment(step, process, 0.05));
+            noisy.step(&mut with, 0.05, &dw).unwrap();
+            still.step(&mut without, 0.05, &[]).unwrap();
+            assert_eq!(with, without, "{}, step {step}", noisy.name());
+        }
     }
-    check(InitialPoint);
-    check(Endpoint);
-    check(Midpoint);
 }

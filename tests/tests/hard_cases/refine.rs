@@ -3,13 +3,14 @@
 use sve_runtime::noise::{DyadicInterval, Halves};
 use sve_runtime::prelude::*;
 
-use super::systems::Rotor;
+use sve_models::assert_matches;
+use sve_models::models::Rotor;
 
 const H: f64 = 0.5;
 const STEPS: usize = 2000;
 
 fn system() -> Integrator<Rotor, Midpoint> {
-    Integrator::new(Rotor { s: 0.3 }, Midpoint)
+    Integrator::new(Rotor { s: 0.25 * 0.3 }, Midpoint)
 }
 
 fn start() -> State<[f64; 1]> {
@@ -23,7 +24,7 @@ fn a_path_goes_on_and_is_repeatable() {
     let midpoint = system();
     let plain = midpoint.trajectory(start(), H, Wiener::new(1));
     let error = plain.take(STEPS).find_map(Result::err).unwrap();
-    assert!(matches!(error, StepError::BranchLost { .. }), "{error}");
+    assert_matches!(error, StepError::BranchLost { .. });
 
     let run = || {
         let mut path = midpoint.trajectory(start(), H, Wiener::new(1)).refine(20);
@@ -32,10 +33,8 @@ fn a_path_goes_on_and_is_repeatable() {
     };
     let ((states, refinements), again) = (run(), run());
     assert_eq!((&states, refinements), (&again.0, again.1));
-    assert!(
-        refinements.steps > 0 && refinements.steps < STEPS as u64 / 2,
-        "{refinements:?}"
-    );
+    let steps = refinements.steps;
+    assert!(steps > 0 && steps < STEPS as u64 / 2, "{refinements:?}");
     assert!((1..=20).contains(&refinements.deepest));
     for (step, state) in (1..=STEPS).zip(&states) {
         assert_eq!(state.t, step as f64 * H);
@@ -58,19 +57,12 @@ fn parts_are_those_of_the_bridge() {
             let mut halves = [[0.0], [0.0]];
             let [left, right] = &mut halves;
             noise.halves_of(DyadicInterval::whole(step), H, &[dw], left, right);
-            if halves
-                .iter()
-                .any(|dw| midpoint.step(&mut state, 0.5 * H, dw).is_err())
-            {
+            let mut halves = halves.iter();
+            if halves.any(|dw| midpoint.step(&mut state, 0.5 * H, dw).is_err()) {
                 // one level of refinement is not enough: the state is that before the step
                 assert!(path.next().unwrap().is_err());
-                assert_eq!(
-                    path.state(),
-                    &State {
-                        t: step as f64 * H,
-                        ..before
-                    }
-                );
+                let t = step as f64 * H;
+                assert_eq!(path.state(), &State { t, ..before });
                 break;
             }
         }

@@ -3,31 +3,19 @@
 
 use sve_runtime::{Variational, prelude::*};
 
-use super::systems::Bath;
+use sve_models::checks::assert_within;
+use sve_models::models::Bath;
 
 /// The stationary covariance (⟨q²⟩, ⟨qp⟩, ⟨p²⟩) of z₁ = A z₀ + b ΔW: `C = A C Aᵀ + h b bᵀ`, three
 /// linear equations.
 fn stationary(a: [[f64; 2]; 2], b: [f64; 2], h: f64) -> [f64; 3] {
     let [[a11, a12], [a21, a22]] = a;
+    let [b11, b12, b22] = [h * b[0] * b[0], h * b[0] * b[1], h * b[1] * b[1]];
+    let mixed = 1.0 - a11 * a22 - a12 * a21;
     let mut rows = [
-        [
-            1.0 - a11 * a11,
-            -2.0 * a11 * a12,
-            -a12 * a12,
-            h * b[0] * b[0],
-        ],
-        [
-            -a11 * a21,
-            1.0 - a11 * a22 - a12 * a21,
-            -a12 * a22,
-            h * b[0] * b[1],
-        ],
-        [
-            -a21 * a21,
-            -2.0 * a21 * a22,
-            1.0 - a22 * a22,
-            h * b[1] * b[1],
-        ],
+        [1.0 - a11 * a11, -2.0 * a11 * a12, -a12 * a12, b11],
+        [-a11 * a21, mixed, -a12 * a22, b12],
+        [-a21 * a21, -2.0 * a21 * a22, 1.0 - a22 * a22, b22],
     ];
     for k in 0..3 {
         let pivot = (k..3).max_by(|&i, &j| rows[i][k].abs().total_cmp(&rows[j][k].abs()));
@@ -82,24 +70,18 @@ where
         let tangent = integrator.tangent(&rest, h, &[0.0]).unwrap();
         let mut kicked = rest;
         integrator.step(&mut kicked, h, &[1.0]).unwrap();
-        let a = [
-            [tangent[0][0], tangent[0][1]],
-            [tangent[1][0], tangent[1][1]],
-        ];
-        let expected = stationary(a, [kicked.q[0], kicked.p[0]], h);
+        let expected = stationary(
+            [0, 1].map(|row| [tangent[row][0], tangent[row][1]]),
+            [kicked.q[0], kicked.p[0]],
+            h,
+        );
         let found = sampled(&integrator, h);
         for ((mean, error), expected) in found.into_iter().zip(expected) {
             // two dozen means with a fixed seed: 4.5 standard errors
-            assert!(
-                (mean - expected).abs() <= 4.5 * error,
-                "ωh = {omega}: {mean} ± {error}, expected {expected}"
-            );
+            assert_within(mean, expected, error, 4.5, format!("ωh = {omega}"));
         }
         let equilibrium = [kt / omega.powi(2), kt];
-        let off = [
-            expected[0] / equilibrium[0] - 1.0,
-            expected[2] / equilibrium[1] - 1.0,
-        ];
+        let off = [0, 1].map(|k| expected[2 * k] / equilibrium[k] - 1.0);
         if exact {
             assert!(off.iter().all(|x| x.abs() < 1e-9), "ωh = {omega}: {off:?}");
         } else {
