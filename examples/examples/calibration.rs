@@ -119,7 +119,7 @@ fn run(values: Vector2<f64>) -> Result<Summary, EnsembleError> {
         .paths(PATHS)
         .seed(1)
         .steps(H, STEPS * TIMES as u64)
-        .record_every(STEPS)
+        .every(STEPS)
         .start(START)
         .gradient("q", ["k", "sigma"], |s| s.q[0])
         .gradient("q²", ["k", "sigma"], |s| s.q[0].powi(2))

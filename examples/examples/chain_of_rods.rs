@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use sve_examples::check::{self, Check};
 use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen, Row};
 use sve_examples::{palette, render};
-use sve_runtime::BlockKind;
+use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
 
 const RODS: usize = 20;

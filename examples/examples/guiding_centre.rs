@@ -14,7 +14,7 @@ use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette::{BLUE, GREY, ORANGE};
 use sve_examples::report::{one_row, report};
-use sve_runtime::DegenerateStep;
+use sve_runtime::plan::DegenerateStep;
 use sve_runtime::prelude::*;
 
 /// A field with circular flux surfaces around R = R₀; lengths in R₀, fields in B₀, times in

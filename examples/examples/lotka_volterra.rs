@@ -15,8 +15,10 @@ use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette::{BLUE, GREY, ORANGE};
 use sve_examples::report::{one_row, report};
+use sve_runtime::Variational;
+use sve_runtime::plan::DegenerateStep;
 use sve_runtime::prelude::*;
-use sve_runtime::{DegenerateStep, Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 /// The Lagrangian without the velocity of y, and weather that favours one species or the other.
 #[derive(Clone, Copy, Debug)]

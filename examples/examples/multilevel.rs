@@ -160,7 +160,7 @@ fn shortest<T, E>(run: impl Fn() -> Result<T, E>) -> Result<(T, f64), E> {
 impl<I, S> Problem<I>
 where
     I: Method<System = S> + Sync,
-    S: sve_runtime::System<Dims = sve_runtime::Dims<1, 1>>,
+    S: sve_runtime::system::System<Dims = sve_runtime::system::Dims<1, 1>>,
 {
     fn ensemble(&self, steps: u64, paths: u64, seed: u64) -> Ensemble<'_, I> {
         let observable = self.observable;

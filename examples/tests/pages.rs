@@ -38,7 +38,7 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
         .paths(100)
         .seed(77)
         .steps(0.05, 40)
-        .record_every(10)
+        .every(10)
         .start(State::new([1.0], [0.0]))
 }
 
@@ -105,7 +105,7 @@ fn a_page_says_what_was_run() {
     );
     // Other settings are described too.
     let shard = ensemble(&method).noise(ThreePoint::new(5));
-    let shard = shard.start_with(|_, rng| State::new([rng.normal()], [0.0]));
+    let shard = shard.start(Starts::each(|_, rng| State::new([rng.normal()], [0.0])));
     let shard = shard
         .shard(0, 2)
         .observe("q", |_, s| s.q[0])
@@ -181,7 +181,7 @@ fn a_page_of_a_study_says_what_was_measured() {
     let report = Study::new("oscillator")
         .start(State::new([1.0], [0.0]))
         .horizon(1.0)
-        .steps([4, 8, 16])
+        .step_counts([4, 8, 16])
         .paths(20)
         .seed(5)
         .method("midpoint", &method)

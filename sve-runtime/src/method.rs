@@ -19,8 +19,8 @@ pub(crate) type DimsOf<I> = <<I as OneStepMethod>::System as System>::Dims;
 pub trait OneStepMethod {
     /// The system that the method integrates.
     type System: System;
-    /// The increments of a step: [`IncrementsOf`](crate::IncrementsOf) the system for methods that
-    /// take one for each Wiener process.
+    /// The increments of a step: [`IncrementsOf`](crate::system::IncrementsOf) the system for
+    /// methods that take one for each Wiener process.
     type Increments: Increments;
     /// Values that depend on parameters and step size only, and the numbers that a trajectory
     /// carries from step to step.
@@ -95,7 +95,7 @@ pub trait OneStepMethod {
     /// lane.
     ///
     /// Times in `next` are not written: the caller sets them.
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[doc(hidden)]
     #[inline(always)]
     fn step_lanes(
         &self,

@@ -3,8 +3,10 @@
 use allocation_counter::measure;
 use sve_models::oracle::{cases, double_pendulum, kubo, mixed, oscillator, pendulum};
 use sve_models::random::Random;
+use sve_runtime::Variational;
+use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 fn allocations(run: impl FnOnce()) -> u64 {
     measure(run).count_total

@@ -15,8 +15,10 @@ use sve_models::case::{Case, Derivatives};
 use sve_models::functions::Point;
 use sve_models::oracle::{cases, kubo, pendulum};
 use sve_models::random::Random;
+use sve_runtime::__private::LANES;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, LANES, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 /// FNV-1a of 64 bits.
 struct Hash(u64);
@@ -140,7 +142,7 @@ fn ensembles() -> BTreeMap<String, u64> {
             .paths(150)
             .seed(4)
             .steps(0.02, 60)
-            .record_every(20)
+            .every(20)
             .start(State::new([0.7; N], [0.2; N]))
             .observe("q", |_: &S, state: &State<[f64; N]>| state.q[0])
             .keep_final_states(true)

@@ -201,9 +201,9 @@ impl Names {
 fn fields_with_generated_names() {
     let system = Names::new();
     let (q, v, t) = ([0.3, -0.4], [0.5, 0.7], 0.9);
-    let jet = sve_runtime::System::lagrangian_jet(&system, t, &q, &v);
+    let jet = sve_runtime::system::System::lagrangian_jet(&system, t, &q, &v);
     assert!((jet.value - system.lagrangian(t, q, v)).abs() < 1e-13 * jet.value.abs());
-    let jets = sve_runtime::System::noise_jets(&system, t, &q, &v);
+    let jets = sve_runtime::system::System::noise_jets(&system, t, &q, &v);
     assert_eq!(jets[2].dp, [-system.h * q[1], system.q * q[0]]);
     assert_eq!(system.r#loop(q)[1], system.dw[1] * q[1]);
     assert_eq!(system.sum_1([1.0, 0.0], [0.0, 1.0]), system.q);

@@ -7,7 +7,8 @@ use sve_models::case::Case;
 use sve_models::functions::Point;
 use sve_models::oracle::cases;
 use sve_models::random::Random;
-use sve_runtime::{BlockKind, LANES, Mask};
+use sve_runtime::__private::{LANES, Mask};
+use sve_runtime::plan::BlockKind;
 
 /// A state and increments for each lane.
 struct Block {

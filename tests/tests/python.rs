@@ -77,7 +77,7 @@ fn write_files(folder: &Path) -> (State<[f64; 1]>, Vec<f64>) {
         .paths(1000)
         .seed(42)
         .steps(0.1, 100)
-        .record_every(10)
+        .every(10)
         .start(start)
         .observe("energy", |system, state| system.hamiltonian(state))
         .run()

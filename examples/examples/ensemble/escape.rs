@@ -141,8 +141,10 @@ fn decay(options: &Options, barrier: f64, color: Color) -> Result<Decay, Box<dyn
             .paths(options.paths)
             .seed(options.seed)
             .steps(H, records as u64 * EVERY)
-            .record_every(EVERY)
-            .start_with(|_, rng| State::new([-1.0], [well.kt.sqrt() * rng.normal()]))
+            .every(EVERY)
+            .start(Starts::each(|_, rng| {
+                State::new([-1.0], [well.kt.sqrt() * rng.normal()])
+            }))
             .stop_on_failure(true)
     };
     let summary = ensemble()

@@ -122,7 +122,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         .observe("cos", |_, state| state.q[0])
         .observe("sin", |_, state| -state.p[0])
         .observe("radius", |_, state| state.q[0].hypot(state.p[0]))
-        .final_histogram("phase", -PI..PI, BINS)
+        .histogram("phase", -PI..PI, Bins::at_end(BINS))
         .stop_on_failure(true)
         .run()?;
     let histogram = summary.histogram("phase").ok_or("no histogram")?;

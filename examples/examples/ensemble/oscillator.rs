@@ -135,7 +135,7 @@ where
         .paths(options.paths)
         .seed(options.seed)
         .steps(H, steps as u64)
-        .record_every(EVERY as u64)
+        .every(EVERY as u64)
         .start(State::new([START[0]], [START[1]]))
         .observe("energy", |_, state| {
             0.5 * (state.q[0] * state.q[0] + state.p[0] * state.p[0])

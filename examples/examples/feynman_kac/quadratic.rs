@@ -173,7 +173,13 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
     let points: Vec<State<[f64; 1]>> = (-12..=12)
         .map(|k| State::new([0.25 * f64::from(k)], [0.0]))
         .collect();
-    let summaries = ensemble(20_000).record_every(8).run_from(&points)?;
+    // each point has paths of its own
+    let summaries = points.iter().zip(0..).map(|(point, number)| {
+        let noise = Wiener::new(1).path(20_000 * number);
+        let ensemble = ensemble(20_000).every(8).noise(noise);
+        ensemble.start(*point).run()
+    });
+    let summaries = summaries.collect::<Result<Vec<_>, _>>()?;
     let mut worst = 0.0_f64;
     let mut panel = Panel::new(
         "Parabolic equation: u(t, q, 0) at 25 points",

@@ -2,8 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use super::table::{Table, Verdict};
 

@@ -1,7 +1,8 @@
 //! Oscillators whose period is far below the step. The step is 1, so that ω is ωh.
 
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use super::table::{Table, Verdict};
 

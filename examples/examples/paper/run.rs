@@ -1,7 +1,8 @@
 //! One run of a method: its states until the horizon, or until an overflow.
 
 use sve_runtime::noise::Noise;
-use sve_runtime::{Dims, Method, State, StepError, System};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Method, State, StepError};
 
 /// A run.
 #[derive(Clone, Debug)]

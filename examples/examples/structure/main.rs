@@ -19,8 +19,10 @@ use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::report::one_row;
 use sve_examples::{palette, render};
 use sve_runtime::__private::Unstructured;
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, StateOf, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, StateOf, System};
 
 /// Number of steps of a run, all from the scene's start.
 const STEPS: usize = 512;

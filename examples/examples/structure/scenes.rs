@@ -4,10 +4,11 @@
 
 use sve_comparison::compared;
 use sve_runtime::__private::Unstructured;
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::plan::{BlockKind, Operations};
 use sve_runtime::prelude::*;
-use sve_runtime::{
-    BlockKind, Dims, Operations, Plan, Rule, StateOf, System, Variational, VectorCoordinates,
-};
+use sve_runtime::system::{Dims, StateOf, System};
+use sve_runtime::{Plan, Rule, Variational};
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pendulum {

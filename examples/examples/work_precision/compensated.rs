@@ -5,7 +5,7 @@ use core::hash::Hasher;
 
 use sve_runtime::OneStepMethod;
 use sve_runtime::prelude::*;
-use sve_runtime::{StateOf, System};
+use sve_runtime::system::{StateOf, System};
 
 /// A method with compensated sums: the same as `trajectory(…).compensated()`.
 #[derive(Clone, Copy, Debug)]

@@ -4,10 +4,12 @@
 //! tolerances of 1e-27 and 1e-28, which agree to 1e-21 at least. The end of the pendulum was also
 //! computed by Jacobi's elliptic functions. `examples/peers` computes ends by extrapolation.
 
+use sve_runtime::__private::{Splitting, VectorCoordinates};
+use sve_runtime::Variational;
 use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4, TaylorSeries2};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Study, StudyError};
-use sve_runtime::{Dims, Splitting, StateOf, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, StateOf, System};
 
 use crate::compensated::{Compensated, Uncounted};
 use crate::planets;
@@ -73,25 +75,25 @@ where
         Study::new(name)
             .invariant(Mechanics::hamiltonian)
             .distance(|a: &State<Q>, b: &State<Q>| distance(&a.q.coordinates(), &b.q.coordinates()))
-            .method_with_steps("Gauss 8", &self.gauss_8, doublings(coarsest, 3, 4))
-            .method_with_steps(
+            .method_with_step_counts("Gauss 8", &self.gauss_8, doublings(coarsest, 3, 4))
+            .method_with_step_counts(
                 "Gauss 8, compensated",
                 &self.compensated,
                 doublings(coarsest, 3, 4),
             )
-            .method_with_steps("Gauss 6", &self.gauss_6, doublings(3 * coarsest / 2, 3, 2))
-            .method_with_steps("Gauss 4", &self.gauss_4, doublings(2 * coarsest, 4, 2))
-            .method_with_steps(
+            .method_with_step_counts("Gauss 6", &self.gauss_6, doublings(3 * coarsest / 2, 3, 2))
+            .method_with_step_counts("Gauss 4", &self.gauss_4, doublings(2 * coarsest, 4, 2))
+            .method_with_step_counts(
                 "Störmer–Verlet",
                 &self.verlet,
                 doublings(8 * coarsest, longest, 1),
             )
-            .method_with_steps(
+            .method_with_step_counts(
                 "Störmer–Verlet, Kahan–Li 8",
                 &self.verlet_8,
                 doublings(coarsest, 5, 2),
             )
-            .method_with_steps(
+            .method_with_step_counts(
                 "Runge–Kutta 4",
                 &self.runge_kutta,
                 doublings(8 * coarsest, longest - 2, 1),
@@ -131,12 +133,12 @@ where
 
     fn add_to<'a>(&'a self, study: Study<'a, S>, coarsest: usize) -> Study<'a, S> {
         study
-            .method_with_steps(
+            .method_with_step_counts(
                 "Blanes–Moan 4",
                 &self.order_4,
                 doublings(2 * coarsest, 6, 1),
             )
-            .method_with_steps(
+            .method_with_step_counts(
                 "Blanes–Moan RKN 6",
                 &self.order_6,
                 doublings(coarsest, 5, 2),
@@ -183,22 +185,22 @@ where
     fn add_to<'a>(&'a self, study: Study<'a, S>, coarsest: usize, longest: u32) -> Study<'a, S> {
         let few = || doublings((8 * coarsest) << (longest - 4), 2, 1);
         study
-            .method_with_steps(
+            .method_with_step_counts(
                 "midpoint",
                 &self.midpoint,
                 doublings(8 * coarsest, longest - 2, 1),
             )
-            .method_with_steps(
+            .method_with_step_counts(
                 "midpoint, Kahan–Li 8",
                 &self.midpoint_8,
                 doublings(2 * coarsest, 2, 1),
             )
-            .method_with_steps("endpoint", &self.endpoint, few())
-            .method_with_steps("initial point", &self.initial_point, few())
-            .method_with_steps("taylor2", &self.taylor, few())
-            .method_with_steps("Taylor series 2", &self.series, few())
-            .method_with_steps("Heun", &self.heun, few())
-            .method_with_steps("Euler", &self.euler, few())
+            .method_with_step_counts("endpoint", &self.endpoint, few())
+            .method_with_step_counts("initial point", &self.initial_point, few())
+            .method_with_step_counts("taylor2", &self.taylor, few())
+            .method_with_step_counts("Taylor series 2", &self.series, few())
+            .method_with_step_counts("Heun", &self.heun, few())
+            .method_with_step_counts("Euler", &self.euler, few())
     }
 }
 

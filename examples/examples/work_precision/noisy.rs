@@ -1,9 +1,10 @@
 //! The problems with noise: strong and weak errors on common Brownian paths.
 
+use sve_runtime::Variational;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Study, StudyError};
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::problem::{Problem, powers};
 use crate::systems::{HenonHeiles, Kubo, Langevin, Oscillator, Synchrotron};
@@ -70,7 +71,7 @@ pub(crate) fn oscillator() -> Result<Problem, StudyError> {
         .study("linear_oscillator")
         .start(start)
         .horizon(horizon)
-        .steps(powers(5..=10))
+        .step_counts(powers(5..=10))
         .paths(1000)
         .exact_paths(|path, steps| exact_oscillator(system.sigma, start, horizon, path, steps))
         .observe("energy", Mechanics::hamiltonian)
@@ -135,7 +136,7 @@ pub(crate) fn kubo() -> Result<Problem, StudyError> {
         .method("initial point, uncorrected", &initial_point)
         .start(State::new([1.0], [0.0]))
         .horizon(horizon)
-        .steps(powers(4..=11))
+        .step_counts(powers(4..=11))
         .paths(1000)
         .exact(|path| {
             let dw = (0..path.len()).filter_map(|step| path.get(step));
@@ -169,7 +170,7 @@ pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
         .method("Störmer–Verlet, weak2", &weak2)
         .start(State::new([0.5], [0.0]))
         .horizon(8.0)
-        .steps(powers(4..=10))
+        .step_counts(powers(4..=10))
         .paths(600)
         .fine(&methods.verlet, 16)
         .observe("energy", Mechanics::hamiltonian)
@@ -192,7 +193,7 @@ pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
         .study("henon_heiles")
         .start(State::new([0.0, 0.1], [0.35, 0.1]))
         .horizon(16.0)
-        .steps(powers(6..=11))
+        .step_counts(powers(6..=11))
         .paths(200)
         .fine(&methods.verlet, 16)
         .observe("energy", Mechanics::hamiltonian)
@@ -219,7 +220,7 @@ pub(crate) fn langevin() -> Result<Problem, StudyError> {
         .study("langevin")
         .start(State::new([-1.0], [0.0]))
         .horizon(2.0)
-        .steps(powers(3..=9))
+        .step_counts(powers(3..=9))
         .paths(2000)
         .fine(&methods.verlet, 16)
         .observe("q²", |_, state| state.q[0].powi(2))

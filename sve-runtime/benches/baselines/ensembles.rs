@@ -6,7 +6,7 @@ use std::time::Instant;
 use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4};
 use sve_runtime::noise::Wiener;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System};
+use sve_runtime::system::{Dims, System};
 
 use crate::systems::{Coupled, DoublePendulum, HenonHeiles, Kubo, Polar, QuietPendulum};
 use crate::{H, median};

@@ -3,8 +3,10 @@
 
 use std::hint::black_box;
 
+use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, OneStepMethod, StepError, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{OneStepMethod, StepError, Variational};
 
 use crate::{DOUBLE, DOUBLE_STEPS, Task, side};
 
@@ -113,7 +115,7 @@ impl<I: OneStepMethod> OneStepMethod for OneByOne<I> {
     fn step_prepared(
         &self,
         prepared: &Self::Prepared,
-        state: &mut sve_runtime::StateOf<Self::System>,
+        state: &mut sve_runtime::system::StateOf<Self::System>,
         h: f64,
         dw: &Self::Increments,
     ) -> Result<(), StepError> {

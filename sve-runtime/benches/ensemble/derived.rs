@@ -3,8 +3,9 @@
 
 use std::hint::black_box;
 
+use sve_runtime::__private::{LANES, Lane, Mask, StateLanes};
 use sve_runtime::prelude::*;
-use sve_runtime::{LANES, Lane, Mask, OneStepMethod, StateLanes, StepError};
+use sve_runtime::{OneStepMethod, StepError};
 
 use crate::hand::{self, LONG, RECORD};
 use crate::systems::{DoublePendulum, Kubo, Oscillator, Pendulum};
@@ -23,7 +24,7 @@ pub(crate) fn oscillators() -> f64 {
         .paths(PATHS as u64)
         .seed(1)
         .steps(black_box(0.1), STEPS as u64)
-        .record_every(RECORD as u64)
+        .every(RECORD as u64)
         .start(State::new([1.0], [0.0]))
         .observe("energy", Oscillator::hamiltonian)
         .run();
@@ -36,7 +37,7 @@ pub(crate) fn kubos() -> f64 {
         .paths(PATHS as u64)
         .seed(1)
         .steps(black_box(0.1), STEPS as u64)
-        .record_every(RECORD as u64)
+        .every(RECORD as u64)
         .start(State::new([1.0], [0.0]))
         .observe("q", |_, state| state.q[0])
         .run();
@@ -49,10 +50,10 @@ pub(crate) fn pendulums() -> f64 {
     let summary = Ensemble::new(&integrator)
         .paths(PATHS as u64)
         .steps(black_box(0.1), STEPS as u64)
-        .start_with(|path, _| {
+        .start(Starts::each(|path, _| {
             let (tile, lane) = (path as usize / LONG, path as usize % LONG);
             State::new([q[tile][lane]], [p[tile][lane]])
-        })
+        }))
         .observe("p", |_, state| state.p[0])
         .run();
     end(&summary.expect("a run"))
@@ -86,7 +87,7 @@ pub(crate) fn double_pendulums() -> f64 {
     let summary = Ensemble::new(&integrator)
         .paths(DOUBLE as u64)
         .steps(black_box(0.01), DOUBLE_STEPS as u64)
-        .start_with(|path, _| double_start(path))
+        .start(Starts::each(|path, _| double_start(path)))
         .observe("p", |_, state| state.p[0])
         .run();
     end(&summary.expect("a run"))

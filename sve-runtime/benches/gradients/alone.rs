@@ -2,10 +2,11 @@
 
 use sve_runtime::__private::lane::{LaneDirections, TangentLanesOf};
 use sve_runtime::__private::{Covector, Directions};
-use sve_runtime::{
-    Differentiable, IncrementLanesOf, LANES, Mask, OneStepMethod, StateLanesOf, StateOf, StepError,
-    VectorOf,
+use sve_runtime::__private::{
+    Differentiable, IncrementLanesOf, LANES, Mask, StateLanesOf, VectorOf,
 };
+use sve_runtime::system::StateOf;
+use sve_runtime::{OneStepMethod, StepError};
 
 /// The steps of a method, in lanes, with tangent vectors of single states.
 #[derive(Debug)]

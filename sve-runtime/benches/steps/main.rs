@@ -10,9 +10,10 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::Criterion;
+use sve_runtime::Variational;
 use sve_runtime::noise::Wiener;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 const STEPS: usize = 2000;
 

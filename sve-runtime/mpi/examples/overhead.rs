@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .paths(paths)
             .threads(1)
             .steps(0.01, 1000)
-            .record_every(100)
+            .every(100)
             .start(State::new([1.0], [0.0]))
             .observe("q", |_, s| s.q[0])
             .observe("energy", |system, s| system.hamiltonian(s))

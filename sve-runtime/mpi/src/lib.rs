@@ -23,7 +23,7 @@
 //!     let integrator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
 //!     let ensemble = Ensemble::new(&integrator)
 //!         .paths(1_000_000).seed(7)
-//!         .steps(0.1, 200).record_every(50)
+//!         .steps(0.1, 200).every(50)
 //!         .start(State::new([1.0], [0.0]))
 //!         .observe("energy", |system, state| system.hamiltonian(state));
 //!     let summary = sve_mpi::run(&ensemble, &world)?;

@@ -92,8 +92,9 @@ pub use taylor_series2::TaylorSeries2;
 
 use crate::system::Dims;
 
-/// The [`System::Dims`](crate::System::Dims) of a system without noise, which deterministic methods
-/// require.
+#[doc(hidden)]
+/// The [`System::Dims`](crate::system::System::Dims) of a system without noise, which deterministic
+/// methods require.
 #[diagnostic::on_unimplemented(
     message = "this method is for systems without noise",
     label = "the system has a `#[gamma]` or an `#[h1]`",

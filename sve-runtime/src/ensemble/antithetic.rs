@@ -1,7 +1,9 @@
-//! Antithetic pairs of paths: the second path of a pair has the increments of the first one with the other sign.
+//! Antithetic pairs of paths: the second path of a pair has the increments of the first one with
+//! the other sign.
 //!
-//! Input: the observables of tiles. Output: statistics of the means of pairs, which are independent of one another where the paths of a pair are not.
-//! Invariant: a pair of which one path has failed does not count.
+//! Input: the observables of tiles. Output: statistics of the means of pairs, which are independent
+//! of one another where the paths of a pair are not. Invariant: a pair of which one path has failed
+//! does not count.
 
 use super::difference::Difference;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic};
@@ -11,13 +13,19 @@ use crate::lanes::{LANES, Lane, Mask};
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Makes the paths 2k and 2k + 1 a pair: both have the increments of path k of the noise, the second one with the other sign.
+    /// Makes the paths 2k and 2k + 1 a pair: both have the increments of path k of the noise, the
+    /// second one with the other sign.
     ///
-    /// An observable whose values on the two paths of a pair lie on opposite sides of the mean has a mean with a smaller error: where it depends linearly on the noise, none. An observable
-    /// that is even in the noise has the same value on both, and its mean an error that is √2 times larger. [`Statistics::standard_error`](super::Statistics::standard_error) is that of the means of
-    /// pairs, so it is right in all cases. Random [starts](Self::start_with) have the same generator for both paths of a pair; the function can mirror a start by the number of its path.
+    /// An observable whose values on the two paths of a pair lie on opposite sides of the mean has
+    /// a mean with a smaller error: where it depends linearly on the noise, none. An observable
+    /// that is even in the noise has the same value on both, and its mean an error that is √2 times
+    /// larger. [`Statistics::standard_error`](super::Statistics::standard_error) is the standard
+    /// error of the means of pairs, so it is right in all cases. Random
+    /// [starts](super::Starts::each) have the same generator for both paths of a pair; the function
+    /// can mirror a start by the number of its path.
     ///
-    /// The number of paths has to be even. Covariances and quantiles are refused, since their errors suppose independent paths.
+    /// The number of paths has to be even. Covariances and quantiles are refused, since their
+    /// errors suppose independent paths.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -135,7 +143,8 @@ impl Statistic for Pairs {
             && (self.moments).fits(&MomentsRequest, extent, counts)
     }
 
-    /// Gives the statistics of all observables the moments of the pairs, from which their standard errors are.
+    /// Gives the statistics of all observables the moments of the pairs, from which their standard
+    /// errors are.
     fn show(self, summary: &mut Summary) {
         let statistics = summary.shown.list_mut::<Statistics>().into_iter().flatten();
         for (statistics, column) in statistics.zip(self.moments.into_columns()) {

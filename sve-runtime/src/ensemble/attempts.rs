@@ -1,6 +1,7 @@
 //! The attempts to write a checkpoint: when the next one is due, and what became of them.
 //!
-//! Input: the interval, and the outcome of each attempt. Output: whether the file is due, and a warning. Invariant: no failed attempt is forgotten.
+//! Input: the interval, and the outcome of each attempt. Output: whether the file is due, and a
+//! warning. Invariant: no failed attempt is forgotten.
 
 use std::io;
 use std::path::Path;
@@ -8,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::Warning;
 
-/// Longest time from a failed attempt to the next one. Room on a disk is made by hand, which takes minutes.
+/// Longest time from a failed attempt to the next one. Room on a disk is made by hand, which takes
+/// minutes.
 const RETRY: Duration = Duration::from_secs(10);
 
 /// The attempts to write a checkpoint.
@@ -22,7 +24,7 @@ pub(super) struct Attempts {
     failed: u64,
     /// The error of the last attempt that failed.
     error: String,
-    /// Whether the last attempt failed.
+    /// The last attempt failed.
     is_failing: bool,
 }
 
@@ -48,7 +50,8 @@ impl Attempts {
         is_due
     }
 
-    /// Stores the outcome of an attempt. Returns whether it is the first one of a series that failed.
+    /// Stores the outcome of an attempt. Returns whether it is the first one of a series that
+    /// failed.
     pub(super) fn add(&mut self, outcome: Result<(), io::Error>) -> bool {
         let was_failing = self.is_failing;
         self.is_failing = outcome.is_err();

@@ -25,7 +25,8 @@ impl Varied {
     }
 }
 
-/// The quantity by which a mean is differentiated: a parameter, a parameter during some steps, or a coordinate of the start.
+/// The quantity by which a mean is differentiated: a parameter, a parameter during some steps, or a
+/// coordinate of the start.
 ///
 /// The name of a parameter, as `"k"`, `"l[0]"` or `"body.mass"`, converts to it.
 ///
@@ -73,14 +74,14 @@ impl By {
         Self(Quantity::Parameter(name.into()))
     }
 
-    /// The value that a parameter has during some steps, as if it were a step function of time. An observable that reads the parameter at a recorded time reads its value in
-    /// the step before.
+    /// The value that a parameter has during some steps, as if it were a step function of time. An
+    /// observable that reads the parameter at a recorded time reads its value in the step before.
     pub fn during(name: impl Into<String>, steps: Range<u64>) -> Self {
         Self(Quantity::During(name.into(), steps))
     }
 
-    /// A coordinate of the start, by its number in a row of all. Random starts are moved together. A rotation has three, the canonical coordinates of a
-    /// [`Tangent`](crate::Tangent).
+    /// A coordinate of the start, by its number in a row of all. Random starts are moved together.
+    /// A rotation has three, the canonical coordinates of a [`Tangent`](crate::Tangent).
     #[must_use]
     pub fn q(number: usize) -> Self {
         Self(Quantity::Q(number))
@@ -92,7 +93,8 @@ impl By {
         Self(Quantity::P(number))
     }
 
-    /// Returns the parameter that varies, and the steps in which it does, of which `parts` are one step of the ensemble.
+    /// Returns the parameter that varies, and the steps in which it does, of which `parts` are one
+    /// step of the ensemble.
     pub(super) fn varied<S: System>(&self, parts: u64) -> Varied {
         let step = |number: u64| number.saturating_mul(parts);
         let (name, steps) = match &self.0 {
@@ -117,7 +119,8 @@ impl By {
         field
     }
 
-    /// Returns why there is no such quantity in a system with so many coordinates; `None` if there is.
+    /// Returns why there is no such quantity in a system with so many coordinates; `None` if there
+    /// is.
     pub(super) fn problem<S: System>(&self, coordinates: usize) -> Option<String> {
         match &self.0 {
             Quantity::Parameter(name) | Quantity::During(name, _) => {

@@ -1,12 +1,14 @@
 //! Checkpoints: files from which a stopped run continues.
 //!
-//! Input: the merged results of the finished blocks. Output: a file, which replaces the previous file atomically, so that a complete
-//! file always exists. Invariants: a continued run has the bits of an uninterrupted run, since blocks merge in the same tree; the
-//! content of a file is read only if its length and checksum are right; a file that cannot be written is an error before the first path,
-//! and a warning after it, so that no results are lost.
+//! Input: the merged results of the finished blocks. Output: a file, which replaces the previous
+//! file atomically, so that a complete file always exists. Invariants: a continued run has the bits
+//! of an uninterrupted run, since blocks merge in the same tree; the content of a file is read only
+//! if its length and checksum are right; a file that cannot be written is an error before the first
+//! path, and a warning after it, so that no results are lost.
 //!
-//! Layout: [`MAGIC`], version (4 bytes), length of the content (8), checksum (8), content. Numbers are little-endian.
-//! The checksum is XXH64 of version, length and content. The content is [`Contents`], serialised by postcard.
+//! Layout: [`MAGIC`], version (4 bytes), length of the content (8), checksum (8), content. Numbers
+//! are little-endian. The checksum is XXH64 of version, length and content. The content is
+//! [`Contents`], serialised by postcard.
 
 use core::hash::Hasher as _;
 use std::fs;
@@ -35,15 +37,19 @@ const MAGIC: &[u8; 8] = b"sve run\0";
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Writes the results of finished blocks to a file, at this interval and at the end, for [`resume`](Self::resume).
+    /// Writes the results of finished blocks to a file, at this interval and at the end, for
+    /// [`resume`](Self::resume).
     ///
-    /// The file is always complete: a new file is written, synchronised with the disk and renamed. A run without `resume`
-    /// replaces an existing file once a block of paths has ended.
+    /// The file is always complete: a new file is written, synchronised with the disk and renamed.
+    /// A run without `resume` replaces an existing file once a block of paths has ended.
     ///
-    /// A file that cannot be written is an error before the first path is computed: the run tries the write. If a later write fails, for example
-    /// since the disk is full, the run goes on. It says so on standard error, tries again after the interval, or after 10 s if the interval is longer, and at the end. The summary
-    /// then has a [`Warning::Checkpoint`]. Temporary files that killed runs have left beside this file are removed; those of
-    /// runs that still write are locked, and stay. On a file system without locks all of them stay: `.checkpoint.sve.1234-0.new` is one of `checkpoint.sve`.
+    /// A file that cannot be written is an error before the first path is computed: the run tries
+    /// the write. If a later write fails, for example since the disk is full, the run goes on. It
+    /// says so on standard error, tries again after the interval, or after 10 s if the interval is
+    /// longer, and at the end. The summary then has a [`Warning::Checkpoint`]. Temporary files that
+    /// killed runs have left beside this file are removed; the files of runs that still write are
+    /// locked, and stay. On a file system without locks all of them stay:
+    /// `.checkpoint.sve.1234-0.new` is one of `checkpoint.sve`.
     ///
     #[doc = include_str!("example.md")]
     /// # let folder = std::env::temp_dir().join(format!("sve-checkpoint-{}", std::process::id()));
@@ -60,11 +66,14 @@ impl<I: Method> Ensemble<'_, I> {
         self
     }
 
-    /// Continues from the file of [`checkpoint`](Self::checkpoint) if it exists, with the bits of a run that was not stopped.
+    /// Continues from the file of [`checkpoint`](Self::checkpoint) if it exists, with the bits of a
+    /// run that was not stopped.
     ///
-    /// The file has to be undamaged, which its length and a checksum show, and of the same run: settings, formulas and parameters
-    /// of the system, method and starts. [`run`](Self::run) returns an error otherwise, which says whether the file is damaged or in what
-    /// the runs differ. Closures are compared by samples only, see [`Summary::merge`](super::Summary::merge).
+    /// The file has to be undamaged, which its length and a checksum show, and of the same run:
+    /// settings, formulas and parameters of the system, method and starts. [`run`](Self::run)
+    /// returns an error otherwise, which says whether the file is damaged or in what the runs
+    /// differ. Closures are compared by samples only, see
+    /// [`Summary::merge`](super::Summary::merge).
     ///
     #[doc = include_str!("example.md")]
     /// # let folder = std::env::temp_dir().join(format!("sve-resume-{}", std::process::id()));
@@ -83,11 +92,13 @@ impl<I: Method> Ensemble<'_, I> {
 }
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Checks that the file of [`checkpoint`](Self::checkpoint) can be written, if there is one, and that a file to [`resume`](Self::resume) is undamaged. Removes the
-    /// temporary files that killed runs have left. [`run`](Self::run) begins with this check.
+    /// Checks that the file of [`checkpoint`](Self::checkpoint) can be written, if there is one,
+    /// and that a file to [`resume`](Self::resume) is undamaged. Removes the temporary files that
+    /// killed runs have left. [`run`](Self::run) begins with this check.
     ///
     /// # Errors
-    /// [`EnsembleError::Checkpoint`] if the file cannot be read or written, and errors that say what is wrong with its content.
+    /// [`EnsembleError::Checkpoint`] if the file cannot be read or written, and errors that say
+    /// what is wrong with its content.
     pub fn try_checkpoint(&self) -> Result<(), EnsembleError> {
         let Some((path, _)) = &self.execution.checkpoint else {
             return Ok(());
@@ -164,13 +175,14 @@ impl CheckpointFile {
         Ok(Some(tree))
     }
 
-    /// Returns whether the file is due to be written, and starts the next interval if it is. The caller that gets `true` writes the
-    /// file.
+    /// Returns whether the file is due to be written, and starts the next interval if it is. The
+    /// caller that gets `true` writes the file.
     pub(super) fn is_due(&self) -> bool {
         locked(&self.attempts).is_due(Instant::now())
     }
 
-    /// Writes the file, if there are results. If that fails, says so on standard error, unless the attempt before has failed too; the next attempt comes soon.
+    /// Writes the file, if there are results. If that fails, says so on standard error, unless the
+    /// attempt before has failed too; the next attempt comes soon.
     pub(super) fn save(&self, tree: &MergeTree) {
         if tree.nodes.is_empty() {
             return;

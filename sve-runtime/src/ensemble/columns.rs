@@ -1,7 +1,8 @@
 //! The statistics of a summary as a table: the columns of every format.
 //!
-//! Input: a [`Summary`]. Output: a row for each recorded time with `t`, `paths` and, of each observable, `mean`, `variance`, `standard_error`, `min` and
-//! `max`. Invariant: a number that does not exist is NaN.
+//! Input: a [`Summary`]. Output: a row for each recorded time with `t`, `paths` and, of each
+//! observable, `mean`, `variance`, `standard_error`, `min` and `max`. Invariant: a number that does
+//! not exist is NaN.
 
 use super::Summary;
 use crate::table::{Table, Values, table_writers};

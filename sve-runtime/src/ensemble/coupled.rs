@@ -1,7 +1,10 @@
-//! Several runs of an ensemble whose paths have common noise, stepped together: the rows of a sweep, the two steps of a level.
+//! Several runs of an ensemble whose paths have common noise, stepped together: the rows of a
+//! sweep, the two steps of a level.
 //!
-//! Input: the settings of the runs, which have the same recorded times. Output: for each block the results of each run, and those of the differences of each two.
-//! Invariant: the results of a run are those of the run alone, bit for bit. A difference has the paths that have failed in neither run.
+//! Input: the settings of the runs, which have the same recorded times. Output: for each block the
+//! results of each run, and the results of the differences of each two runs. Invariant: a run has
+//! the same results as alone, bit for bit. A difference has the paths that have failed in neither
+//! run.
 
 use super::EnsembleError;
 use super::fingerprint::Fingerprint;
@@ -42,7 +45,8 @@ impl<I: Method> Coupled<'_, I> {
 }
 
 impl<I: Method> Coupled<'_, I> {
-    /// Runs the paths of a block in all runs. Returns the results of the runs, then those of the differences.
+    /// Runs the paths of a block in all runs. Returns the results of the runs, then the results of
+    /// the differences.
     pub(super) fn run_block(&self, block: u64) -> Result<Vec<PartialResult>, EnsembleError> {
         let legs = self.legs.iter();
         let paths: Result<Vec<_>, _> = legs

@@ -1,6 +1,7 @@
 //! Covariances of observables over the paths, as users read them.
 //!
-//! Input: tiles of values; merged joint moments. Output: covariances, correlations and standard errors. Invariant: they are NaN for fewer than two paths.
+//! Input: tiles of values; merged joint moments. Output: covariances, correlations and standard
+//! errors. Invariant: they are NaN for fewer than two paths.
 
 use super::difference::Difference;
 use super::joint::{JointColumn, JointMoments, ROW_BYTES, rows};
@@ -10,7 +11,8 @@ use super::{Ensemble, EnsembleError, Summary};
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Takes the covariance of two observables over the paths, at each recorded time: [`Summary::covariance`](super::Summary::covariance).
+    /// Takes the covariance of two observables over the paths, at each recorded time:
+    /// [`Summary::covariance`](super::Summary::covariance).
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -46,10 +48,12 @@ impl<I: Method> Ensemble<'_, I> {
         self.request_joint(first.into(), second.into(), false)
     }
 
-    /// Takes the covariance over the paths of one observable at a recorded time s and another one, or the same, at a recorded time t, for all pairs of recorded times:
+    /// Takes the covariance over the paths of one observable at a recorded time s and another one,
+    /// or the same, at a recorded time t, for all pairs of recorded times:
     /// [`Summary::two_time`](super::Summary::two_time).
     ///
-    /// It costs about as much as a step for each pair of times, and its memory is 64 bytes for each.
+    /// It costs about as much as a step for each pair of times, and its memory is 64 bytes for
+    /// each.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -67,7 +71,7 @@ impl<I: Method> Ensemble<'_, I> {
     /// let free = Integrator::new(Free { sigma: 1.0 }, Endpoint);
     /// let summary = Ensemble::new(&free)
     ///     .paths(10_000).seed(1)
-    ///     .steps(0.1, 20).record_every(5)
+    ///     .steps(0.1, 20).every(5)
     ///     .start(State::new([0.0], [0.0]))
     ///     .observe("p", |_, state| state.p[0])
     ///     .two_time("p", "p")
@@ -99,7 +103,8 @@ pub(super) struct JointRequest {
     /// Names of the observables.
     pub(super) first: String,
     pub(super) second: String,
-    /// Whether the first observable is taken at each recorded time s, and the second one at each recorded time t, instead of both at the same times.
+    /// The first observable is taken at each recorded time s, and the second one at each recorded
+    /// time t, instead of both at the same times.
     pub(super) is_two_time: bool,
 }
 
@@ -135,7 +140,7 @@ impl Statistic for Joint {
         Size {
             bytes: rows(request.is_two_time, extent.records).saturating_mul(AT_ONCE * ROW_BYTES),
             what: format!("the covariances of `{first}` and `{second}`"),
-            remedy: "record less often with `record_every`",
+            remedy: "record less often with `every`",
         }
     }
 
@@ -182,28 +187,34 @@ impl Statistic for Joint {
 }
 
 impl Summary {
-    /// The covariance of two observables, in the order in which [`Ensemble::covariance`](super::Ensemble::covariance) asked for them.
+    /// The covariance of two observables, in the order in which
+    /// [`Ensemble::covariance`](super::Ensemble::covariance) asked for them.
     pub fn covariance(&self, first: &str, second: &str) -> Option<&Covariance> {
         let mut all = self.shown.all::<Covariance>().iter();
         all.find(|covariance| covariance.names() == [first, second])
     }
 
-    /// The covariance of two observables at two times, in the order in which [`Ensemble::two_time`](super::Ensemble::two_time) asked for them.
+    /// The covariance of two observables at two times, in the order in which
+    /// [`Ensemble::two_time`](super::Ensemble::two_time) asked for them.
     pub fn two_time(&self, first: &str, second: &str) -> Option<&TwoTime> {
         let mut all = self.shown.all::<TwoTime>().iter();
         all.find(|covariance| covariance.names() == [first, second])
     }
 }
 
-/// The covariance of two observables over the paths that have not failed, at each recorded time. From [`Summary::covariance`](super::Summary::covariance).
+/// The covariance of two observables over the paths that have not failed, at each recorded time.
+/// From [`Summary::covariance`](super::Summary::covariance).
 ///
-/// Observables beyond 1e75 in size overflow the fourth moments: the standard error is infinite or NaN then.
+/// Observables beyond 1e75 in size overflow the fourth moments: the standard error is infinite or
+/// NaN then.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Covariance(OverPaths);
 
-/// The covariance over the paths of one observable at a time s and another one at a time t. From [`Summary::two_time`](super::Summary::two_time).
+/// The covariance over the paths of one observable at a time s and another one at a time t. From
+/// [`Summary::two_time`](super::Summary::two_time).
 ///
-/// Times are given by their numbers among the [recorded times](super::Summary::times). A pair of times has the paths that have not failed until the later one.
+/// Times are given by their numbers among the [recorded times](super::Summary::times). A pair of
+/// times has the paths that have not failed until the later one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoTime(OverPaths);
 
@@ -238,7 +249,8 @@ impl Covariance {
         self.rows(JointMoments::covariance)
     }
 
-    /// Correlation coefficients: covariances over the products of the standard deviations; NaN where one of these is 0.
+    /// Correlation coefficients: covariances over the products of the standard deviations; NaN
+    /// where one of these is 0.
     pub fn correlation(&self) -> Vec<f64> {
         self.rows(JointMoments::correlation)
     }
@@ -250,7 +262,7 @@ impl Covariance {
 }
 
 impl TwoTime {
-    /// The observables: that of the time s, and that of the time t.
+    /// The names of the observables at the time s and at the time t.
     pub fn names(&self) -> [&str; 2] {
         self.0.names()
     }
@@ -265,7 +277,8 @@ impl TwoTime {
         self.0.column.at(s * records + t, count)
     }
 
-    /// The covariance of the first observable at recorded time number `s` and the second one at number `t`; NaN for fewer than two paths.
+    /// The covariance of the first observable at recorded time number `s` and the second one at
+    /// number `t`; NaN for fewer than two paths.
     ///
     /// # Panics
     /// Unless both numbers are below the number of recorded times.

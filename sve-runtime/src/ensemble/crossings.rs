@@ -1,6 +1,7 @@
 //! The number of changes of sign of a function along each path.
 //!
-//! Input: a function of the system and a state. Output: an observable of the number of its changes of sign from one step to the next so far.
+//! Input: a function of the system and a state. Output: an observable of the number of its changes
+//! of sign from one step to the next so far.
 
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
@@ -10,9 +11,11 @@ use crate::system::StateOf;
 use crate::trajectory::Method;
 
 impl<'a, I: Method> Ensemble<'a, I> {
-    /// Takes statistics of the number of times that a function has changed its sign from one step to the next, along each path.
+    /// Takes statistics of the number of times that a function has changed its sign from one step
+    /// to the next, along each path.
     ///
-    /// A value of exactly 0 after a step is a change, leaving from there is none. Two changes within a step are not seen. [`integral`](Self::integral) has an example.
+    /// A value of exactly 0 after a step is a change, leaving from there is none. Two changes
+    /// within a step are not seen. [`integral`](Self::integral) has an example.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().crossings("zeros", |_, state| state.q[0]).run()?;
@@ -41,7 +44,8 @@ impl Accumulate for Crossings {
     }
 }
 
-/// Returns whether a function changes its sign from one value to the next. Arriving at 0 is a change, leaving from there is none.
+/// Returns whether a function changes its sign from one value to the next. Arriving at 0 is a
+/// change, leaving from there is none.
 #[inline(always)]
 pub(super) fn crosses(last: f64, now: f64) -> bool {
     let (rises, falls) = (last < 0.0 && now >= 0.0, last > 0.0 && now <= 0.0);

@@ -23,7 +23,7 @@ pub enum Damage {
         /// Checksum of what is there.
         found: u64,
     },
-    /// Its checksum is right and its content is not that of a run.
+    /// The checksum is right, and the content is not the results of a run.
     #[error("its content does not fit together, though its checksum is right")]
     Content,
 }
@@ -53,7 +53,8 @@ pub enum Difference {
     /// The noise.
     #[error("a law of the noise (truncation, three points, antithetic pairs or none)")]
     Noise,
-    /// Other settings of the ensemble: step size, number of steps, bounds, kinds of observables, stops, `settle`, `refine`, whether final states are kept.
+    /// Other settings of the ensemble: step size, number of steps, bounds, kinds of observables,
+    /// stops, `settle`, `refine`, whether final states are kept.
     #[error(
         "settings (step size, number of steps, bounds, kinds of observables, stops, `settle`, `refine`, or whether final states are kept)"
     )]

@@ -1,7 +1,9 @@
-//! A run whose blocks are distributed over processes by another program, such as the package `sve-mpi`.
+//! A run whose blocks are distributed over processes by another program, such as the package
+//! `sve-mpi`.
 //!
-//! Input: an [`Ensemble`]. Output: results of single blocks, their merge, and the summary. Invariant: results of blocks merge in the
-//! tree of the ensemble, so the summary has the bits of [`Ensemble::run`], whoever runs a block and in whatever order results merge.
+//! Input: an [`Ensemble`]. Output: results of single blocks, their merge, and the summary.
+//! Invariant: results of blocks merge in the tree of the ensemble, so the summary has the bits of
+//! [`Ensemble::run`], whoever runs a block and in whatever order results merge.
 
 use core::fmt;
 use core::ops::Range;
@@ -20,7 +22,7 @@ use super::summary::Summary;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Warning};
 use crate::trajectory::Method;
 
-/// What two processes compare before they run blocks of the same ensemble.
+/// The settings of a run, which two processes compare before they run blocks of the same ensemble.
 #[derive(Serialize, Deserialize)]
 struct Identity {
     info: Info,
@@ -28,7 +30,8 @@ struct Identity {
     stop_on_failure: bool,
 }
 
-/// An ensemble with checked settings, whose blocks of [`BLOCK_PATHS`] paths can be run anywhere. From [`Ensemble::distribute`].
+/// An ensemble with checked settings, whose blocks of [`BLOCK_PATHS`] paths can be run anywhere.
+/// From [`Ensemble::distribute`].
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -89,7 +92,8 @@ impl<I: Method + Sync> Distribution<'_, I> {
         self.settings.paths_of(blocks)
     }
 
-    /// Returns the number of threads that the ensemble asks for; by default that of the surrounding `rayon` pool.
+    /// Returns the number of threads that the ensemble asks for; by default the number of threads
+    /// of the surrounding `rayon` pool.
     pub fn threads(&self) -> usize {
         (self.settings.ensemble.execution.threads).unwrap_or_else(rayon::current_num_threads)
     }
@@ -108,8 +112,8 @@ impl<I: Method + Sync> Distribution<'_, I> {
         })
     }
 
-    /// Returns the first difference to the run of another process; `None` for the same run. Closures are compared by samples, as in
-    /// [`Summary::merge`].
+    /// Returns the first difference to the run of another process; `None` for the same run.
+    /// Closures are compared by samples, as in [`Summary::merge`].
     pub fn difference(&self, identity: &[u8]) -> Option<Difference> {
         let Ok((other, [])) = postcard::take_from_bytes::<Identity>(identity) else {
             return Some(Difference::Formulas);
@@ -124,7 +128,8 @@ impl<I: Method + Sync> Distribution<'_, I> {
     /// Runs the paths of a block.
     ///
     /// # Errors
-    /// [`EnsembleError::Failed`] for a path that fails with [`stop_on_failure`](Ensemble::stop_on_failure).
+    /// [`EnsembleError::Failed`] for a path that fails with
+    /// [`stop_on_failure`](Ensemble::stop_on_failure).
     ///
     /// # Panics
     /// Unless the block is in [`blocks`](Self::blocks).
@@ -141,7 +146,8 @@ impl<I: Method + Sync> Distribution<'_, I> {
         SharedResults(Mutex::new(MergeTree::new(blocks)))
     }
 
-    /// Returns the results that another process has written by [`PartialResults::to_bytes`], or `None` if they are not of this run.
+    /// Returns the results that another process has written by [`PartialResults::to_bytes`], or
+    /// `None` if they are not of this run.
     pub fn results_from(&self, bytes: &[u8]) -> Option<PartialResults> {
         let (nodes, rest) = postcard::take_from_bytes::<Vec<PartialResult>>(bytes).ok()?;
         let (warnings, rest) = postcard::take_from_bytes(rest).ok()?;
@@ -203,13 +209,15 @@ impl PartialResults {
         self.tree.nodes.is_empty()
     }
 
-    /// Returns the results with all their bits, for [`Distribution::results_from`] in another process.
+    /// Returns the results with all their bits, for [`Distribution::results_from`] in another
+    /// process.
     pub fn to_bytes(&self) -> Vec<u8> {
         let nodes: Vec<_> = self.tree.nodes.values().collect();
         bytes(&(nodes, &self.warnings))
     }
 
-    /// Adds a warning that the summary is to have, as that of a [checkpoint](Checkpoint::warning).
+    /// Adds a warning that the summary is to have, such as the warning of a
+    /// [checkpoint](Checkpoint::warning).
     pub fn warn(&mut self, warning: Warning) {
         self.warnings.push(warning);
     }
@@ -235,7 +243,8 @@ impl SharedResults {
         }
     }
 
-    /// Removes and returns the results that were added. Results that another thread is about to add are not among them.
+    /// Removes and returns the results that were added. Results that another thread is about to add
+    /// are not among them.
     pub fn take(&self) -> PartialResults {
         let mut tree = locked(&self.0);
         let empty = MergeTree::new(tree.blocks);
@@ -246,14 +255,16 @@ impl SharedResults {
     }
 }
 
-/// The file of [`Ensemble::checkpoint`]. [`Ensemble::run`] and distributed runs of the same ensemble read one another's files.
+/// The file of [`Ensemble::checkpoint`]. [`Ensemble::run`] and distributed runs of the same
+/// ensemble read one another's files.
 pub struct Checkpoint {
     file: CheckpointFile,
     is_resumed: bool,
 }
 
 impl Checkpoint {
-    /// Reads the results of the file if it exists and the ensemble is to [`resume`](Ensemble::resume).
+    /// Reads the results of the file if it exists and the ensemble is to
+    /// [`resume`](Ensemble::resume).
     ///
     /// # Errors
     /// As [`Ensemble::resume`].
@@ -271,12 +282,14 @@ impl Checkpoint {
         self.file.is_due()
     }
 
-    /// Replaces the file, if there are results. If this fails, says so on standard error and in [`warning`](Self::warning), and the file is [due](Self::is_due) again soon.
+    /// Replaces the file, if there are results. If this fails, says so on standard error and in
+    /// [`warning`](Self::warning), and the file is [due](Self::is_due) again soon.
     pub fn save(&self, results: &PartialResults) {
         self.file.save(&results.tree);
     }
 
-    /// Returns a warning if the file could not be written. Check before the run by [`Ensemble::try_checkpoint`] that it can.
+    /// Returns a warning if the file could not be written. Check before the run by
+    /// [`Ensemble::try_checkpoint`] that it can.
     pub fn warning(&self) -> Option<Warning> {
         self.file.warning()
     }

@@ -1,13 +1,17 @@
 //! Edges of the bins of a histogram, correctly rounded.
 //!
-//! Input: a range, the number of its equal parts and of an edge. Output: the `f64` nearest to `low + k (high − low)/n`, so that −0.5 is an
-//! edge of −3..3 in 12 bins. Invariant: the first edge is `low`, the last one `high`, and edges ascend.
+//! Input: a range, the number of its equal parts and of an edge. Output: the `f64` nearest to
+//! `low + k (high − low)/n`, so that −0.5 is an edge of −3..3 in 12 bins. Invariant: the first edge
+//! is `low`, the last one `high`, and edges ascend.
 //!
-//! Formed as `(low (n − k) + high k)/n` in pairs of numbers, of 106 bits together: each operation has a relative error below 2⁻¹⁰⁰.
+//! Formed as `(low (n − k) + high k)/n` in pairs of numbers, of 106 bits together: each operation
+//! has a relative error below 2⁻¹⁰⁰.
 //!
-//! Source: M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous error bounds for basic building blocks of double-word arithmetic*,
-//! ACM Trans. Math. Softw. 44 (2017), algorithms 2 (sum), 6 (accurate sum of pairs) and 15 (quotient); T. J. Dekker, *A
-//! floating-point technique for extending the available precision*, Numer. Math. 18 (1971), for the product without a fused operation.
+//! Source: M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous error bounds for basic building
+//! blocks of double-word arithmetic*, ACM Trans. Math. Softw. 44 (2017), algorithms 2 (sum), 6
+//! (accurate sum of pairs) and 15 (quotient); T. J. Dekker, *A floating-point technique for
+//! extending the available precision*, Numer. Math. 18 (1971), for the product without a fused
+//! operation.
 
 /// Returns an edge of the equal parts of a range.
 pub(super) fn edge([low, high]: [f64; 2], edge: usize, parts: usize) -> f64 {
@@ -24,7 +28,8 @@ pub(super) fn edge([low, high]: [f64; 2], edge: usize, parts: usize) -> f64 {
     quotient(sum, parts as f64) * unit
 }
 
-/// Returns a power of two that scales a range to the middle of the exponents, where no operation overflows or underflows.
+/// Returns a power of two that scales a range to the middle of the exponents, where no operation
+/// overflows or underflows.
 fn unit(size: f64) -> f64 {
     const LARGE: f64 = f64::from_bits((1023 + 500) << 52);
     const SMALL: f64 = f64::from_bits((1023 - 500) << 52);
@@ -92,7 +97,8 @@ mod tests {
         number.try_into().ok().expect("a number of parts")
     }
 
-    /// Ranges of whole numbers over powers of two, whose edges can be had from integers: (low (n − k) + high k)/n, rounded half to even.
+    /// Ranges of whole numbers over powers of two, whose edges can be had from integers: (low (n −
+    /// k) + high k)/n, rounded half to even.
     #[test]
     fn edges_are_correctly_rounded() {
         let mut checked = 0;
@@ -137,7 +143,8 @@ mod tests {
             let parts = 2 + next(12);
             let k = 1 + next(40) % (parts - 1);
             let numerator = low * (parts - k) + high * k;
-            // the quotient with 60 binary places, and a last bit that is set if there is a remainder
+            // the quotient with 60 binary places, and a last bit that is set if there is a
+            // remainder
             let scaled = numerator << 60;
             let exact = scaled.div_euclid(parts) | i128::from(scaled.rem_euclid(parts) != 0);
             let expected = exact as f64 / (1_u64 << 60) as f64;

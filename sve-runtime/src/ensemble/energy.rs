@@ -1,7 +1,7 @@
 //! The energy as an observable, in lanes.
 //!
-//! Input: the states of a tile. Output: the energy of each lane by the loop that the macro derived, and by the function of a single state where this has no
-//! finite value.
+//! Input: the states of a tile. Output: the energy of each lane by the loop that the macro derived,
+//! and by the function of a single state where this has no finite value.
 
 use super::Ensemble;
 use super::observe::Function;
@@ -14,9 +14,12 @@ use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Takes statistics of the energy, as `observe(name, |system, state| system.hamiltonian(state))` does, in the lanes of vector registers: many times as fast
-    /// where the macro knows H(q, p) as a formula, that is for Lagrangians that are quadratic in the velocities with up to six coordinates that the mass matrix couples. The
-    /// energies agree with [`hamiltonian`](crate::Mechanics::hamiltonian) to rounding. Of other systems it is the energy of one state after the other.
+    /// Takes statistics of the energy, as
+    /// `observe(name, |system, state| system.hamiltonian(state))` does, in the lanes of vector
+    /// registers: many times as fast where the macro knows H(q, p) as a formula, that is for
+    /// Lagrangians that are quadratic in the velocities with up to six coordinates that the mass
+    /// matrix couples. The energies agree with [`hamiltonian`](crate::Mechanics::hamiltonian) to
+    /// rounding. Of other systems it is the energy of one state after the other.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -184,11 +184,6 @@ pub enum EnsembleError {
         "two increments of `ThreePoint` do not add up to one of a step twice as long, so a coarse and a fine step have no common path; take `Wiener`"
     )]
     NoSums,
-    /// A run from several starts with a checkpoint.
-    #[error(
-        "`run_from` has a run for each start, and a checkpoint is the file of one: leave `checkpoint` out, or give each start a run and a file of its own"
-    )]
-    PointsInOneFile,
     /// A sweep over no rows.
     #[error("the table of the sweep has no row; give it the methods or starts to compare")]
     EmptyTable,
@@ -269,7 +264,8 @@ pub enum EnsembleError {
         /// Paths of a level.
         paths: u64,
     },
-    /// A level of a multilevel estimate whose variance is that of a few paths, however many are run.
+    /// A level of a multilevel estimate whose variance comes from a few paths, however many are
+    /// run.
     #[error(
         "`multilevel`: on level {level} the variance of `{name}` is that of about {carriers:.0} of {paths} paths, and more paths did not give it more: its tails are too heavy for a variance; \
          take an observable with a bounded range, or let paths fail that leave one with `bound`"
@@ -369,7 +365,8 @@ pub enum EnsembleError {
         /// Last of a run of common paths.
         last: u64,
     },
-    /// The file of a checkpoint could not be read, or written on trial, so that no path was computed.
+    /// The file of a checkpoint could not be read, or written on trial, so that no path was
+    /// computed.
     #[cfg(feature = "checkpoint")]
     #[error(
         "the checkpoint {} cannot be read and written, so no path was computed: {source}; make the file accessible, or give another path",

@@ -1,15 +1,17 @@
 //! The result of the multilevel method.
 //!
-//! Input: the numbers of all levels. Output: the mean with its errors, and what each level contributes.
+//! Input: the numbers of all levels. Output: the mean with its errors, and what each level
+//! contributes.
 
 use core::fmt;
 
-/// A level of a multilevel estimate. The mean and the variance are those of the difference to the level before.
+/// A level of a multilevel estimate. The mean and the variance belong to the difference to the
+/// level before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
     /// Step size.
     pub h: f64,
-    /// Steps of a path, including those of the coarse one.
+    /// Steps of a path, including the steps of the coarse path.
     pub steps: u64,
     /// Number of paths.
     pub paths: u64,
@@ -88,7 +90,8 @@ impl fmt::Display for MultilevelEstimate {
     }
 }
 
-/// Returns the numbers of paths that give the mean this standard error for the smallest number of steps: proportional to √(variance / steps).
+/// Returns the numbers of paths that give the mean this standard error for the smallest number of
+/// steps: proportional to √(variance / steps).
 pub(super) fn paths_of_levels(levels: &[Level], standard_error: f64) -> Vec<f64> {
     let all = levels.iter();
     let sum: f64 = all.map(|l| (l.variance * l.steps as f64).sqrt()).sum();
@@ -96,7 +99,8 @@ pub(super) fn paths_of_levels(levels: &[Level], standard_error: f64) -> Vec<f64>
     levels.iter().map(each).collect()
 }
 
-/// Returns the bias of the last level if errors fall like hʷ: each of the last three differences gives an estimate, and the largest counts, since one of them may be small by chance.
+/// Returns the bias of the last level if errors fall like hʷ: each of the last three differences
+/// gives an estimate, and the largest counts, since one of them may be small by chance.
 pub(super) fn bias(levels: &[Level], weak_order: f64) -> f64 {
     let factor = weak_order.exp2();
     let differences = levels[1..].iter().rev().take(3).zip(0..);

@@ -1,7 +1,8 @@
 //! The execution of an ensemble: its blocks on all threads.
 //!
-//! Input: [`Settings`]. Output: a [`Summary`]. Invariant: the result of a block depends on its number only, and the tree
-//! fixes how blocks are merged, so threads affect nothing but the duration.
+//! Input: [`Settings`]. Output: a [`Summary`]. Invariant: the result of a block depends on its
+//! number only, and the tree fixes how blocks are merged, so threads affect nothing but the
+//! duration.
 
 use core::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,10 +20,12 @@ use super::summary::Summary;
 use super::{BLOCK_PATHS, EnsembleError, Warning};
 use crate::trajectory::Method;
 
-/// Largest number of blocks that are run together: with paths that stop at a constant rate, a thousand paths keep nine of ten lanes full.
+/// Largest number of blocks that are run together: with paths that stop at a constant rate, a
+/// thousand paths keep nine of ten lanes full.
 const GROUP: u64 = 16;
 
-/// Least number of times that a thread gets blocks to run together, so that all threads end at about the same time.
+/// Least number of times that a thread gets blocks to run together, so that all threads end at
+/// about the same time.
 const TURNS: u64 = 4;
 
 impl<I: Method + Sync> Settings<'_, I> {
@@ -43,7 +46,8 @@ impl<I: Method + Sync> Settings<'_, I> {
         Ok(Summary::new(info, tree).warned(finished.warning))
     }
 
-    /// Runs the blocks of the shard with `results` results each, and returns a tree for each of them.
+    /// Runs the blocks of the shard with `results` results each, and returns a tree for each of
+    /// them.
     pub(super) fn execute_with(
         &self,
         results: usize,
@@ -54,7 +58,8 @@ impl<I: Method + Sync> Settings<'_, I> {
         Ok(finished.trees)
     }
 
-    /// Runs the blocks of the shard on all threads. `run_some` returns the results of each block; result number k becomes a part of tree number k.
+    /// Runs the blocks of the shard on all threads. `run_some` returns the results of each block;
+    /// result number k becomes a part of tree number k.
     fn run_on_threads(
         &self,
         shared: Shared,
@@ -111,7 +116,8 @@ impl<I: Method + Sync> Settings<'_, I> {
         }
     }
 
-    /// Returns the number of blocks that are run together. Where paths stop, more of them keep the lanes full; the results are the same.
+    /// Returns the number of blocks that are run together. Where paths stop, more of them keep the
+    /// lanes full; the results are the same.
     fn group(&self, threads: usize) -> u64 {
         if !self.ensemble.has_stops() {
             return 1;
@@ -161,7 +167,7 @@ struct Shared {
     trees: Vec<Mutex<MergeTree>>,
     /// Blocks whose results a checkpoint has.
     loaded: Vec<Range<u64>>,
-    /// The error that ends the run: that of the first path that failed.
+    /// The error that ends the run: the error of the first path that failed.
     stop: Mutex<Option<EnsembleError>>,
     progress: Progress,
     #[cfg(feature = "checkpoint")]
@@ -198,8 +204,8 @@ impl Shared {
         parts
     }
 
-    /// Inserts the results of a block into their trees. Results are merged outside of the lock. With a checkpoint they are merged inside, since the written
-    /// tree has to contain all blocks.
+    /// Inserts the results of a block into their trees. Results are merged outside of the lock.
+    /// With a checkpoint they are merged inside, since the written tree has to contain all blocks.
     fn insert(&self, results: Vec<PartialResult>) {
         for (tree, result) in self.trees.iter().zip(results) {
             #[cfg(feature = "checkpoint")]
@@ -238,7 +244,7 @@ impl Shared {
         }
     }
 
-    /// Stores the error if it is that of the lowest path so far.
+    /// Stores the error if no path with a lower number has failed.
     fn stop(&self, error: EnsembleError) {
         let mut stop = locked(&self.stop);
         if stop.as_ref().is_none_or(|old| path(&error) < path(old)) {
@@ -288,7 +294,8 @@ fn path(error: &EnsembleError) -> u64 {
     }
 }
 
-/// Locks a mutex. A panic of another thread ends the whole run, so the state that it left does not matter.
+/// Locks a mutex. A panic of another thread ends the whole run, so the state that it left does not
+/// matter.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

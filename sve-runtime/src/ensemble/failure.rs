@@ -5,7 +5,8 @@ use core::mem::discriminant;
 use crate::error::StepError;
 use crate::readable::debug_is_display;
 
-/// Largest number of failures that a summary keeps, with number, time and error: those of the lowest paths. All failures are counted.
+/// Largest number of failures that a summary keeps, with number, time and error: the failures of
+/// the paths with the lowest numbers. All failures are counted.
 pub const FAILURES_KEPT: usize = 256;
 
 /// The failure of a path. The path is not in the statistics of later records.
@@ -15,7 +16,8 @@ pub const FAILURES_KEPT: usize = 256;
 pub struct Failure {
     /// Number of the path, from 0; [`replay`](super::Ensemble::replay) repeats it.
     pub path: u64,
-    /// Number of steps before the failure. Where a path was to stop, the last one is a part of a step.
+    /// Number of steps before the failure. Where a path was to stop, the last one is a part of a
+    /// step.
     pub step: u64,
     /// Time of the failure.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
@@ -65,7 +67,8 @@ pub enum Cause {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
-    /// An observable is outside of the range that was given for it, at a recorded time or where the path was to stop.
+    /// An observable is outside of the range that was given for it, at a recorded time or where the
+    /// path was to stop.
     #[error(
         "the observable `{name}` is {value:e}, outside of the bound {low:e}..={high:e} that was given for it"
     )]
@@ -89,7 +92,8 @@ debug_is_display!(Failure, Cause);
 /// Causes are equal if all numbers are equal; NaN equals NaN.
 impl PartialEq for Cause {
     fn eq(&self, other: &Self) -> bool {
-        // a message has all digits of its numbers, except that of a step, which rounds fractions
+        // a message has all digits of its numbers, except the message of a step, which rounds
+        // fractions
         let text = self.to_string();
         let same_step = match (self, other) {
             (Self::Step(a), Self::Step(b))

@@ -3,8 +3,9 @@
 use crate::phase::configuration::{Configuration, FixedSize};
 use crate::phase::state::State;
 
-/// The state of a path at the end, from [`Summary::final_states`](super::Summary::final_states): its components are read like those of a
-/// [`State`], without a number of coordinates in the type.
+/// The state of a path at the end, from [`Summary::final_states`](super::Summary::final_states):
+/// its components are read like the components of a [`State`], without a number of coordinates in
+/// the type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinalState<'a> {
     /// Time.
@@ -16,7 +17,8 @@ pub struct FinalState<'a> {
 }
 
 impl FinalState<'_> {
-    /// The same as a [`State`]; `None` where configurations of the type `Q` have another number of stored values.
+    /// The same as a [`State`]; `None` where configurations of the type `Q` have another number of
+    /// stored values.
     pub fn state<Q: FixedSize>(&self) -> Option<State<Q>> {
         let lengths = [Q::STORED_VALUES, Q::DEGREES_OF_FREEDOM];
         if [self.q.len(), self.p.len()] != lengths {

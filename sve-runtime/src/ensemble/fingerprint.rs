@@ -1,10 +1,13 @@
 //! Fingerprints: hashes by which shards and checkpoints of the same run are recognised.
 //!
-//! Input: the settings, the system's formulas and parameters, the method, starts, and values along some paths. Output: a 64-bit hash of
-//! each, so that a message can say which one differs. Invariant: equal runs have equal numbers; every value enters with all its bits.
+//! Input: the settings, the system's formulas and parameters, the method, starts, and values along
+//! some paths. Output: a 64-bit hash of each, so that a message can say which one differs.
+//! Invariant: equal runs have equal numbers; every value enters with all its bits.
 //!
-//! Closures cannot be read, so they are sampled: starts of up to 33 paths; observables along path 0 at its recorded times, and along
-//! three others for a few steps; memories of [`fold`](super::Ensemble::fold) along the first steps of these paths. What a closure does elsewhere is not seen.
+//! Closures cannot be read, so they are sampled: starts of up to 33 paths; observables along path 0
+//! at its recorded times, and along three others for a few steps; memories of
+//! [`fold`](super::Ensemble::fold) along the first steps of these paths. What a closure does
+//! elsewhere is not seen.
 
 use std::collections::BTreeSet;
 
@@ -23,14 +26,16 @@ use crate::trajectory::Method;
 /// Smallest number of steps of path 0 that are compared.
 const STEPS: u64 = 4096;
 
-/// One step in so many of the run is made for the fingerprint, if that is more than [`STEPS`]. A scalar step costs up to nine steps
-/// in lanes, so the fingerprint takes at most a hundredth of the time.
+/// One step in so many of the run is made for the fingerprint, if that is more than [`STEPS`]. A
+/// scalar step costs up to nine steps in lanes, so the fingerprint takes at most a hundredth of the
+/// time.
 const SHARE: u128 = 1024;
 
 /// Number of steps of three other paths that are compared.
 const OTHER_STEPS: u64 = 64;
 
-/// Number of first paths whose starts are compared. As many evenly distributed paths are compared, and the last one.
+/// Number of first paths whose starts are compared. As many evenly distributed paths are compared,
+/// and the last one.
 const STARTS: u64 = 16;
 
 /// The fingerprint of a run.

@@ -1,6 +1,7 @@
 //! Memories of any type along each path.
 //!
-//! Input: functions that begin, update and read a memory. Output: an observable of what is read. Invariant: a memory sees the start and the state after each step, in order.
+//! Input: functions that begin, update and read a memory. Output: an observable of what is read.
+//! Invariant: a memory sees the start and the state after each step, in order.
 
 use core::marker::PhantomData;
 
@@ -15,8 +16,9 @@ use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 use crate::trajectory::Method;
 
 impl<'a, I: Method> Ensemble<'a, I> {
-    /// Takes statistics of a memory of any type: `begin` makes it from the start of a path, `update` is called with the state after each step (and with the
-    /// state at which a path [stops](Self::stop_at)), and `value` is what is recorded.
+    /// Takes statistics of a memory of any type: `begin` makes it from the start of a path,
+    /// `update` is called with the state after each step (and with the state at which a path
+    /// [stops](Self::stop_at)), and `value` is what is recorded.
     ///
     /// A path on which the value at a recorded time is not finite fails.
     ///

@@ -1,7 +1,10 @@
-//! Gradients of means: derivatives of an observable along each path, by the chain rule through its steps.
+//! Gradients of means: derivatives of an observable along each path, by the chain rule through its
+//! steps.
 //!
-//! Input: a smooth function of a state, and the quantities by which its mean is differentiated. Output: the function and each of its derivatives as observables of the
-//! summary. Invariant: the derivatives change no other number of a run; those of a path depend on its number only.
+//! Input: a smooth function of a state, and the quantities by which its mean is differentiated.
+//! Output: the function and each of its derivatives as observables of the summary. Invariant: the
+//! derivatives change no other number of a run; the derivatives of a path depend on its number
+//! only.
 //!
 //! `tangents.rs` carries the tangent vectors of the paths along their steps.
 
@@ -175,7 +178,7 @@ impl<I: Method> Clone for TangentSteps<I> {
 
 impl<I: Method> Copy for TangentSteps<I> {}
 
-/// What is differentiated, and by what.
+/// The function that is differentiated, and the variables.
 pub(super) struct Gradients<'a, I: Method> {
     /// The names of the functions.
     names: Vec<String>,
@@ -199,8 +202,8 @@ impl<I: Method> Default for Gradients<'_, I> {
 const STOPS: &str = "the mean over paths that end at an event depends on the times of the events, which the derivatives along the paths leave out; run without `stop_at`, or take differences with common noise by `sweep`";
 
 impl<I: Method> Gradients<'_, I> {
-    /// Checks that the system has what its means are differentiated by and what their functions ask for, and that no path stops.
-    /// `first` is the start of the first path.
+    /// Checks that the system has what its means are differentiated by and what their functions ask
+    /// for, and that no path stops. `first` is the start of the first path.
     pub(super) fn check(
         &self,
         system: &I::System,
@@ -228,11 +231,13 @@ impl<I: Method> Gradients<'_, I> {
 }
 
 impl<'a, I: Method> Ensemble<'a, I> {
-    /// Takes statistics of a smooth function of a state, and of its derivatives: the derivatives of the mean by parameters, by parameters during some steps and by the start, with
-    /// their standard errors.
+    /// Takes statistics of a smooth function of a state, and of its derivatives: the derivatives of
+    /// the mean by parameters, by parameters during some steps and by the start, with their
+    /// standard errors.
     ///
-    /// The function is written with [dual numbers](Dual), which have the operators and smooth functions of `f64`. [`Summary::derivative`] returns the statistics of a derivative; its
-    /// name among the observables is `∂name/∂quantity`.
+    /// The function is written with [dual numbers](Dual), which have the operators and smooth
+    /// functions of `f64`. [`Summary::derivative`] returns the statistics of a derivative; its name
+    /// among the observables is `∂name/∂quantity`.
     ///
     /// ```
     /// use sve_runtime::ensemble::By;
@@ -265,20 +270,29 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// # }
     /// ```
     ///
-    /// The derivatives are those of each path with its increments held fixed. Their mean is the derivative of the mean only for smooth functions of the state at a fixed time, and
-    /// nothing else can be written: dual numbers do not compare, and have no `abs`. For the probability of an event replace the jump by a smooth step, `0.5 + 0.5 * ((q - a) / w).tanh()`,
-    /// with a width w that is small beside the law of q, and see that the result does not depend on w; or use likelihood ratios, as the
-    /// [guide](crate::guide::derivatives) does. The gradient of a quantile is minus that of the probability to be below it, over the density there. [Averages](Self::average),
-    /// [weighted](Self::weight) means and paths that [stop](Self::stop_at) have no gradients: take differences with common noise by [`sweep`](Self::sweep). A path on which a step had to be [refined](Self::refine) fails.
+    /// Each path is differentiated with its increments held fixed. Their mean is the derivative of
+    /// the mean only for smooth functions of the state at a fixed time, and nothing else can be
+    /// written: dual numbers do not compare, and have no `abs`. For the probability of an event
+    /// replace the jump by a smooth step, `0.5 + 0.5 * ((q - a) / w).tanh()`, with a width w that
+    /// is small beside the law of q, and see that the result does not depend on w; or use
+    /// likelihood ratios, as the [guide](crate::guide::derivatives) does. The gradient of a
+    /// quantile is minus the gradient of the probability to be below it, over the density there.
+    /// [Averages](Self::average), [weighted](Self::weight) means and paths that
+    /// [stop](Self::stop_at) have no gradients: take differences with common noise by
+    /// [`sweep`](Self::sweep). A path on which a step had to be [refined](Self::refine) fails.
     ///
-    /// A start that depends on a parameter does not follow it; its part is the sum of the derivatives by [`By::q`] and [`By::p`] times those of the start.
+    /// A start that depends on a parameter does not follow it; its part is the sum of the
+    /// derivatives by [`By::q`] and [`By::p`] times the derivatives of the start.
     ///
-    /// The tangent vectors are carried in lanes, as the states are: a run with gradients by one to four quantities takes 1.3 to 3 times as long as without. Where the step is not in lanes
-    /// ([`Plan::in_lanes`](crate::Plan::in_lanes)), has constraints or large derivatives, a step with tangent vectors is made for one path after the other, which takes 10 to 30 times as
+    /// The tangent vectors are carried in lanes, as the states are: a run with gradients by one to
+    /// four quantities takes 1.3 to 3 times as long as without. Where the step is not in lanes
+    /// ([`Plan::in_lanes`](crate::Plan::in_lanes)), has constraints or large derivatives, a step
+    /// with tangent vectors is made for one path after the other, which takes 10 to 30 times as
     /// long as a step in lanes. The other statistics of a run keep their bits.
     ///
     /// # Errors
-    /// [`run`](Self::run) returns [`EnsembleError::Gradient`] for a quantity that the system does not have, and [`EnsembleError::GradientFunction`] for a function that asks for such a
+    /// [`run`](Self::run) returns [`EnsembleError::Gradient`] for a quantity that the system does
+    /// not have, and [`EnsembleError::GradientFunction`] for a function that asks for such a
     /// parameter.
     #[must_use]
     pub fn gradient<B: Into<By>>(
@@ -327,7 +341,8 @@ fn derivative(name: &str, by: &By) -> String {
 }
 
 impl Summary {
-    /// The statistics of the derivative of an observable of [`Ensemble::gradient`] by a quantity, at each recorded time. `None` if it was not asked for.
+    /// The statistics of the derivative of an observable of [`Ensemble::gradient`] by a quantity,
+    /// at each recorded time. `None` if it was not asked for.
     pub fn derivative(&self, name: &str, by: impl Into<By>) -> Option<&Statistics> {
         self.get(&derivative(name, &by.into()))
     }

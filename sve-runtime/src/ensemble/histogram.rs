@@ -1,7 +1,8 @@
 //! Histograms of observables: how many paths are in each bin.
 //!
-//! Input: tiles of values. Output: counts, which merge by addition in any order.
-//! Invariant: a value is in the bin between whose published edges it is; the counts with those below and above sum up to the paths.
+//! Input: tiles of values. Output: counts, which merge by addition in any order. Invariant: a value
+//! is in the bin between whose published edges it is; the counts with those below and above sum up
+//! to the paths.
 
 use core::ops::Range;
 
@@ -14,41 +15,62 @@ use crate::table::{Table, Values, table_writers};
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Takes a histogram of an observable with `bins` equal bins over a range, at each recorded time.
+    /// Takes a histogram of an observable with equal bins over a range, at each recorded time, or
+    /// with [`Bins::at_end`] at the end only.
     ///
     #[doc = include_str!("example.md")]
-    /// let summary = ensemble().record_every(5).histogram("q", -5.0..5.0, 20).run()?;
+    /// let summary = ensemble().every(5).histogram("q", -5.0..5.0, 20).run()?;
     /// let histogram = summary.histogram("q").unwrap();
     /// assert_eq!((histogram.rows(), histogram.edges().len()), (3, 21));
     /// // all paths start at q = 1, the lower edge of bin 12
     /// assert_eq!(histogram.counts_at(0)[12], 100);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, true)
+    pub fn histogram(
+        self,
+        name: impl Into<String>,
+        range: Range<f64>,
+        bins: impl Into<Bins>,
+    ) -> Self {
+        let Bins { number, always } = bins.into();
+        self.take(AnyRequest::Histogram(HistogramRequest {
+            name: name.into(),
+            range: [range.start, range.end],
+            bins: number,
+            always,
+        }))
     }
+}
 
-    /// Takes a histogram as [`histogram`](Self::histogram) does, at the end only.
+/// The bins of a histogram: their number, and when they count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bins {
+    number: usize,
+    /// The bins count at each recorded time, and not at the last one only.
+    always: bool,
+}
+
+impl Bins {
+    /// Counts at the end of the run only, which takes less memory. A number of bins as it is counts
+    /// at each recorded time.
     ///
     #[doc = include_str!("example.md")]
-    /// let summary = ensemble().record_every(5).final_histogram("q", -5.0..5.0, 20).run()?;
+    /// let summary = ensemble().every(5).histogram("q", -5.0..5.0, Bins::at_end(20)).run()?;
     /// let histogram = summary.histogram("q").unwrap();
     /// assert_eq!((histogram.rows(), histogram.times()), (1, &[1.0][..]));
     /// assert_eq!(histogram.counts().iter().sum::<u64>(), 100);
     #[doc = include_str!("../example_end.md")]
-    #[must_use]
-    pub fn final_histogram(self, name: impl Into<String>, range: Range<f64>, bins: usize) -> Self {
-        self.request(name.into(), &range, bins, false)
+    pub const fn at_end(number: usize) -> Self {
+        let always = false;
+        Self { number, always }
     }
+}
 
-    fn request(self, name: String, range: &Range<f64>, bins: usize, always: bool) -> Self {
-        let range = [range.start, range.end];
-        self.take(AnyRequest::Histogram(HistogramRequest {
-            name,
-            range,
-            bins,
-            always,
-        }))
+impl From<usize> for Bins {
+    /// Counts at each recorded time.
+    fn from(number: usize) -> Self {
+        let always = true;
+        Self { number, always }
     }
 }
 
@@ -62,12 +84,13 @@ pub(super) struct HistogramRequest {
     pub(super) range: [f64; 2],
     /// Number of bins.
     pub(super) bins: usize,
-    /// Whether it counts at each recorded time, or at the last one only.
+    /// The histogram counts at each recorded time, and not at the last one only.
     pub(super) always: bool,
 }
 
 impl HistogramRequest {
-    /// Returns whether the bounds are finite, the lower one is below the upper one, and there is a bin.
+    /// Returns whether the bounds are finite, the lower one is below the upper one, and there is a
+    /// bin.
     fn is_valid(&self) -> bool {
         let [low, high] = self.range;
         (high - low).is_finite() && low < high && self.bins > 0
@@ -97,10 +120,12 @@ impl HistogramRequest {
         u128::from(self.rows(records)) * (self.bins as u128 + 2)
     }
 
-    /// Returns the distance from an edge, in bins, within which rounding errors can place a value into the wrong bin, so that the value has to be compared with the edges.
+    /// Returns the distance from an edge, in bins, within which rounding errors can place a value
+    /// into the wrong bin, so that the value has to be compared with the edges.
     ///
-    /// The place of a value has four rounding errors, an edge one: 4ε bins and ε max(|low|, |high|)/(high − low) bins. Subnormal
-    /// numbers have the absolute rounding error of the smallest normal number.
+    /// The place of a value has four rounding errors, an edge one: 4ε bins and ε max(|low|,
+    /// |high|)/(high − low) bins. Subnormal numbers have the absolute rounding error of the
+    /// smallest normal number.
     fn rounding_margin(&self) -> f64 {
         let [low, high] = self.range;
         let size = low.abs().max(high.abs()).max(f64::MIN_POSITIVE) / (high - low);
@@ -135,7 +160,7 @@ impl HistogramRequest {
 /// The counts of a histogram.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Bins {
+pub(super) struct BinCounts {
     request: HistogramRequest,
     /// Number of the observable.
     column: usize,
@@ -143,7 +168,7 @@ pub(super) struct Bins {
     counts: Vec<u64>,
 }
 
-impl Statistic for Bins {
+impl Statistic for BinCounts {
     type Request = HistogramRequest;
 
     const DIFFERENCE: Difference = Difference::Statistic("histograms");
@@ -170,7 +195,7 @@ impl Statistic for Bins {
                 .counts(extent.records)
                 .saturating_mul(AT_ONCE * NUMBER),
             what: format!("the histogram of `{name}` with {bins} bins at {rows} recorded times"),
-            remedy: "take fewer bins, or `final_histogram`",
+            remedy: "take fewer bins, or `Bins::at_end`",
         }
     }
 
@@ -253,7 +278,8 @@ impl Histogram {
         &self.request.name
     }
 
-    /// Returns the edges of the bins, one more than there are bins. A value on an edge is in the bin above it.
+    /// Returns the edges of the bins, one more than there are bins. A value on an edge is in the
+    /// bin above it.
     pub fn edges(&self) -> Vec<f64> {
         (0..=self.request.bins)
             .map(|bin| self.request.edge(bin))
@@ -304,7 +330,8 @@ impl Histogram {
         &self.counts[row * width..][..width]
     }
 
-    /// The columns: the time, the bounds of a bin, and the paths in it, with the paths below and above the range in bins without a bound.
+    /// The columns: the time, the bounds of a bin, and the paths in it, with the paths below and
+    /// above the range in bins without a bound.
     fn table(&self) -> Table {
         let [mut t, mut low, mut high] = [const { Vec::new() }; 3];
         let mut paths = Vec::new();

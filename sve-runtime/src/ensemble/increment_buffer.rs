@@ -1,8 +1,10 @@
 //! The increments of a block of paths, in lanes, drawn for several steps at once.
 //!
-//! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and process.
-//! Invariant: the increments of path `k` are those of the source's path `k`, bit for bit. In antithetic pairs, paths `2k` and `2k + 1` have those of path `k`, the second
-//! one with the other sign. Coarsened increments are sums of the source's increments over the halves of a step.
+//! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and
+//! process. Invariant: path `k` has the increments of the source's path `k`, bit for bit. In
+//! antithetic pairs, paths `2k` and `2k + 1` have the increments of path `k`, the second one with
+//! the other sign. Coarsened increments are sums of the source's increments over the halves of a
+//! step.
 
 use core::marker::PhantomData;
 
@@ -29,7 +31,8 @@ pub(super) struct IncrementBuffer<D> {
     batch: Option<u64>,
     /// The paths of the source in the lanes of each tile.
     paths: Vec<[u64; LANES]>,
-    /// The lanes of each tile whose increments have the other sign than those of the source.
+    /// The lanes of each tile whose increments have the opposite sign of the increments of the
+    /// source.
     mirrored: Vec<[bool; LANES]>,
     /// Increments by groups of four steps, tiles and processes.
     values: Vec<Aligned<[Lane; 4]>>,
@@ -189,7 +192,8 @@ impl<D: Dimensions> IncrementBuffer<D> {
         increments
     }
 
-    /// Returns the increments of a tile for a step of the batch in the buffer where there is a single process: those need not be copied.
+    /// Returns the increments of a tile for a step of the batch in the buffer where there is a
+    /// single process: those need not be copied.
     #[inline(always)]
     pub(super) fn only(&self, tile: usize, step: u64) -> Option<&D::IncrementLanes> {
         if Self::PROCESSES != 1 {
@@ -208,7 +212,7 @@ impl<D: Dimensions> IncrementBuffer<D> {
     }
 }
 
-/// Returns the sums of the increments over eight halves of steps: those of four steps.
+/// Returns the sums of the increments over eight halves of steps: the increments of four steps.
 fn sums(halves: [&Aligned<[Lane; 4]>; 2]) -> Aligned<[Lane; 4]> {
     Aligned(core::array::from_fn(|step| {
         let halves = &halves[step / 2].0;

@@ -1,6 +1,7 @@
 //! The data that summaries of the same run have in common.
 //!
-//! Input: the settings of a run. Output: the first difference between two runs, by which shards and checkpoints of another run are refused.
+//! Input: the settings of a run. Output: the first difference between two runs, by which shards and
+//! checkpoints of another run are refused.
 
 use super::difference::Difference;
 use super::fingerprint::Fingerprint;
@@ -26,7 +27,7 @@ pub(super) struct Info {
     /// Number of momenta of a final state.
     pub(super) momenta: usize,
     pub(super) fingerprint: Fingerprint,
-    /// What pages show. Runs are not compared by it.
+    /// The description of the run on pages. Runs are not compared by it.
     pub(super) description: RunDescription,
 }
 

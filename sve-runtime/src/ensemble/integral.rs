@@ -1,8 +1,10 @@
 //! Integrals over time along each path: averages, and the weight of Feynman and Kac.
 //!
-//! Input: functions of the system and a state. Output: observables of their integrals so far, and of other functions times the weight.
+//! Input: functions of the system and a state. Output: observables of their integrals so far, and
+//! of other functions times the weight.
 //!
-//! The trapezoidal rule keeps weak order 2 of a rule; a sum over the left ends of steps would make every rule of order 1.
+//! The trapezoidal rule keeps weak order 2 of a rule; a sum over the left ends of steps would make
+//! every rule of order 1.
 
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
@@ -13,7 +15,8 @@ use crate::system::StateOf;
 use crate::trajectory::Method;
 
 impl<'a, I: Method> Ensemble<'a, I> {
-    /// Takes statistics of the integral ∫f dt of a function along each path, from the start to the recorded time, by the trapezoidal rule over all steps.
+    /// Takes statistics of the integral ∫f dt of a function along each path, from the start to the
+    /// recorded time, by the trapezoidal rule over all steps.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -50,11 +53,14 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self.add(name, Accumulated::new(function, Integral))
     }
 
-    /// Takes statistics of the average of a function over time, along each path: from the start, or from the step of [`settle`](Self::settle), to the recorded time, by the
-    /// trapezoidal rule over all steps.
+    /// Takes statistics of the average of a function over time, along each path: from the start, or
+    /// from the step of [`settle`](Self::settle), to the recorded time, by the trapezoidal rule
+    /// over all steps.
     ///
-    /// The averages of different paths are independent, so the [standard error](super::Statistics::standard_error) between them is right however long a path remembers its past. Where no time has
-    /// passed yet the average is the value itself. For one long path see [`Blocking`](crate::Blocking).
+    /// The averages of different paths are independent, so the [standard
+    /// error](super::Statistics::standard_error) between them is right however long a path
+    /// remembers its past. Where no time has passed yet the average is the value itself. For one
+    /// long path see [`Blocking`](crate::Blocking).
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -93,11 +99,12 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self.add(name, Accumulated::new(function, Average { from: 0 }))
     }
 
-    /// Begins the [averages](Self::average) after so many steps, when the paths have forgotten their start.
+    /// Begins the [averages](Self::average) after so many steps, when the paths have forgotten
+    /// their start.
     ///
     #[doc = include_str!("example.md")]
     /// // the average from t = 0.5 on; before there is none
-    /// let summary = ensemble().record_every(5).settle(5).average("mean of q", |_, state| state.q[0]).run()?;
+    /// let summary = ensemble().every(5).settle(5).average("mean of q", |_, state| state.q[0]).run()?;
     /// assert_eq!(summary["mean of q"].mean()[1], summary["q"].mean()[1]);
     /// assert_ne!(summary["mean of q"].mean()[2], summary["q"].mean()[2]);
     #[doc = include_str!("../example_end.md")]
@@ -107,12 +114,54 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Gives each path the weight exp(−∫V dt) of a function V of the system and the state, integrated from the start by the trapezoidal rule over all steps.
-    /// The weight multiplies the [`terminal`](Self::terminal) functions. The V that was given last counts.
+    /// Gives each path the weight exp(−∫V dt) of a function V of the system and the state,
+    /// integrated from the start by the trapezoidal rule over all steps. The weight multiplies the
+    /// [`terminal`](Self::terminal) functions. The V that was given last counts.
     ///
-    /// By the formula of Feynman and Kac the mean of `f(X_t)` exp(−∫V dt) over paths from x is the solution u(t, x) of ∂u/∂t = 𝓛u − Vu with u(0, x) = f(x), where 𝓛 is the generator
-    /// of the motion. The weak order of a rule is that of u: 2 for `midpoint` and `stormer_verlet` with additive noise and constant masses, and for the rules with the
-    /// option [`Weak2`](crate::Weak2); 1 for `initial_point`, `endpoint` and Euler–Maruyama. [`run_from`](Self::run_from) has an example.
+    /// By the formula of Feynman and Kac the mean of `f(X_t)` exp(−∫V dt) over paths from x is the
+    /// solution u(t, x) of ∂u/∂t = 𝓛u − Vu with u(0, x) = f(x), where 𝓛 is the generator of the
+    /// motion. u has the weak order of the rule: 2 for `midpoint` and `stormer_verlet` with
+    /// additive noise and constant masses, and for the rules with the option
+    /// [`Weak2`](crate::Weak2); 1 for `initial_point`, `endpoint` and Euler–Maruyama.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Oscillator { sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Oscillator {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * q * q }
+    ///     #[gamma]
+    ///     fn push(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// // ∂u/∂t = p ∂u/∂q − q ∂u/∂p + ½σ² ∂²u/∂p² − ½κq²u,  u(0) = 1
+    /// let oscillator = Integrator::new(Oscillator { sigma: 0.8 }, Midpoint);
+    /// let kappa = 1.3;
+    /// let points = [State::new([0.7], [-0.4]), State::new([0.0], [0.0])];
+    /// for (point, number) in points.into_iter().zip(0..) {
+    ///     let summary = Ensemble::new(&oscillator)
+    ///         .paths(20_000)
+    ///         .noise(Wiener::new(1).path(20_000 * number)) // paths of its own for each point
+    ///         .steps(1.0 / 16.0, 32)
+    ///         .start(point)
+    ///         .weight(|_, state| 0.5 * kappa * state.q[0].powi(2))
+    ///         .terminal("u", |_, _| 1.0)
+    ///         .run()?;
+    ///     let (u, error) = (summary["u"].mean()[1], summary["u"].standard_error()[1]);
+    ///     if number == 0 {
+    ///         assert!(error < 0.002 && (u - 0.627173387859).abs() < 4.0 * error + 1e-4);
+    ///     }
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// Without the line of the noise all points have the same paths. Means at points that lie close
+    /// together then have nearly the same sampling error, so that their differences have a small
+    /// one, as a gradient needs; a mean over the points has a larger error.
     ///
     #[doc = include_str!("example.md")]
     /// // a constant V = 2 discounts: u(t, x) = exp(−2t) for f = 1
@@ -129,7 +178,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Takes statistics of a function times the [`weight`](Self::weight) of the path. Each recorded time is a time t of the solution u(t, x).
+    /// Takes statistics of a function times the [`weight`](Self::weight) of the path. Each recorded
+    /// time is a time t of the solution u(t, x).
     ///
     #[doc = include_str!("example.md")]
     /// // without a weight it is an observable

@@ -1,10 +1,14 @@
 //! Joint moments of two observables over the paths: covariances at equal times and at two times.
 //!
-//! Input: the values of two observables in the lanes of tiles. Output: rows of central moments up to the order (2, 2), which give the covariance and its
-//! standard error, and which can be merged. Invariant: sums over the lanes of a tile are formed by halves, so they have the same bits for vectors of any width.
+//! Input: the values of two observables in the lanes of tiles. Output: rows of central moments up
+//! to the order (2, 2), which give the covariance and its standard error, and which can be merged.
+//! Invariant: sums over the lanes of a tile are formed by halves, so they have the same bits for
+//! vectors of any width.
 //!
-//! Source: P. Pébay, *Formulas for robust, one-pass parallel computation of covariances and arbitrary-order statistical moments*, Sandia report SAND2008-6212 (2008); the standard error of a
-//! covariance: M. G. Kendall, A. Stuart, *The Advanced Theory of Statistics*, vol. 1, section 13.3.
+//! Source: P. Pébay, *Formulas for robust, one-pass parallel computation of covariances and
+//! arbitrary-order statistical moments*, Sandia report SAND2008-6212 (2008); the standard error of
+//! a covariance: M. G. Kendall, A. Stuart, *The Advanced Theory of Statistics*, vol. 1, section
+//! 13.3.
 
 use super::moments::by_halves;
 use super::statistic::Recorded;
@@ -26,11 +30,12 @@ pub(super) const ROW_BYTES: u128 = 8 * NUMBERS as u128;
 /// Numbers of a row.
 const NUMBERS: usize = 8;
 
-/// The moments of two observables, a row for each recorded time or for each pair of two: row `s · records + t`.
+/// The moments of two observables, a row for each recorded time or for each pair of two: row
+/// `s · records + t`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct JointColumn {
-    /// Whether the rows are pairs of times.
+    /// The rows are pairs of times.
     is_two_time: bool,
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     numbers: Vec<f64>,
@@ -201,12 +206,14 @@ impl JointMoments {
         }
     }
 
-    /// Returns the covariance, with the number of paths less one as the divisor; NaN for fewer than two paths.
+    /// Returns the covariance, with the number of paths less one as the divisor; NaN for fewer than
+    /// two paths.
     pub(super) fn covariance(&self) -> f64 {
         self.for_two(self.m11 / (self.count - 1.0))
     }
 
-    /// Returns the covariance over the product of the standard deviations; NaN if one of these is 0.
+    /// Returns the covariance over the product of the standard deviations; NaN if one of these is
+    /// 0.
     pub(super) fn correlation(&self) -> f64 {
         self.for_two(self.m11 / (self.m20.sqrt() * self.m02.sqrt()))
     }

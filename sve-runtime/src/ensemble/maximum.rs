@@ -1,6 +1,7 @@
 //! The greatest value of a function along each path.
 //!
-//! Input: a function of the system and a state. Output: an observable of the greatest value after all steps so far, with that at the start.
+//! Input: a function of the system and a state. Output: an observable of the greatest value after
+//! all steps so far, with that at the start.
 
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
@@ -10,11 +11,13 @@ use crate::system::StateOf;
 use crate::trajectory::Method;
 
 impl<'a, I: Method> Ensemble<'a, I> {
-    /// Takes statistics of the greatest value that a function has had along each path: at the start, after each step until the recorded time, and where a path [stops](Self::stop_at).
+    /// Takes statistics of the greatest value that a function has had along each path: at the
+    /// start, after each step until the recorded time, and where a path [stops](Self::stop_at).
     ///
-    /// What lies between two steps is not seen. For a function with a smooth motion the maximum is too small by O(h²). A function that the noise moves itself, such as
-    /// a momentum with noise of strength σ, has a mean maximum that is too small by about 0.58 σ√h (Chernoff 1965; Broadie, Glasserman and Kou 1997).
-    /// [`integral`](Self::integral) has an example.
+    /// Values between two steps are not seen. For a function with a smooth motion the maximum is
+    /// too small by O(h²). A function that the noise moves itself, such as a momentum with noise of
+    /// strength σ, has a mean maximum that is too small by about 0.58 σ√h (Chernoff 1965; Broadie,
+    /// Glasserman and Kou 1997). [`integral`](Self::integral) has an example.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().maximum("highest", |_, state| state.q[0]).run()?;

@@ -1,4 +1,5 @@
-//! Memories of numbers: observables that remember a number of each path, made from the values of a function after all steps.
+//! Memories of numbers: observables that remember a number of each path, made from the values of a
+//! function after all steps.
 //!
 //! Input: the values of a function at both ends of each step. Output: a number for each lane.
 
@@ -26,10 +27,12 @@ pub(super) trait Accumulate: Copy + Send + Sync {
         0.0
     }
 
-    /// Returns the number after the last step of a path, with the values of the function before and after it.
+    /// Returns the number after the last step of a path, with the values of the function before and
+    /// after it.
     fn after(self, number: f64, ends: [f64; 2], step: &LastStep, lane: usize) -> f64;
 
-    /// Returns what is recorded of a path after its last step with this number and value of the function.
+    /// Returns what is recorded of a path after its last step with this number and value of the
+    /// function.
     fn read(self, number: f64, now: f64, step: &LastStep, lane: usize) -> f64 {
         let _ = (now, step, lane);
         number

@@ -1,9 +1,10 @@
 //! The merge tree: partial results of consecutive blocks, merged pairwise in a fixed order.
 //!
 //! Input: results of blocks, in any order. Output: partial results, each of consecutive blocks.
-//! Invariant: the node of level `l` over the blocks `i 2ˡ … (i + 1) 2ˡ − 1`, as far as they exist, is the merge of the two of
-//! level `l − 1`, the lower one first. So the root does not depend on the order of the blocks, on threads or on shards. For
-//! consecutive blocks without gaps, at most twice as many nodes are kept as the tree has levels.
+//! Invariant: the node of level `l` over the blocks `i 2ˡ … (i + 1) 2ˡ − 1`, as far as they exist,
+//! is the merge of the two of level `l − 1`, the lower one first. So the root does not depend on
+//! the order of the blocks, on threads or on shards. For consecutive blocks without gaps, at most
+//! twice as many nodes are kept as the tree has levels.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -63,7 +64,8 @@ impl PartialResult {
         self
     }
 
-    /// Adds the observables of a tile at a recorded time, with those at the recorded times before if a statistic needs them.
+    /// Adds the observables of a tile at a recorded time, with those at the recorded times before
+    /// if a statistic needs them.
     pub(super) fn add(&mut self, record: usize, values: &[Lane], lanes: Mask, history: &[&[Lane]]) {
         let at = Recorded {
             record,
@@ -160,7 +162,8 @@ impl MergeTree {
     }
 }
 
-/// Inserts a node into a tree that threads share, and merges all nodes that can be merged. Nodes are merged outside of the lock.
+/// Inserts a node into a tree that threads share, and merges all nodes that can be merged. Nodes
+/// are merged outside of the lock.
 pub(super) fn insert_shared(tree: &Mutex<MergeTree>, node: PartialResult) {
     let mut node = Some(node);
     loop {

@@ -1,12 +1,13 @@
-//! Monte Carlo over many paths: statistics of observables, on all cores, in lanes of vector registers.
+//! Monte Carlo over many paths: statistics of observables, on all cores, in lanes of vector
+//! registers.
 //!
-//! Input: a method, a start, a step size, numbers of steps and paths, observables. Output: a [`Summary`].
-//! Invariant: all results are functions of the settings, with the same bits for any number of threads, and for the merged
-//! shards as for the whole run.
+//! Input: a method, a start, a step size, numbers of steps and paths, observables. Output: a
+//! [`Summary`]. Invariant: all results are functions of the settings, with the same bits for any
+//! number of threads, and for the merged shards as for the whole run.
 //!
-//! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A block is the unit of
-//! work of a thread; where paths can stop, several blocks are run together, so that their paths keep the lanes full. The results of blocks are merged
-//! pairwise in a fixed tree.
+//! A run divides its paths into blocks of [`BLOCK_PATHS`], each of a few tiles of `LANES` lanes. A
+//! block is the unit of work of a thread; where paths can stop, several blocks are run together, so
+//! that their paths keep the lanes full. The results of blocks are merged pairwise in a fixed tree.
 
 mod antithetic;
 #[cfg(feature = "checkpoint")]
@@ -48,7 +49,6 @@ mod passage;
 mod path_block;
 mod path_noise;
 mod path_table;
-mod points;
 mod progress;
 mod quantiles;
 mod record;
@@ -82,14 +82,14 @@ pub use error::EnsembleError;
 pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
-pub use histogram::Histogram;
+pub use histogram::{Bins, Histogram};
 pub use multilevel::Multilevel;
 pub use passage::{Passages, Rate};
 pub use quantiles::Quantiles;
-pub use starts::StartRng;
+pub use starts::{StartRng, Starts};
 pub use statistics::Statistics;
 pub use summary::Summary;
-pub use sweep::Sweep;
+pub use sweep::{Sweep, SweepRow};
 pub use warning::Warning;
 
 use core::fmt;
@@ -99,7 +99,7 @@ use self::observe::Closure;
 use self::observer::{Observable, Plain};
 use self::passage::PassageFunction;
 use self::settings::Settings;
-use self::starts::Starts;
+use self::starts::Start;
 use self::statistic::AnyRequest;
 use self::statistics::MomentsRequest;
 use crate::lanes::LANES;
@@ -107,8 +107,9 @@ use crate::noise::PathData;
 use crate::system::StateOf;
 use crate::trajectory::Method;
 
-/// Number of paths of a block. One thread runs a block, and its statistics are merged with those of other blocks in a fixed order.
-/// The number is part of the contract: another one would change the last bits of statistics. It is small, so that a thousand paths occupy several threads.
+/// Number of paths of a block. One thread runs a block, and the statistics of all blocks are merged
+/// in a fixed order. The number is part of the contract: another one would change the last bits of
+/// statistics. It is small, so that a thousand paths occupy several threads.
 pub const BLOCK_PATHS: u64 = 64;
 
 /// Returns the first path of a block, or the number of paths if there is no such block.
@@ -123,8 +124,9 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 
 /// Many paths of one method, and the statistics to be taken of them.
 ///
-/// Path `k`, from 0, has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener), or of another [`noise`](Self::noise). Paths, steps and a start have to be
-/// given. The default seed is 0. Without [`record_every`](Self::record_every) the start and the end are recorded.
+/// Path `k`, from 0, has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener), or
+/// of another [`noise`](Self::noise). Paths, steps and a start have to be given. The default seed
+/// is 0. Without [`every`](Self::every) the start and the end are recorded.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -142,7 +144,7 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 /// let integrator = Integrator::new(Oscillator { sigma: 1.0 }, Endpoint);
 /// let summary = Ensemble::new(&integrator)
 ///     .paths(1000).seed(7)
-///     .steps(0.1, 200).record_every(50)
+///     .steps(0.1, 200).every(50)
 ///     .start(State::new([1.0], [0.0]))
 ///     .observe("energy", |system, state| system.hamiltonian(state))
 ///     .run()?;
@@ -161,8 +163,7 @@ pub struct Ensemble<'a, I: Method> {
     noise: Option<PathData>,
     steps: Option<(f64, u64)>,
     every: Option<u64>,
-    start: Option<Starts<'a, StateOf<I::System>>>,
-    share_paths: bool,
+    start: Option<Start<'a, StateOf<I::System>>>,
     keep_final_states: bool,
     /// Largest number of halvings of a step that fails.
     refine: u32,
@@ -171,7 +172,7 @@ pub struct Ensemble<'a, I: Method> {
     execution: Execution<'a>,
 }
 
-/// What is observed of the paths.
+/// The observables of the paths, and the statistics that are taken of them.
 struct Observations<'a, I: Method> {
     /// The observables and their names.
     names: Vec<String>,
@@ -183,7 +184,7 @@ struct Observations<'a, I: Method> {
     gradients: Gradients<'a, I>,
     /// Functions whose first zero is recorded.
     passages: Vec<PassageFunction<'a, I::System>>,
-    /// What is collected of the observables.
+    /// The statistics that are taken of the observables.
     statistics: Vec<AnyRequest>,
     /// Observables with their least and greatest values.
     bounds: Vec<(String, [f64; 2])>,
@@ -227,7 +228,6 @@ impl<'a, I: Method> Ensemble<'a, I> {
             steps: None,
             every: None,
             start: None,
-            share_paths: false,
             keep_final_states: false,
             refine: 0,
             stop_on_failure: false,
@@ -245,10 +245,13 @@ impl<'a, I: Method> Ensemble<'a, I> {
         }
     }
 
-    /// Takes statistics of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`.
+    /// Takes statistics of a function of the system and a state, which returns `f64` or
+    /// `Result<f64, StepError>`.
     ///
-    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails. [`observe_energy`](Self::observe_energy) has the energy in lanes, and
-    /// [`integral`](Self::integral), [`maximum`](Self::maximum), [`crossings`](Self::crossings) and [`fold`](Self::fold) remember the path until the recorded time.
+    /// Its value may depend on its arguments only. A path on which it fails or is not finite fails.
+    /// [`observe_energy`](Self::observe_energy) has the energy in lanes, and
+    /// [`integral`](Self::integral), [`maximum`](Self::maximum), [`crossings`](Self::crossings) and
+    /// [`fold`](Self::fold) remember the path until the recorded time.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().observe("energy", |system, state| system.hamiltonian(state)).run()?;
@@ -280,9 +283,11 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// Runs all paths.
     ///
     /// # Errors
-    /// An [`EnsembleError`] for invalid settings, if the results do not fit into memory, or if a checkpoint cannot be read and written; [`EnsembleError::Failed`] with
-    /// [`stop_on_failure`](Self::stop_on_failure); [`EnsembleError::NothingRun`] if [`stop_when`](Self::stop_when) ended
-    /// the run before its first block of paths. A path that fails is not an error of the run, see [`Summary::failures`].
+    /// An [`EnsembleError`] for invalid settings, if the results do not fit into memory, or if a
+    /// checkpoint cannot be read and written; [`EnsembleError::Failed`] with
+    /// [`stop_on_failure`](Self::stop_on_failure); [`EnsembleError::NothingRun`] if
+    /// [`stop_when`](Self::stop_when) ended the run before its first block of paths. A path that
+    /// fails is not an error of the run, see [`Summary::failures`].
     pub fn run(&self) -> Result<Summary, EnsembleError>
     where
         I: Sync,
@@ -297,7 +302,7 @@ impl<I: Method> fmt::Debug for Ensemble<'_, I> {
             .field("paths", &self.paths)
             .field("seed", &self.seed)
             .field("steps", &self.steps)
-            .field("record_every", &self.every)
+            .field("every", &self.every)
             .field("observables", &self.observed.names)
             .field("shard", &self.execution.shard)
             .finish_non_exhaustive()

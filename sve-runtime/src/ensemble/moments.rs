@@ -1,11 +1,14 @@
-//! Moments of observables: count, mean, sum of squared deviations, least and greatest value at each recorded time, in one pass.
+//! Moments of observables: count, mean, sum of squared deviations, least and greatest value at each
+//! recorded time, in one pass.
 //!
-//! Input: the values of tiles with the mask of lanes that count. Output: columns that can be merged.
-//! Invariant: what is stored is finite or, where a deviation overflowed, infinite, never NaN; a mean is within its least and greatest
-//! value, and equal values have a sum of squares of exactly 0; without values the mean and the squares are 0 and the extremes
-//! ±∞. Sums over the lanes of a tile are formed by halves, so they have the same bits for vectors of any width.
+//! Input: the values of tiles with the mask of lanes that count. Output: columns that can be
+//! merged. Invariant: what is stored is finite or, where a deviation overflowed, infinite, never
+//! NaN; a mean is within its least and greatest value, and equal values have a sum of squares of
+//! exactly 0; without values the mean and the squares are 0 and the extremes ±∞. Sums over the
+//! lanes of a tile are formed by halves, so they have the same bits for vectors of any width.
 //!
-//! Source: T. F. Chan, G. H. Golub, R. J. `LeVeque`, *Updating formulae and a pairwise algorithm for computing sample variances*, COMPSTAT (1982).
+//! Source: T. F. Chan, G. H. Golub, R. J. `LeVeque`, *Updating formulae and a pairwise algorithm
+//! for computing sample variances*, COMPSTAT (1982).
 
 use crate::lanes::{LANES, Lane, Mask};
 
@@ -77,7 +80,8 @@ impl Column {
         }
     }
 
-    /// Returns the value that is farthest from the mean at a recorded time, and its part of the sum of squared deviations; NaN if that is 0.
+    /// Returns the value that is farthest from the mean at a recorded time, and its part of the sum
+    /// of squared deviations; NaN if that is 0.
     pub(super) fn farthest(&self, record: usize) -> (f64, f64) {
         let (mean, min, max) = (self.mean[record], self.min[record], self.max[record]);
         let value = if max - mean > mean - min { max } else { min };
@@ -106,9 +110,11 @@ impl Column {
     }
 }
 
-/// A sum of squared deviations: `value` times the square of 2^(600 `unit`), with a unit of −1, 0 or 1.
+/// A sum of squared deviations: `value` times the square of 2^(600 `unit`), with a unit of −1, 0 or
+/// 1.
 ///
-/// Squares of deviations of 1e-200 or 1e200 are outside of the range of `f64`. The unit of all other deviations is 0, so that their sums are plain sums.
+/// Squares of deviations of 1e-200 or 1e200 are outside of the range of `f64`. The unit of all
+/// other deviations is 0, so that their sums are plain sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Squares {
     pub(super) value: f64,
@@ -122,10 +128,12 @@ impl Squares {
     const SMALL: f64 = f64::from_bits((1023 - 600) << 52);
     /// Largest deviation of unit 0, 2^450: the sum of 2^64 such squares is below 2^1024.
     const LARGEST: f64 = f64::from_bits((1023 + 450) << 52);
-    /// Least deviation of unit 0, 2^−450: its square keeps all its digits, also where another one of the sum is far smaller.
+    /// Least deviation of unit 0, 2^−450: its square keeps all its digits, also where another one
+    /// of the sum is far smaller.
     const LEAST: f64 = f64::from_bits((1023 - 450) << 52);
 
-    /// Returns the unit in which squares of deviations up to this one neither overflow nor underflow.
+    /// Returns the unit in which squares of deviations up to this one neither overflow nor
+    /// underflow.
     #[inline]
     fn unit(largest: f64) -> i8 {
         // an infinite deviation has the unit 0: its square is infinite in any unit
@@ -250,7 +258,8 @@ impl Moments {
         }
         let mean = within(mean, min, max);
         let deviations: Lane = core::array::from_fn(|lane| select(lane, values[lane] - mean, 0.0));
-        // The mean is between the least and the greatest value, so one of these deviations is the largest.
+        // The mean is between the least and the greatest value, so one of these deviations is the
+        // largest.
         let unit = Squares::unit((max - mean).max(mean - min));
         let squared = if unit == 0 {
             deviations.map(|deviation| deviation * deviation)
@@ -334,76 +343,4 @@ pub(super) fn by_halves(mut values: Lane, join: impl Fn(f64, f64) -> f64) -> f64
 }
 
 #[cfg(test)]
-mod tests {
-    use super::{Column, LANES, Lane, Mask};
-
-    /// Adds values in tiles with the given masks. Returns the column and the count.
-    fn column(values: &[f64], masks: &[Mask]) -> (Column, u64) {
-        let mut column = Column::new(1);
-        let (mut count, mut values) = (0, values.iter());
-        for &mask in masks.iter().cycle() {
-            // the values of the other lanes must not matter
-            let mut tile: Lane = [f64::NAN; LANES];
-            let mut counted = 0;
-            for lane in (0..LANES).filter(|lane| mask >> lane & 1 == 1) {
-                if let Some(&value) = values.next() {
-                    tile[lane] = value;
-                    counted |= 1 << lane;
-                }
-            }
-            column.add(0, count, &tile, counted);
-            count += u64::from(counted.count_ones());
-            if values.len() == 0 {
-                break;
-            }
-        }
-        (column, count)
-    }
-
-    #[test]
-    fn agree_with_two_passes_far_from_zero() {
-        // a mean 10⁸ times the deviations: sums of squares alone would have no digit left
-        let values: Vec<f64> = (0..500)
-            .map(|i| 1e8 + f64::from(i * 37 % 101) / 64.0)
-            .collect();
-        let mean = values.iter().map(|x| x - 1e8).sum::<f64>() / 500.0;
-        let squares = values.iter().map(|x| (x - 1e8 - mean).powi(2)).sum::<f64>();
-        for masks in [&[0xffff][..], &[0x8001, 0, 0x00f0], &[1, 0xffff]] {
-            let (column, count) = column(&values, masks);
-            assert_eq!(count, 500);
-            assert!((column.mean[0] - 1e8 - mean).abs() < 1e-7, "{masks:?}");
-            assert!(
-                (column.squares[0] / squares - 1.0).abs() < 1e-9,
-                "{masks:?}"
-            );
-            assert_eq!((column.min[0], column.max[0]), (1e8, 1e8 + 100.0 / 64.0));
-        }
-    }
-
-    #[test]
-    fn of_columns_that_are_merged() {
-        let values: Vec<f64> = (0..300)
-            .map(|i| f64::from(i * 37 % 101).sqrt() - 4.0)
-            .collect();
-        let (whole, _) = column(&values, &[0xffff]);
-        for cut in [0, 1, 17, 150, 300] {
-            let (mut left, a) = column(&values[..cut], &[0xffff]);
-            let (right, b) = column(&values[cut..], &[0xffff]);
-            left.merge(&[a], &right, &[b]);
-            assert!((left.mean[0] - whole.mean[0]).abs() < 1e-14, "{cut}");
-            assert!((left.squares[0] / whole.squares[0] - 1.0).abs() < 1e-14);
-            assert_eq!((left.min[0], left.max[0]), (whole.min[0], whole.max[0]));
-        }
-    }
-
-    #[test]
-    fn that_overflow_are_infinite_and_not_nan() {
-        let values: Vec<f64> = (0..64)
-            .map(|i| if i % 32 < 16 { 1.7e308 } else { -1.7e308 })
-            .collect();
-        let (column, _) = column(&values, &[0xffff]);
-        assert!(column.mean[0].abs() < 1e296, "{}", column.mean[0]);
-        assert_eq!(column.squares[0], f64::INFINITY);
-        assert_eq!((column.min[0], column.max[0]), (-1.7e308, 1.7e308));
-    }
-}
+mod tests;

@@ -1,14 +1,20 @@
-//! The multilevel method: a mean from many cheap paths with long steps, corrected by few paths with short steps.
+//! The multilevel method: a mean from many cheap paths with long steps, corrected by few paths with
+//! short steps.
 //!
-//! Input: an ensemble, an observable and an error. Output: the mean at the end, with its standard error, an estimate of its bias and a line for each level. Invariant: the numbers of paths are functions of
-//! earlier results, which do not depend on threads, so the estimate has the same bits for any number of threads.
+//! Input: an ensemble, an observable and an error. Output: the mean at the end, with its standard
+//! error, an estimate of its bias and a line for each level. Invariant: the numbers of paths are
+//! functions of earlier results, which do not depend on threads, so the estimate has the same bits
+//! for any number of threads.
 //!
-//! Level l has steps of h/2ˡ. Its contribution is the mean of the difference between level l and level l − 1 along common paths: an increment of the coarse step is the sum of the two of the
+//! Level l has steps of h/2ˡ. Its contribution is the mean of the difference between level l and
+//! level l − 1 along common paths: an increment of the coarse step is the sum of the two of the
 //! fine steps. Different levels have different paths of the noise.
 //!
-//! Files: [`runs`] has the paths of a level, [`checks`] the settings and the levels that give no mean.
+//! Files: [`runs`] has the paths of a level, [`checks`] the settings and the levels that give no
+//! mean.
 //!
-//! Source: M. B. Giles, *Multilevel Monte Carlo path simulation*, Oper. Res. 56 (2008) 607–617, and *Multilevel Monte Carlo methods*, Acta Numerica 24 (2015) 259–328, section 3.
+//! Source: M. B. Giles, *Multilevel Monte Carlo path simulation*, Oper. Res. 56 (2008) 607–617, and
+//! *Multilevel Monte Carlo methods*, Acta Numerica 24 (2015) 259–328, section 3.
 
 mod checks;
 mod runs;
@@ -30,32 +36,44 @@ const MULTILEVEL: &str = "multilevel";
 /// Number of standard errors by which a bias is too large for certain.
 const SURE: f64 = 4.0;
 
-/// Part of the paths of a level by which their wanted number has to exceed them, so that more are run.
+/// Part of the paths of a level by which their wanted number has to exceed them, so that more are
+/// run.
 const TOLERANCE: f64 = 0.01;
 
-/// Largest factor by which the paths of a level become more at once: the variance that asks for them is known better with each time.
+/// Largest factor by which the paths of a level become more at once: the variance that asks for
+/// them is known better with each time.
 const GROWTH: f64 = 16.0;
 
-/// Largest number of times that the paths of a level are doubled in search of more that carry its variance. A rare event that was seen once is seen a thousand times then.
+/// Largest number of times that the paths of a level are doubled in search of more that carry its
+/// variance. A rare event that was seen once is seen a thousand times then.
 const DOUBLINGS: u32 = 10;
 
 impl<I: Method + Sync> Ensemble<'_, I> {
-    /// Computes the mean of an observable at the end by the multilevel method: the [`steps`](Self::steps) of the ensemble are those of the coarsest level, its [`paths`](Self::paths) the
-    /// first ones of each level.
+    /// Computes the mean of an observable at the end by the multilevel method: the
+    /// [`steps`](Self::steps) of the ensemble are the steps of the coarsest level, its
+    /// [`paths`](Self::paths) the first ones of each level.
     ///
-    /// For an error ε it needs about ε⁻² path-steps where the differences between levels have a variance that falls faster than h, as with rules of strong order 1. Plain Monte Carlo needs
+    /// For an error ε it needs about ε⁻² path-steps where the differences between levels have a
+    /// variance that falls faster than h, as with rules of strong order 1. Plain Monte Carlo needs
     /// ε^(−2−1/w), where w is the weak order of the rule.
     ///
-    /// **Where it does not win.** The gain over plain Monte Carlo with the same rule is about the number of plain steps that a bias of ε needs, divided by what the coarse levels cost.
-    /// Where a few steps suffice, for large ε or with a rule of weak order 2, plain Monte Carlo is as fast or faster. It does not help for indicators and other observables with jumps, whose
-    /// differences between levels have a large variance; nor where the coarse steps are unstable, or lose the features of the motion.
+    /// **Where it does not win.** The gain over plain Monte Carlo with the same rule is about the
+    /// number of plain steps that a bias of ε needs, divided by what the coarse levels cost. Where
+    /// a few steps suffice, for large ε or with a rule of weak order 2, plain Monte Carlo is as
+    /// fast or faster. It does not help for indicators and other observables with jumps, whose
+    /// differences between levels have a large variance; nor where the coarse steps are unstable,
+    /// or lose the features of the motion.
     ///
-    /// **Rare events.** A level on which fewer than 8 paths carry the variance gets twice the paths, until 8 do, or until 8 more would change the mean by less than its error. Events that no path of any level shows are
-    /// an error, [`EnsembleError::OneValue`]. What changes few of otherwise different values, and is not seen among the first [`paths`](Self::paths), cannot be known: let these be many times the paths that it needs to
-    /// happen once.
+    /// **Rare events.** A level on which fewer than 8 paths carry the variance gets twice the
+    /// paths, until 8 do, or until 8 more would change the mean by less than its error. Events that
+    /// no path of any level shows are an error, [`EnsembleError::OneValue`]. What changes few of
+    /// otherwise different values, and is not seen among the first [`paths`](Self::paths), cannot
+    /// be known: let these be many times the paths that it needs to happen once.
     ///
-    /// Settings that count steps, such as [`settle`](Self::settle), count those of the coarsest level. Histograms, covariances and quantiles are not taken. A path that fails on either of its two
-    /// levels does not count, so where paths fail the sum of the levels has a bias of the size of their part; [`Level::failed`] has their numbers.
+    /// Settings that count steps, such as [`settle`](Self::settle), count steps of the coarsest
+    /// level. Histograms, covariances and quantiles are not taken. A path that fails on either of
+    /// its two levels does not count, so where paths fail the sum of the levels has a bias of the
+    /// size of their part; [`Level::failed`] has their numbers.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -105,7 +123,8 @@ pub struct Multilevel<'a, I: Method> {
 }
 
 impl<'a, I: Method + Sync> Multilevel<'a, I> {
-    /// Sets the order of the rule's errors of means, from which the bias is estimated. The default of 1 holds for all rules, and overestimates the bias of rules of higher order.
+    /// Sets the order of the rule's errors of means, from which the bias is estimated. The default
+    /// of 1 holds for all rules, and overestimates the bias of rules of higher order.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -141,20 +160,27 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
         self
     }
 
-    /// Sets the number of the deepest level, with steps of `h / 2^level`: at least 2. The default is 12. [`weak_order`](Self::weak_order) has an example.
+    /// Sets the number of the deepest level, with steps of `h / 2^level`: at least 2. The default
+    /// is 12. [`weak_order`](Self::weak_order) has an example.
     #[must_use]
     pub fn deepest(mut self, level: u32) -> Self {
         self.deepest = level;
         self
     }
 
-    /// Adds paths and levels until the root of the mean squared error is estimated to be at most `error`: half of its square is left to the variance of the mean, half to its bias.
+    /// Adds paths and levels until the root of the mean squared error is estimated to be at most
+    /// `error`: half of its square is left to the variance of the mean, half to its bias.
     ///
     /// # Errors
-    /// As [`Ensemble::run`]; [`EnsembleError::Bias`] if the deepest level is not deep enough; [`EnsembleError::NoLimit`] if the differences between levels do not fall; [`EnsembleError::OneValue`] if no path
-    /// differs from another one; [`EnsembleError::HeavyTails`] if a few paths have the whole variance of a level, however many are run; [`EnsembleError::NoLevel`] if the paths of a level fail; [`EnsembleError::NoSums`] with
-    /// [`ThreePoint`](crate::noise::ThreePoint) increments; [`EnsembleError::MultilevelInParts`] with a shard, a checkpoint or `stop_when`;
-    /// [`EnsembleError::NotTogether`] with refined noise, `refine`, stops, passages or kept final states.
+    /// As [`Ensemble::run`]; [`EnsembleError::Bias`] if the deepest level is not deep enough;
+    /// [`EnsembleError::NoLimit`] if the differences between levels do not fall;
+    /// [`EnsembleError::OneValue`] if no path differs from another one;
+    /// [`EnsembleError::HeavyTails`] if a few paths have the whole variance of a level, however
+    /// many are run; [`EnsembleError::NoLevel`] if the paths of a level fail;
+    /// [`EnsembleError::NoSums`] with [`ThreePoint`](crate::noise::ThreePoint) increments;
+    /// [`EnsembleError::MultilevelInParts`] with a shard, a checkpoint or `stop_when`;
+    /// [`EnsembleError::NotTogether`] with refined noise, `refine`, stops, passages or kept final
+    /// states.
     pub fn run(&self, error: f64) -> Result<MultilevelEstimate, EnsembleError> {
         let first_blocks = self.checked(error)?;
         let wanted = error / f64::sqrt(2.0);
@@ -189,7 +215,8 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
         }
     }
 
-    /// Adds paths to the levels that need more for a standard error of the mean, or before their variances are trusted. Returns whether there were any.
+    /// Adds paths to the levels that need more for a standard error of the mean, or before their
+    /// variances are trusted. Returns whether there were any.
     fn extend_all(&self, runs: &mut [Run<'a, I>], error: f64) -> Result<bool, EnsembleError> {
         let largest = largest_range(runs);
         let wanted = paths_of_levels(&levels(runs), error);
@@ -242,7 +269,8 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
         })
     }
 
-    /// Returns the size that the bias has for certain, beyond the statistical error of the differences.
+    /// Returns the size that the bias has for certain, beyond the statistical error of the
+    /// differences.
     fn sure_bias(&self, levels: &[Level]) -> f64 {
         let at_least = |l: &Level| Level {
             mean: least_size(l),

@@ -1,7 +1,8 @@
 //! Functions of a state: closures over the system and a state, evaluated for all lanes of a tile.
 //!
-//! Input: the states of a tile. Output: a number for each lane, and the lanes whose numbers are not finite. The loop over the lanes contains
-//! the closure and is compiled for the vectors of the machine, so a closure without branches is vectorised.
+//! Input: the states of a tile. Output: a number for each lane, and the lanes whose numbers are not
+//! finite. The loop over the lanes contains the closure and is compiled for the vectors of the
+//! machine, so a closure without branches is vectorised.
 
 use core::marker::PhantomData;
 

@@ -1,7 +1,9 @@
 //! Observers: what becomes of the functions of an ensemble along each path.
 //!
-//! Input: the states of a tile after each step, or at recorded times only. Output: at a recorded time a number for each lane. Invariant: the number of a path depends on its
-//! states only, not on its lane, block or thread. A kind of observable is one file, which implements [`Observable`] and [`Observer`], or [`Accumulate`](super::memory::Accumulate) if it remembers numbers.
+//! Input: the states of a tile after each step, or at recorded times only. Output: at a recorded
+//! time a number for each lane. Invariant: the number of a path depends on its states only, not on
+//! its lane, block or thread. A kind of observable is one file, which implements [`Observable`] and
+//! [`Observer`], or [`Accumulate`](super::memory::Accumulate) if it remembers numbers.
 
 use super::Ensemble;
 use super::failure::Cause;
@@ -40,23 +42,27 @@ pub(super) trait Observable<S: System>: Sync {
     /// The function.
     fn function(&self) -> &dyn Function<S>;
 
-    /// Returns whether the observer has a memory that values of the function do not show, so that a fingerprint has to sample it.
+    /// Returns whether the observer has a memory that values of the function do not show, so that a
+    /// fingerprint has to sample it.
     fn has_hidden_memory(&self) -> bool {
         false
     }
 
-    /// Returns an observer of so many tiles before their start. Averages begin after `settled` steps.
+    /// Returns an observer of so many tiles before their start. Averages begin after `settled`
+    /// steps.
     fn observer(&self, tiles: usize, settled: u64) -> Box<dyn Observer<S> + '_>;
 }
 
 /// An observer of the paths of some tiles.
 pub(super) trait Observer<S: System>: Send {
-    /// Returns whether the observer needs the states after all steps, not those at recorded times alone.
+    /// Returns whether the observer needs the states after all steps, not those at recorded times
+    /// alone.
     fn sees_steps(&self) -> bool {
         true
     }
 
-    /// Takes in the states after a step, or at the start. Returns the lanes in which the observed function is not finite.
+    /// Takes in the states after a step, or at the start. Returns the lanes in which the observed
+    /// function is not finite.
     fn update(&mut self, seen: &Seen<'_, S>) -> Mask {
         let _ = seen;
         0
@@ -71,7 +77,7 @@ pub(super) trait Observer<S: System>: Send {
     }
 }
 
-/// What an observer sees of a tile after a step.
+/// A tile after a step, as an observer sees it.
 pub(super) struct Seen<'t, S: System> {
     pub(super) system: &'t S,
     pub(super) tile: usize,
@@ -132,7 +138,8 @@ impl LastStep {
     }
 }
 
-/// A function whose value at the recorded time is recorded, times the weight of the path if there is one.
+/// A function whose value at the recorded time is recorded, times the weight of the path if there
+/// is one.
 pub(super) struct Plain<F> {
     pub(super) function: F,
     pub(super) is_weighted: bool,

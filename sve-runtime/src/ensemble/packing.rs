@@ -1,6 +1,8 @@
-//! Packing: paths that go on are moved together where others have stopped, so that stopped paths cost no steps.
+//! Packing: paths that go on are moved together where others have stopped, so that stopped paths
+//! cost no steps.
 //!
-//! Input: tiles with free lanes. Output: as few tiles with active lanes as hold them. Invariant: a path has the same bits in any lane, so packing changes no result.
+//! Input: tiles with free lanes. Output: as few tiles with active lanes as hold them. Invariant: a
+//! path has the same bits in any lane, so packing changes no result.
 
 use super::path_block::PathBlock;
 use super::tile::{Place, lanes};
@@ -10,7 +12,8 @@ use crate::system::Dimensions;
 use crate::trajectory::Method;
 
 impl<I: Method> PathBlock<'_, I> {
-    /// Empties tiles whose paths fit into the free lanes of others, the tile with the fewest paths first.
+    /// Empties tiles whose paths fit into the free lanes of others, the tile with the fewest paths
+    /// first.
     pub(super) fn pack(&mut self) {
         loop {
             let used = || (0..self.tiles.len()).filter(|&tile| self.tiles[tile].active != 0);

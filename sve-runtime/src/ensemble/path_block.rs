@@ -1,8 +1,9 @@
 //! Blocks of paths, stepped a tile of lanes at a time.
 //!
-//! Input: the settings of the ensemble and the numbers of blocks. Output: the states of their paths at any step, and their failures.
-//! Invariant: the states of a path depend on its number only. Lanes are independent, and a lane that the lane step does not solve
-//! takes the scalar step whatever its neighbours do. The time after step `k` is `t₀ + k h`, rounded once.
+//! Input: the settings of the ensemble and the numbers of blocks. Output: the states of their paths
+//! at any step, and their failures. Invariant: the states of a path depend on its number only.
+//! Lanes are independent, and a lane that the lane step does not solve takes the scalar step
+//! whatever its neighbours do. The time after step `k` is `t₀ + k h`, rounded once.
 
 use core::ops::Range;
 
@@ -34,7 +35,7 @@ pub(super) struct PathBlock<'a, I: Method> {
     /// Steps made.
     pub(super) step: u64,
     pub(super) tiles: Vec<Tile<StateLanesOf<I::System>>>,
-    /// The observer of the weight if there is one, and those of the observables.
+    /// The observer of the weight if there is one, and the observers of the observables.
     pub(super) observers: Vec<Box<dyn Observer<I::System> + 'a>>,
     pub(super) watch: PassageWatch,
     /// The tangent vectors of the paths, if there are gradients.
@@ -43,7 +44,7 @@ pub(super) struct PathBlock<'a, I: Method> {
     pub(super) records: Records,
 }
 
-/// What has happened to single paths.
+/// The failures and stops of single paths.
 pub(super) struct Ends<T> {
     pub(super) failures: Vec<Failure>,
     /// The path of each step that was made in smaller steps.
@@ -58,7 +59,8 @@ pub(super) struct Records {
     pub(super) values: Vec<Vec<Lane>>,
     /// The paths that count, of each [`LANES`]: those that have not failed.
     pub(super) counted: Vec<Mask>,
-    /// The observables of each tile at all recorded times so far, if covariances of two times are taken.
+    /// The observables of each tile at all recorded times so far, if covariances of two times are
+    /// taken.
     pub(super) history: Vec<Vec<Vec<Lane>>>,
     /// Work space: the observables of a tile.
     pub(super) work: Vec<Lane>,
@@ -154,7 +156,8 @@ impl<'a, I: Method> PathBlock<'a, I> {
 
     /// Returns why a path cannot start at a state; `None` if it can.
     fn start_error(&self, state: &StateOf<I::System>) -> Option<Cause> {
-        // Names are made for errors only: to make one for each number of each path takes as long as some ten steps.
+        // Names are made for errors only: to make one for each number of each path takes as long as
+        // some ten steps.
         let not_finite = |of: &str, i: usize, value: f64| {
             let t = state.t;
             (!value.is_finite()).then(|| {
@@ -196,7 +199,8 @@ impl<'a, I: Method> PathBlock<'a, I> {
         }
     }
 
-    /// Steps the active paths of the tiles that share a buffer of increments, within a batch of steps.
+    /// Steps the active paths of the tiles that share a buffer of increments, within a batch of
+    /// steps.
     fn advance_some(&mut self, buffer: usize, end: u64) {
         let first = buffer * BLOCK_TILES;
         let tiles = first..self.tiles.len().min(first + BLOCK_TILES);
@@ -246,7 +250,8 @@ impl<'a, I: Method> PathBlock<'a, I> {
         self.increments[tile / BLOCK_TILES].of(tile % BLOCK_TILES, step)
     }
 
-    /// Shows the last step of a tile, or its start, to the observers that see all steps, and stops paths.
+    /// Shows the last step of a tile, or its start, to the observers that see all steps, and stops
+    /// paths.
     fn observe_step(&mut self, tile: usize) {
         if self.tiles[tile].active == 0 {
             return;
@@ -302,7 +307,8 @@ impl<'a, I: Method> PathBlock<'a, I> {
         self.fail_at(self.settings.time(step), tile, lane, step, cause);
     }
 
-    /// Records the failure of a path at a time after so many steps, the last of which may be a part of one, and deactivates its lane.
+    /// Records the failure of a path at a time after so many steps, the last of which may be a part
+    /// of one, and deactivates its lane.
     #[cold]
     pub(super) fn fail_at(&mut self, t: f64, tile: usize, lane: usize, step: u64, cause: Cause) {
         self.tiles[tile].active &= !(1 << lane);
@@ -335,7 +341,8 @@ impl<'a, I: Method> PathBlock<'a, I> {
         }
     }
 
-    /// Fills an unused lane with a copy of an active one, so that the step in it is solvable and takes the fast path.
+    /// Fills an unused lane with a copy of an active one, so that the step in it is solvable and
+    /// takes the fast path.
     fn fill_unused_lane(&mut self, tile: usize, lane: usize) {
         let tile = &mut self.tiles[tile];
         if tile.active != 0 {
@@ -345,9 +352,11 @@ impl<'a, I: Method> PathBlock<'a, I> {
     }
 }
 
-/// Steps all tiles until a step does not solve an active lane. Returns the number of steps then made.
+/// Steps all tiles until a step does not solve an active lane. Returns the number of steps then
+/// made.
 ///
-/// The tiles alternate: the operations of one step depend on one another, and those of two tiles do not.
+/// The tiles alternate: the operations of one step depend on one another, and the operations of two
+/// tiles do not.
 struct AdvanceTiles<'f, I: Method> {
     method: &'f I,
     prepared: &'f I::Prepared,

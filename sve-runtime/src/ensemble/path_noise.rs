@@ -1,6 +1,7 @@
 //! The increments of the paths of an ensemble: which distribution, which seed, which bound.
 //!
-//! Input: the noise that was set, and the step size. Output: the data from which blocks of paths draw their increments.
+//! Input: the noise that was set, and the step size. Output: the data from which blocks of paths
+//! draw their increments.
 
 use super::EnsembleError;
 use crate::noise::{
@@ -17,16 +18,18 @@ pub(super) struct PathNoise {
     pub(super) distribution: Option<&'static dyn AnyDistribution>,
     /// Largest |ΔW|; infinite without truncation.
     pub(super) largest: f64,
-    /// Whether paths 2k and 2k + 1 have the increments of path k of the source, the second one with the other sign.
+    /// Paths 2k and 2k + 1 have the increments of path k of the source, the second one with the
+    /// other sign.
     pub(super) is_antithetic: bool,
-    /// Whether an increment is the sum of the source's two increments over the halves of the step.
+    /// An increment is the sum of the source's two increments over the halves of the step.
     pub(super) is_coarsened: bool,
     /// Number of halvings of a step of the source, see [`Refined`](crate::noise::Refined).
     pub(super) depth: u32,
 }
 
 impl PathNoise {
-    /// Checks a noise for steps of length `h`. The default noise is a [`Wiener`] with the default seed.
+    /// Checks a noise for steps of length `h`. The default noise is a [`Wiener`] with the default
+    /// seed.
     pub(super) fn new(
         noise: Option<PathData>,
         default_seed: u64,
@@ -80,7 +83,8 @@ impl PathNoise {
         format!("{kind}{truncated}{pairs}{from}")
     }
 
-    /// Returns the number of the source's path, counted from its first one, that belongs to a path of the ensemble.
+    /// Returns the number of the source's path, counted from its first one, that belongs to a path
+    /// of the ensemble.
     pub(super) fn path_within(&self, path: u64) -> u64 {
         if self.is_antithetic { path / 2 } else { path }
     }

@@ -1,6 +1,7 @@
-//! Tables of the states of an ensemble: those of some paths, and the final ones of all.
+//! Tables of the states of an ensemble: the states of some paths, and the final states of all.
 //!
-//! Input: numbers of paths, or a summary. Output: a [`StateTable`] with a column `path`. Invariant: states have the bits that they had in the ensemble.
+//! Input: numbers of paths, or a summary. Output: a [`StateTable`] with a column `path`. Invariant:
+//! states have the bits that they had in the ensemble.
 
 use super::path_block::PathBlock;
 use super::settings::Settings;
@@ -10,9 +11,12 @@ use crate::table::StateTable;
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Returns the states of some paths at the recorded times, path by path, with the same bits as in the ensemble: to be written, or drawn.
+    /// Returns the states of some paths at the recorded times, path by path, with the same bits as
+    /// in the ensemble: to be written, or drawn.
     ///
-    /// A path that [stops](Self::stop_at) has its last row at the stop. A path that fails has rows up to its failure; [`failures`](Summary::failures) and [`replay`](Self::replay) tell why. The work is that of the paths alone.
+    /// A path that [stops](Self::stop_at) has its last row at the stop. A path that fails has rows
+    /// up to its failure; [`failures`](Summary::failures) and [`replay`](Self::replay) tell why.
+    /// Only these paths are computed.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -29,7 +33,7 @@ impl<I: Method> Ensemble<'_, I> {
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.5 }, Midpoint);
     /// let ensemble = Ensemble::new(&pendulum)
-    ///     .paths(100_000).steps(0.01, 500).record_every(100)
+    ///     .paths(100_000).steps(0.01, 500).every(100)
     ///     .start(State::new([0.1], [0.0]));
     /// let table = ensemble.path_table([0, 17])?;
     /// assert_eq!(table.rows(), 2 * 6);
@@ -79,7 +83,8 @@ impl<I: Method> Ensemble<'_, I> {
 }
 
 impl Summary {
-    /// Returns the final states as a table, with the names of the system's coordinates; no rows unless [`keep_final_states`](Ensemble::keep_final_states) was asked for.
+    /// Returns the final states as a table, with the names of the system's coordinates; no rows
+    /// unless [`keep_final_states`](Ensemble::keep_final_states) was asked for.
     ///
     /// # Panics
     /// If the summary is of a system with another number of coordinates.

@@ -1,7 +1,7 @@
 //! The progress of a run, on the terminal.
 //!
-//! Input: the numbers of finished paths. Output: a bar with the feature `progress`, otherwise a percentage, on standard error if it is a
-//! terminal. Results do not depend on it.
+//! Input: the numbers of finished paths. Output: a bar with the feature `progress`, otherwise a
+//! percentage, on standard error if it is a terminal. Results do not depend on it.
 
 #[cfg(not(feature = "progress"))]
 pub(super) use plain::Progress;

@@ -1,7 +1,8 @@
 //! Quantiles of observables over the paths, as users read them.
 //!
-//! Input: tiles of values; merged sketches, and the extremes of the values. Output: quantiles with intervals and the error of their ranks. Invariant: they are NaN if all paths have failed; the first and the last rank
-//! are exact.
+//! Input: tiles of values; merged sketches, and the extremes of the values. Output: quantiles with
+//! intervals and the error of their ranks. Invariant: they are NaN if all paths have failed; the
+//! first and the last rank are exact.
 
 use super::difference::Difference;
 use super::sizes::{AT_ONCE, NUMBER};
@@ -12,15 +13,21 @@ use crate::lanes::LANES;
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Takes quantiles of an observable over the paths, at each recorded time: [`Summary::quantiles`](super::Summary::quantiles).
+    /// Takes quantiles of an observable over the paths, at each recorded time:
+    /// [`Summary::quantiles`](super::Summary::quantiles).
     ///
-    /// Up to `size` paths have exact quantiles; the least and the greatest value are exact for any number of paths. For more paths the memory is about `size` numbers times log₂(paths/`size`) for each
-    /// recorded time, and the rank of a quantile is right to within [`rank_error`](Quantiles::rank_error) of all paths: a proven bound, at most ⌈log₂(paths/`size`)⌉/`size`. Over the
-    /// seeds the error itself has the mean 0, except within a few `1/size` of the ends, and a standard deviation below √2/`size`: where values are dropped, a hash of the values decides which of two
-    /// neighbours is kept.
+    /// Up to `size` paths have exact quantiles; the least and the greatest value are exact for any
+    /// number of paths. For more paths the memory is about `size` numbers times log₂(paths/`size`)
+    /// for each recorded time, and the rank of a quantile is right to within
+    /// [`rank_error`](Quantiles::rank_error) of all paths: a proven bound, at most
+    /// ⌈log₂(paths/`size`)⌉/`size`. Over the seeds the error itself has the mean 0, except within a
+    /// few `1/size` of the ends, and a standard deviation below √2/`size`: where values are
+    /// dropped, a hash of the values decides which of two neighbours is kept.
     ///
-    /// **How large a `size`.** The statistical error of the rank of a `p`-quantile is √(p(1 − p)/paths). A `size` of 4 √(paths/(p(1 − p))), for a median 8 √paths, makes the error of the ranks a third of that at
-    /// most, so it adds at most 6 % to the whole error. An [`interval`](Quantiles::interval) is wider by the proven bound on each side.
+    /// **How large a `size`.** The statistical error of the rank of a `p`-quantile is √(p(1 −
+    /// p)/paths). A `size` of 4 √(paths/(p(1 − p))), for a median 8 √paths, makes the error of the
+    /// ranks a third of that at most, so it adds at most 6 % to the whole error. An
+    /// [`interval`](Quantiles::interval) is wider by the proven bound on each side.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -101,7 +108,7 @@ impl Statistic for Sketches {
         Size {
             bytes: bytes.saturating_mul(AT_ONCE * NUMBER),
             what: format!("quantiles of `{name}` with {size} values at {records} recorded times"),
-            remedy: "keep fewer values, or record less often with `record_every`",
+            remedy: "keep fewer values, or record less often with `every`",
         }
     }
 
@@ -156,7 +163,8 @@ impl Summary {
     }
 }
 
-/// Quantiles of an observable over the paths that have not failed, at each recorded time. From [`Summary::quantiles`](super::Summary::quantiles).
+/// Quantiles of an observable over the paths that have not failed, at each recorded time. From
+/// [`Summary::quantiles`](super::Summary::quantiles).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantiles {
     name: String,
@@ -174,9 +182,12 @@ impl Quantiles {
         &self.name
     }
 
-    /// Returns the `p`-quantile at each recorded time: the least value that a part `p` of all values does not exceed, with the error of [`rank_error`](Self::rank_error); NaN if all paths have failed.
+    /// Returns the `p`-quantile at each recorded time: the least value that a part `p` of all
+    /// values does not exceed, with the error of [`rank_error`](Self::rank_error); NaN if all paths
+    /// have failed.
     ///
-    /// For `p` = 0 and `p` = 1 it is the least and the greatest value of all paths, without an error.
+    /// For `p` = 0 and `p` = 1 it is the least and the greatest value of all paths, without an
+    /// error.
     ///
     /// # Panics
     /// Unless `p` is from 0 to 1.
@@ -189,8 +200,10 @@ impl Quantiles {
         self.counts.iter().enumerate().map(at).collect()
     }
 
-    /// Returns an interval that contains the `p`-quantile of the distribution, at each recorded time, so many standard deviations of its rank to each side, and beyond these the bound on the error of
-    /// the rank: 2 for 95 %, 3 for 99.7 %. It holds for every distribution. An end is infinite where there are too few paths to tell; both are NaN if all paths have failed.
+    /// Returns an interval that contains the `p`-quantile of the distribution, at each recorded
+    /// time, so many standard deviations of its rank to each side, and beyond these the bound on
+    /// the error of the rank: 2 for 95 %, 3 for 99.7 %. It holds for every distribution. An end is
+    /// infinite where there are too few paths to tell; both are NaN if all paths have failed.
     ///
     /// # Panics
     /// Unless `p` is from 0 to 1 and `deviations` is not negative.
@@ -223,7 +236,8 @@ impl Quantiles {
         self.counts.iter().enumerate().map(at).collect()
     }
 
-    /// Returns a bound on the error of the ranks at each recorded time, as a part of the paths: 0 if the quantiles are exact.
+    /// Returns a bound on the error of the ranks at each recorded time, as a part of the paths: 0
+    /// if the quantiles are exact.
     pub fn rank_error(&self) -> Vec<f64> {
         let all = self.rank_errors.iter().zip(&self.counts);
         all.map(|(&error, &paths)| error as f64 / (paths.max(1)) as f64)

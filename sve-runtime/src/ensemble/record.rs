@@ -1,7 +1,9 @@
-//! The records of blocks of paths: observables at a recorded time, failures and final states at the end.
+//! The records of blocks of paths: observables at a recorded time, failures and final states at the
+//! end.
 //!
-//! Input: the states of some blocks. Output: their partial results. Invariant: a path on which an observable fails is in none of the
-//! statistics of that time, so one count for each time serves all observables.
+//! Input: the states of some blocks. Output: their partial results. Invariant: a path on which an
+//! observable fails is in none of the statistics of that time, so one count for each time serves
+//! all observables.
 
 use super::failure::{Cause, FAILURES_KEPT};
 use super::merge_tree::PartialResult;
@@ -18,7 +20,8 @@ use crate::system::Dimensions;
 use crate::trajectory::Method;
 
 impl<I: Method> PathBlock<'_, I> {
-    /// Adds the observables of the paths that have not failed to the statistics of a recorded time, block by block.
+    /// Adds the observables of the paths that have not failed to the statistics of a recorded time,
+    /// block by block.
     pub(super) fn record(&mut self, record: usize, results: &mut [PartialResult]) {
         self.observe_all();
         let records = &mut self.records;
@@ -71,7 +74,8 @@ impl<I: Method> PathBlock<'_, I> {
         self.records.work = values;
     }
 
-    /// Evaluates the observables of a tile, and lets paths of these lanes fail, at the times of their states.
+    /// Evaluates the observables of a tile, and lets paths of these lanes fail, at the times of
+    /// their states.
     fn evaluate_all(&mut self, tile: usize, among: Mask, last: &LastStep, values: &mut [Lane]) {
         let ensemble = self.settings.ensemble;
         let system = self.settings.method.system();

@@ -1,6 +1,7 @@
 //! Steps that fail, in smaller steps on the same path of the noise.
 //!
-//! Input: a step of a path that failed. Output: the state after it, or the error of its smallest part.
+//! Input: a step of a path that failed. Output: the state after it, or the error of its smallest
+//! part.
 
 use super::Ensemble;
 use super::path_block::PathBlock;
@@ -11,12 +12,16 @@ use crate::trajectory::Halving;
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides such a step into two halves on the same path of the noise, and each half that fails
-    /// likewise, up to `depth` times. [`Summary::refined_steps`](super::Summary::refined_steps) counts the refined steps. If the smallest parts fail too, the path fails.
+    /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides
+    /// such a step into two halves on the same path of the noise, and each half that fails
+    /// likewise, up to `depth` times. [`Summary::refined_steps`](super::Summary::refined_steps)
+    /// counts the refined steps. If the smallest parts fail too, the path fails.
     ///
-    /// All steps are smaller, on the same paths, with the [`noise`](Self::noise) `Wiener::new(seed).refine(depth)?` and `steps(h / 2^depth, …)`.
+    /// All steps are smaller, on the same paths, with the [`noise`](Self::noise)
+    /// `Wiener::new(seed).refine(depth)?` and `steps(h / 2^depth, …)`.
     ///
-    /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or [`NoNoise`](crate::noise::NoNoise).
+    /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or
+    /// [`NoNoise`](crate::noise::NoNoise).
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -1,7 +1,8 @@
 //! Replay of a single path of an ensemble.
 //!
-//! Input: the number of a path. Output: its states after each step, up to the end or to its failure, with the bits that it had in the
-//! ensemble: the same code steps it in the same lane, and the other lanes copy it.
+//! Input: the number of a path. Output: its states after each step, up to the end or to its
+//! failure, with the bits that it had in the ensemble: the same code steps it in the same lane, and
+//! the other lanes copy it.
 
 use super::failure::Failure;
 use super::path_block::PathBlock;
@@ -13,9 +14,12 @@ use crate::system::{Dimensions, StateOf};
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Returns the states of a single path after each step, with the same bits as in the ensemble: to see why it failed, or what it did.
+    /// Returns the states of a single path after each step, with the same bits as in the ensemble:
+    /// to see why it failed, or what it did.
     ///
-    /// If the path is [stopped](Self::stop_at), the last item is the state where it stopped. If the path fails, in a step or in an observable at a recorded time, the last item is the [`Failure`].
+    /// If the path is [stopped](Self::stop_at), the last item is the state where it stopped. If the
+    /// path fails, in a step or in an observable at a recorded time, the last item is the
+    /// [`Failure`].
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -1,11 +1,12 @@
 //! The settings of an ensemble, each a function that returns it.
 //!
-//! Examples in the documentation begin with the hidden lines of `example.md`: a closure `ensemble` that makes an ensemble of 100 paths with the observable `q`.
+//! Examples in the documentation begin with the hidden lines of `example.md`: a closure `ensemble`
+//! that makes an ensemble of 100 paths with the observable `q`.
 
 use core::ops::{Bound, RangeBounds};
 
 use super::Ensemble;
-use super::starts::{StartRng, Starts};
+use super::starts::Starts;
 use crate::noise::ManyPaths;
 use crate::system::StateOf;
 use crate::trajectory::Method;
@@ -22,9 +23,10 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Sets the seed of random starts, and of the increments unless [`noise`](Self::noise) is given. Beside a noise, which has a seed of its
-    /// own, it sets the random starts only: with one start for all paths it then has no effect. Without it, random starts have the seed of
-    /// the noise, or 0.
+    /// Sets the seed of random starts, and of the increments unless [`noise`](Self::noise) is
+    /// given. Beside a noise, which has a seed of its own, it sets the random starts only: with one
+    /// start for all paths it then has no effect. Without it, random starts have the seed of the
+    /// noise, or 0.
     ///
     #[doc = include_str!("example.md")]
     /// let mean = |seed| ensemble().seed(seed).run().map(|summary| summary["q"].mean()[1]);
@@ -49,50 +51,36 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Records the observables at the start, after each `steps` steps and at the end.
+    /// Records the observables at the start, after every `steps` steps and at the end, as
+    /// [`Trajectory::every`](crate::Trajectory::every) saves states.
     ///
     #[doc = include_str!("example.md")]
-    /// let summary = ensemble().steps(0.25, 8).record_every(4).run()?;
+    /// let summary = ensemble().steps(0.25, 8).every(4).run()?;
     /// assert_eq!(summary.times(), [0.0, 1.0, 2.0]);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn record_every(mut self, steps: u64) -> Self {
+    pub fn every(mut self, steps: u64) -> Self {
         self.every = Some(steps);
         self
     }
 
-    /// Sets the start of all paths.
+    /// Sets the start: a state for all paths, or [`Starts::each`] for a function that draws the
+    /// state of each path.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().start(State::new([0.0], [2.0])).run()?;
     /// assert_eq!(summary["q"].mean()[0], 0.0);
+    /// let drawn = Starts::each(|_path, rng| State::new([rng.normal()], [2.0]));
+    /// assert_ne!(ensemble().start(drawn).run()?["q"].mean()[0], 0.0);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn start(mut self, state: StateOf<I::System>) -> Self {
-        self.start = Some(Starts::Same(state));
+    pub fn start(mut self, starts: impl Into<Starts<'a, StateOf<I::System>>>) -> Self {
+        self.start = Some(starts.into().0);
         self
     }
 
-    /// Sets the start of each path, a function of its number and of a generator of its own. All paths have to start at the same time.
-    ///
-    #[doc = include_str!("example.md")]
-    /// // positions and momenta of the temperature kT = 4
-    /// let summary = ensemble()
-    ///     .start_with(|_path, rng| State::new([2.0 * rng.normal()], [2.0 * rng.normal()]))
-    ///     .run()?;
-    /// assert!((summary["q"].variance()[0] - 4.0).abs() < 3.0);
-    #[doc = include_str!("../example_end.md")]
-    #[must_use]
-    pub fn start_with(
-        mut self,
-        draw: impl Fn(u64, &mut StartRng) -> StateOf<I::System> + Sync + 'a,
-    ) -> Self {
-        self.start = Some(Starts::Drawn(Box::new(draw)));
-        self
-    }
-
-    /// Sets the noise. Path `k` has the increments of path `k` of the source. The default is [`Wiener::new(seed)`](crate::noise::Wiener) with the [`seed`](Self::seed) of
-    /// the ensemble.
+    /// Sets the noise. Path `k` has the increments of path `k` of the source. The default is
+    /// [`Wiener::new(seed)`](crate::noise::Wiener) with the [`seed`](Self::seed) of the ensemble.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -124,11 +112,14 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of the range at a recorded time, or where it
-    /// [stops](Self::stop_at), fails there: a motion without physical meaning then counts as a [`Failure`](super::Failure) and does not enter the statistics, nor does its passage.
-    /// The ends belong to the range, and several ranges can be given.
+    /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of
+    /// the range at a recorded time, or where it [stops](Self::stop_at), fails there: a motion
+    /// without physical meaning then counts as a [`Failure`](super::Failure) and does not enter the
+    /// statistics, nor does its passage. The ends belong to the range, and several ranges can be
+    /// given.
     ///
-    /// Without a bound, a path fails if its state or an observable is not finite. [`Summary::warnings`](super::Summary::warnings) reports observables that diverge.
+    /// Without a bound, a path fails if its state or an observable is not finite.
+    /// [`Summary::warnings`](super::Summary::warnings) reports observables that diverge.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().bound("q", -9.0..=0.5).run()?;
@@ -161,7 +152,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Ends the run with an error when a path fails. The error is that of the failing path with the lowest number.
+    /// Ends the run with an error when a path fails. The error belongs to the failing path with the
+    /// lowest number.
     ///
     #[doc = include_str!("example.md")]
     /// let run = ensemble().bound("q", ..=0.5).stop_on_failure(true).run();
@@ -173,7 +165,9 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Runs part `index` (from 0) of `of` parts, at most one for each [`BLOCK_PATHS`](super::BLOCK_PATHS) paths. The summaries of all parts [merge](super::Summary::merge) into that of the whole.
+    /// Runs part `index` (from 0) of `of` parts, at most one for each
+    /// [`BLOCK_PATHS`](super::BLOCK_PATHS) paths. The summaries of all parts
+    /// [merge](super::Summary::merge) into the summary of the whole.
     ///
     #[doc = include_str!("example.md")]
     /// let mut summary = ensemble().shard(0, 2).run()?; // on one machine
@@ -187,7 +181,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Runs on so many threads of its own. The default is the surrounding `rayon` pool, usually with one thread for each core.
+    /// Runs on so many threads of its own. The default is the surrounding `rayon` pool, usually
+    /// with one thread for each core.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().threads(1).run()?;
@@ -199,7 +194,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Shows the progress of the run on standard error if it is a terminal, with the feature `progress` as a bar.
+    /// Shows the progress of the run on standard error if it is a terminal, with the feature
+    /// `progress` as a bar.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().progress(true).run()?;
@@ -210,8 +206,9 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Ends the run early when a function returns `true`, for example after a signal or before the time limit of a batch system. No further block
-    /// is begun, and the summary has the paths that were run.
+    /// Ends the run early when a function returns `true`, for example after a signal or before the
+    /// time limit of a batch system. No further block is begun, and the summary has the paths that
+    /// were run.
     ///
     #[doc = include_str!("example.md")]
     /// use std::time::{Duration, Instant};

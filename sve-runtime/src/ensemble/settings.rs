@@ -11,7 +11,7 @@ use super::merge_tree::PartialResult;
 use super::observer::Kind;
 use super::passage::counts::Grid;
 use super::path_noise::PathNoise;
-use super::starts::{StartRng, Starts};
+use super::starts::{Start, StartRng};
 use super::statistic::{AnyRequest, Extent, check_known};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
 use crate::method::DimsOf;
@@ -20,17 +20,17 @@ use crate::system::{ConfigurationOf, StateOf};
 use crate::time::time_after;
 use crate::trajectory::Method;
 
-/// What a run of an ensemble has of its own where several runs share their noise.
+/// The settings that differ between runs of an ensemble that share their noise.
 pub(super) struct Leg<'a, I: Method> {
     pub(super) method: &'a I,
-    pub(super) start: Option<&'a Starts<'a, StateOf<I::System>>>,
+    pub(super) start: Option<&'a Start<'a, StateOf<I::System>>>,
     /// Number of halvings of the step.
     pub(super) halvings: u32,
-    /// Whether an increment is the sum of the two increments over the halves of the step.
+    /// An increment is the sum of the two increments over the halves of the step.
     pub(super) is_coarsened: bool,
     /// The path of the noise that belongs to path 0.
     pub(super) first_path: u64,
-    /// The number of paths, if it is not that of the ensemble.
+    /// The number of paths, if the ensemble has another one.
     pub(super) paths: Option<u64>,
     /// The method that decides on the settings in the place of the ensemble's own run.
     pub(super) of: Option<&'static str>,
@@ -55,7 +55,7 @@ impl<'a, I: Method> Leg<'a, I> {
 pub(super) struct Settings<'a, I: Method> {
     pub(super) ensemble: &'a Ensemble<'a, I>,
     pub(super) method: &'a I,
-    start: &'a Starts<'a, StateOf<I::System>>,
+    start: &'a Start<'a, StateOf<I::System>>,
     pub(super) h: f64,
     pub(super) steps: u64,
     every: u64,
@@ -111,7 +111,7 @@ impl<'a, I: Method> Settings<'a, I> {
             return zero("steps", "how many steps is a path to make?");
         }
         if ensemble.every == Some(0) {
-            return zero("record_every", "write 1 to record each step");
+            return zero("every", "write 1 to record each step");
         }
         if ensemble.execution.threads == Some(0) {
             return zero("threads", "leave it out to use every core");
@@ -145,8 +145,8 @@ impl<'a, I: Method> Settings<'a, I> {
         let start_seed = ensemble.seed.unwrap_or(noise.seed);
         let drawn;
         let first = match start {
-            Starts::Same(state) => state,
-            Starts::Drawn(draw) => {
+            Start::Same(state) => state,
+            Start::Drawn(draw) => {
                 drawn = draw(0, &mut StartRng::new(start_seed, 0));
                 &drawn
             }
@@ -190,8 +190,8 @@ impl<'a, I: Method> Settings<'a, I> {
         StateOf<I::System>: Copy,
     {
         match self.start {
-            Starts::Same(state) => *state,
-            Starts::Drawn(draw) => {
+            Start::Same(state) => *state,
+            Start::Drawn(draw) => {
                 let number = self.noise.path_within(path);
                 let number = self.first_start.wrapping_add(number);
                 draw(path, &mut StartRng::new(self.start_seed, number))
@@ -268,7 +268,8 @@ impl<'a, I: Method> Settings<'a, I> {
     }
 }
 
-/// Checks the settings that divide steps against the noise, and against those that take other increments.
+/// Checks the settings that divide steps against the noise, and against those that take other
+/// increments.
 fn check_steps<I: Method>(
     ensemble: &Ensemble<'_, I>,
     of: Option<&'static str>,
@@ -314,7 +315,8 @@ fn blocks_of_shard((index, of): (u64, u64), paths: u64) -> Result<[u64; 2], Ense
     Ok(shard)
 }
 
-/// Checks that the times of all steps are finite and differ. The spacing of numbers is largest at the first or the last step.
+/// Checks that the times of all steps are finite and differ. The spacing of numbers is largest at
+/// the first or the last step.
 fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
     let end = time_after(start, steps, h);
     if !(start.is_finite() && end.is_finite()) {

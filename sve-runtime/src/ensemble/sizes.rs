@@ -1,4 +1,5 @@
-//! Checks that the results of a run fit into memory, before they are allocated. A failed allocation would abort the process.
+//! Checks that the results of a run fit into memory, before they are allocated. A failed allocation
+//! would abort the process.
 //!
 //! Input: checked settings. Output: an error that names the number that is too large.
 
@@ -11,10 +12,12 @@ use crate::trajectory::Method;
 /// Bytes of a number.
 pub(super) const NUMBER: u128 = 8;
 
-/// Smallest number of results of blocks in memory at the same time: one that is filled, and one into which it is merged.
+/// Smallest number of results of blocks in memory at the same time: one that is filled, and one
+/// into which it is merged.
 pub(super) const AT_ONCE: u128 = 2;
 
-/// Checks that the statistics of an ensemble fit into memory and, if they are kept, the final states.
+/// Checks that the statistics of an ensemble fit into memory and, if they are kept, the final
+/// states.
 pub(super) fn check_all<I: Method>(
     ensemble: &Ensemble<'_, I>,
     extent: &Extent<'_>,
@@ -44,7 +47,7 @@ pub(super) fn differences<I: Method>(
     check(Size {
         bytes,
         what: format!("{differences} differences of rows at {records} recorded times"),
-        remedy: "take a shorter table, or record less often with `record_every`",
+        remedy: "take a shorter table, or record less often with `every`",
     })
 }
 

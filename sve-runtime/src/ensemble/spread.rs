@@ -1,13 +1,17 @@
-//! How the values of an observable are spread over the paths: whether a variance is that of many paths or of a few.
+//! How the values of an observable are spread over the paths: whether many paths make a variance,
+//! or a few.
 //!
-//! Input: the moments of a level of the multilevel method. Output: the number of paths that the level needs before its variance is trusted. Invariant: a level is resolved at last, whatever its values, unless
-//! they have a tail without a variance.
+//! Input: the moments of a level of the multilevel method. Output: the number of paths that the
+//! level needs before its variance is trusted. Invariant: a level is resolved at last, whatever its
+//! values, unless they have a tail without a variance.
 //!
-//! The paths whose values differ, or differ most, carry the variance. If few of n paths do, as for a rare event, its estimate is off by as much as their number may be, and it is 0 if none does.
+//! The paths whose values differ, or differ most, carry the variance. If few of n paths do, as for
+//! a rare event, its estimate is off by as much as their number may be, and it is 0 if none does.
 
 use super::moments::Column;
 
-/// Least number of paths that have to carry a variance: its estimate is then off by about one in √8.
+/// Least number of paths that have to carry a variance: its estimate is then off by about one in
+/// √8.
 pub(super) const CARRIERS: f64 = 8.0;
 
 /// The spread of the values of some paths.
@@ -15,7 +19,9 @@ pub(super) const CARRIERS: f64 = 8.0;
 pub(super) struct Spread {
     /// The greatest value less the least one.
     pub(super) range: f64,
-    /// The number of paths with the greatest deviation that would have the whole variance; 0 without a variance. Of k equal values far from all others it is k, of n normal values n/(2 ln n).
+    /// The number of paths with the greatest deviation that would have the whole variance; 0
+    /// without a variance. Of k equal values far from all others it is k, of n normal values n/(2
+    /// ln n).
     pub(super) carriers: f64,
 }
 
@@ -29,8 +35,10 @@ impl Spread {
         }
     }
 
-    /// Returns the number of paths at which a mean over them may be trusted to within `error`: 0 if enough paths carry the variance. If they do not, as many as have at most that error with [`CARRIERS`] further
-    /// values that differ by `range`, the largest known difference if the paths have none themselves.
+    /// Returns the number of paths at which a mean over them may be trusted to within `error`: 0 if
+    /// enough paths carry the variance. If they do not, as many as have at most that error with
+    /// [`CARRIERS`] further values that differ by `range`, the largest known difference if the
+    /// paths have none themselves.
     pub(super) fn least_paths(self, largest: f64, error: f64) -> f64 {
         if self.carriers >= CARRIERS {
             return 0.0;

@@ -1,29 +1,74 @@
 //! The starts of paths, and the generator for random starts.
 
 use core::convert::Infallible;
+use core::fmt;
 
 use crate::noise::{box_muller, threefry};
+use crate::phase::configuration::Configuration;
+use crate::phase::state::State;
 
-/// Part of the generator's key that separates these draws from the increments of the same seed and path.
+/// Part of the generator's key that separates these draws from the increments of the same seed and
+/// path.
 const DOMAIN: u64 = u64::from_le_bytes(*b"start   ");
 
 /// Returns the start of a path.
 type Draw<'a, T> = Box<dyn Fn(u64, &mut StartRng) -> T + Sync + 'a>;
 
-/// The starts of all paths.
-pub(super) enum Starts<'a, T> {
+/// The starts of the paths of an ensemble: one state for all of them, or a state for each.
+///
+/// [`Ensemble::start`](super::Ensemble::start) takes a state as it is, and random starts as
+/// [`Starts::each`].
+pub struct Starts<'a, T>(pub(super) Start<'a, T>);
+
+/// The two kinds of starts.
+pub(super) enum Start<'a, T> {
     /// One state for all paths.
     Same(T),
     /// A state for each path.
     Drawn(Draw<'a, T>),
 }
 
-/// The generator of random numbers for the start of a path. Its numbers depend on seed and path only.
+impl<'a, T> Starts<'a, T> {
+    /// Starts each path in a state of its own: a function of the number of the path and of a
+    /// generator of its own. All paths have to start at the same time.
+    ///
+    #[doc = include_str!("example.md")]
+    /// // positions and momenta of the temperature kT = 4
+    /// let summary = ensemble()
+    ///     .start(Starts::each(|_path, rng| State::new([2.0 * rng.normal()], [2.0 * rng.normal()])))
+    ///     .run()?;
+    /// assert!((summary["q"].variance()[0] - 4.0).abs() < 3.0);
+    #[doc = include_str!("../example_end.md")]
+    pub fn each(draw: impl Fn(u64, &mut StartRng) -> T + Sync + 'a) -> Self {
+        Self(Start::Drawn(Box::new(draw)))
+    }
+}
+
+impl<Q: Configuration> From<State<Q>> for Starts<'_, State<Q>> {
+    /// Starts all paths in one state.
+    fn from(state: State<Q>) -> Self {
+        Self(Start::Same(state))
+    }
+}
+
+impl<T: fmt::Debug> fmt::Debug for Starts<'_, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Start::Same(state) => f.debug_tuple("Starts").field(state).finish(),
+            Start::Drawn(_) => f.write_str("Starts::each(…)"),
+        }
+    }
+}
+
+/// The generator of random numbers for the start of a path. Its numbers depend on seed and path
+/// only.
 ///
-/// It is a generator of the `rand` crates (`rand_core` 0.10), so it serves any distribution of theirs.
-/// [`normal`](Self::normal) and [`uniform`](Self::uniform) need no further crate. The numbers are independent of the path's Wiener increments.
+/// It is a generator of the `rand` crates (`rand_core` 0.10), so it serves any distribution of
+/// theirs. [`normal`](Self::normal) and [`uniform`](Self::uniform) need no further crate. The
+/// numbers are independent of the path's Wiener increments.
 ///
-/// Generator: Threefry4x64-13 under the key (seed, path, domain, 0), as for [`Wiener`](crate::noise::Wiener) with another domain.
+/// Generator: Threefry4x64-13 under the key (seed, path, domain, 0), as for
+/// [`Wiener`](crate::noise::Wiener) with another domain.
 #[derive(Clone, Debug)]
 pub struct StartRng {
     key: [u64; 4],

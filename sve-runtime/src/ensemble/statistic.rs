@@ -1,7 +1,10 @@
 //! The statistics of an ensemble: what is collected of the observables of all paths, and merged.
 //!
-//! Input: the observables of tiles at recorded times, and the ends of paths. Output: results that merge, and from them what users read. Invariant: a statistic is one file, with its request, its setting of
-//! [`Ensemble`], its results, and what users read with the functions of [`Summary`] that return it; and one line of the list in this file. All else (settings, sizes, blocks, merge tree, stored form) knows lists of statistics only.
+//! Input: the observables of tiles at recorded times, and the ends of paths. Output: results that
+//! merge, and from them what users read. Invariant: a statistic is one file, with its request, its
+//! setting of [`Ensemble`], its results, and what users read with the functions of [`Summary`] that
+//! return it; and one line of the list in this file. All else (settings, sizes, blocks, merge tree,
+//! stored form) knows lists of statistics only.
 
 use core::any::Any;
 use core::panic::{RefUnwindSafe, UnwindSafe};
@@ -9,7 +12,7 @@ use core::panic::{RefUnwindSafe, UnwindSafe};
 use super::antithetic::Pairs;
 use super::covariance::Joint;
 use super::difference::Difference;
-use super::histogram::Bins;
+use super::histogram::BinCounts;
 use super::passage::counts::{PassageCounts, PathEnds};
 use super::quantiles::Sketches;
 use super::statistics::Moments;
@@ -19,14 +22,14 @@ use crate::trajectory::Method;
 
 /// The results of one statistic over some consecutive blocks of paths.
 pub(super) trait Statistic: Sized {
-    /// What the statistic is to be taken of.
+    /// The request: the observables and the options of the statistic.
     type Request;
 
     /// In what two runs differ whose requests of this statistic differ.
     const DIFFERENCE: Difference;
-    /// Whether the statistic is also taken of the differences of two runs with common noise.
+    /// The statistic is also taken of the differences of two runs with common noise.
     const IS_OF_DIFFERENCES: bool = false;
-    /// Whether the errors of the statistic suppose that all paths are independent.
+    /// The errors of the statistic suppose that all paths are independent.
     const NEEDS_INDEPENDENT_PATHS: bool = false;
 
     /// Checks a request, for observables of these names.
@@ -57,10 +60,12 @@ pub(super) trait Statistic: Sized {
         let _ = ends;
     }
 
-    /// Adds the results of the next blocks. `counts` and `others` are the numbers of paths at each recorded time, here and there.
+    /// Adds the results of the next blocks. `counts` and `others` are the numbers of paths at each
+    /// recorded time, here and there.
     fn merge(&mut self, counts: &[u64], other: &Self, others: &[u64]);
 
-    /// Returns whether results that were read from a file belong to a request, with so many paths at each recorded time.
+    /// Returns whether results that were read from a file belong to a request, with so many paths
+    /// at each recorded time.
     #[cfg(feature = "serde")]
     fn fits(&self, request: &Self::Request, extent: &Extent<'_>, counts: &[u64]) -> bool;
 
@@ -68,7 +73,7 @@ pub(super) trait Statistic: Sized {
     fn show(self, summary: &mut Summary);
 }
 
-/// What the size of results depends on.
+/// The numbers on which the size of results depends.
 pub(super) struct Extent<'a> {
     /// The names of the observables.
     pub(super) names: &'a [String],
@@ -96,7 +101,7 @@ impl Extent<'_> {
 /// The memory that a statistic needs.
 pub(super) struct Size {
     pub(super) bytes: u128,
-    /// What needs the memory.
+    /// The setting that needs the memory.
     pub(super) what: String,
     /// How to need less.
     pub(super) remedy: &'static str,
@@ -106,7 +111,7 @@ pub(super) struct Size {
 pub(super) struct Recorded<'a> {
     /// Number of the recorded time.
     pub(super) record: usize,
-    /// Numbers of paths at each recorded time, without those of the tile.
+    /// Numbers of paths at each recorded time, without the paths of the tile.
     pub(super) counts: &'a [u64],
     /// The observables.
     pub(super) values: &'a [Lane],
@@ -219,18 +224,20 @@ macro_rules! statistics {
         }
     };
 }
-// In the order in which runs are compared. A statistic that is read with the help of another one stands after it.
+// In the order in which runs are compared. A statistic that is read with the help of another one
+// stands after it.
 statistics! {
     Moments(Moments),
     Passages(PassageCounts),
-    Histogram(Bins),
+    Histogram(BinCounts),
     Covariance(Joint),
     Quantiles(Sketches),
     Pairs(Pairs),
 }
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Requests a statistic. Requests stand in the order of their kinds, so that it does not matter which kind was asked for first.
+    /// Requests a statistic. Requests stand in the order of their kinds, so that it does not matter
+    /// which kind was asked for first.
     pub(super) fn take(mut self, request: AnyRequest) -> Self {
         let kind = request.kind();
         let place = self
@@ -250,7 +257,7 @@ pub(super) fn difference(own: &[AnyRequest], other: &[AnyRequest]) -> Option<Dif
     of_first_kind.map(AnyRequest::difference)
 }
 
-/// What users read of all statistics: a list for each type.
+/// The results of all statistics as users read them: a list for each type.
 #[derive(Clone, Default)]
 pub(super) struct Shown(Vec<Box<dyn List>>);
 

@@ -1,7 +1,7 @@
 //! The moments of each observable, at each recorded time.
 //!
-//! Input: tiles of values; merged columns. Output: the numbers that users read. Invariant: a mean of no paths and a variance of fewer than two are NaN,
-//! and nothing else is.
+//! Input: tiles of values; merged columns. Output: the numbers that users read. Invariant: a mean
+//! of no paths and a variance of fewer than two are NaN, and nothing else is.
 
 use core::borrow::Borrow;
 use core::ops::Index;
@@ -63,7 +63,7 @@ impl Statistic for Moments {
             // and the times
             bytes: Self::bytes(extent) + u128::from(records) * NUMBER,
             what: format!("{records} recorded times of {observables} observables"),
-            remedy: "record less often with `record_every`",
+            remedy: "record less often with `every`",
         }
     }
 
@@ -98,7 +98,8 @@ impl Statistic for Moments {
 }
 
 impl Summary {
-    /// The statistics of an observable; `summary["name"]` is the same for a name that is known to be there.
+    /// The statistics of an observable; `summary["name"]` is the same for a name that is known to
+    /// be there.
     pub fn get(&self, name: &str) -> Option<&Statistics> {
         self.statistics().iter().find(|s| s.name() == name)
     }
@@ -172,10 +173,12 @@ impl Statistics {
         &self.column.mean
     }
 
-    /// Variances, the sums of squared deviations over the number of paths less one; NaN for fewer than two paths.
+    /// Variances, the sums of squared deviations over the number of paths less one; NaN for fewer
+    /// than two paths.
     ///
     /// A variance outside of the range of `f64`, as of deviations of 1e-200, is 0 or ∞;
-    /// [`standard_deviation`](Self::standard_deviation) and [`standard_error`](Self::standard_error) are right there too.
+    /// [`standard_deviation`](Self::standard_deviation) and
+    /// [`standard_error`](Self::standard_error) are right there too.
     pub fn variance(&self) -> Vec<f64> {
         self.of_squares(|squares, paths| squares.over(paths - 1.0).get())
     }
@@ -185,7 +188,9 @@ impl Statistics {
         self.of_squares(|squares, paths| squares.over(paths - 1.0).sqrt())
     }
 
-    /// Standard errors of the means: √(variance / paths). With [antithetic](super::Ensemble::antithetic) paths those of the means over pairs of which no path has failed.
+    /// Standard errors of the means: √(variance / paths). With
+    /// [antithetic](super::Ensemble::antithetic) paths the standard errors of the means over pairs
+    /// of which no path has failed.
     pub fn standard_error(&self) -> Vec<f64> {
         let of = |squares: Squares, n: f64| squares.over(n - 1.0).over(n).sqrt();
         match &self.pairs {
@@ -199,7 +204,8 @@ impl Statistics {
         Spread::of(&self.column, record)
     }
 
-    /// Returns a function of the sum of squared deviations and the number of paths, at each recorded time; NaN for fewer than two paths.
+    /// Returns a function of the sum of squared deviations and the number of paths, at each
+    /// recorded time; NaN for fewer than two paths.
     fn of_squares(&self, of: impl Fn(Squares, f64) -> f64) -> Vec<f64> {
         of_squares(&self.counts, &self.column, of)
     }
@@ -215,7 +221,8 @@ impl Statistics {
     }
 }
 
-/// Returns a function of the sum of squared deviations and the number of values, at each recorded time; NaN for fewer than two values.
+/// Returns a function of the sum of squared deviations and the number of values, at each recorded
+/// time; NaN for fewer than two values.
 fn of_squares(counts: &[u64], column: &Column, of: impl Fn(Squares, f64) -> f64) -> Vec<f64> {
     let at = |(record, &count): (usize, &u64)| match count {
         0 | 1 => f64::NAN,

@@ -1,7 +1,8 @@
 //! The stored form of summaries, for serde.
 //!
-//! Input: the stored data of a summary. Output: the summary, or an error if the data are inconsistent. Invariant: consistent data
-//! give a summary whose functions do not panic, whoever wrote them. Data of another format are an error that says so.
+//! Input: the stored data of a summary. Output: the summary, or an error if the data are
+//! inconsistent. Invariant: consistent data give a summary whose functions do not panic, whoever
+//! wrote them. Data of another format are an error that says so.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -29,7 +30,8 @@ impl<'de> Deserialize<'de> for Format {
     }
 }
 
-/// The data that are written. Data without a `format` are of versions before 5, whose lists have other names.
+/// The data that are written. Data without a `format` are of versions before 5, whose lists have
+/// other names.
 #[derive(Serialize)]
 pub(super) struct StoredSummary<'a> {
     format: Format,

@@ -1,7 +1,7 @@
 //! The results of an ensemble.
 //!
-//! Input: the nodes of a merge tree. Output: statistics by name, at each recorded time. Invariant: a complete run has one node; the
-//! statistics of several nodes are their merge from left to right.
+//! Input: the nodes of a merge tree. Output: statistics by name, at each recorded time. Invariant:
+//! a complete run has one node; the statistics of several nodes are their merge from left to right.
 
 use core::fmt;
 
@@ -17,12 +17,13 @@ use super::{BLOCK_PATHS, EnsembleError, path_at};
 #[cfg(feature = "plot")]
 use crate::description::RunDescription;
 
-/// Statistics of the paths of an [`Ensemble`](super::Ensemble): of all, or of the shards merged so far.
+/// Statistics of the paths of an [`Ensemble`](super::Ensemble): of all, or of the shards merged so
+/// far.
 #[derive(Clone)]
 pub struct Summary {
     pub(super) info: Info,
     pub(super) tree: MergeTree,
-    /// What users read of the statistics.
+    /// The statistics as users read them.
     pub(super) shown: Shown,
     counts: Vec<u64>,
     refined: u64,
@@ -74,13 +75,13 @@ impl Summary {
         }
     }
 
-    /// Whether the paths are antithetic pairs.
+    /// The paths are antithetic pairs.
     #[cfg(feature = "plot")]
     pub(crate) fn is_antithetic(&self) -> bool {
         are_pairs(&self.info.statistics)
     }
 
-    /// What was run.
+    /// The description of the run.
     #[cfg(feature = "plot")]
     pub(crate) fn description(&self) -> &RunDescription {
         &self.info.description
@@ -92,7 +93,7 @@ impl Summary {
         self.info.paths
     }
 
-    /// The recorded times: the start, the time after each `record_every` steps, and the end.
+    /// The recorded times: the start, the time after each `every` steps, and the end.
     pub fn times(&self) -> &[f64] {
         &self.info.times
     }
@@ -104,12 +105,14 @@ impl Summary {
         self.tree.nodes.values().map(of).sum()
     }
 
-    /// Returns whether the summary has all paths of the ensemble, and not only those of some shards.
+    /// Returns whether the summary has all paths of the ensemble, and not only the paths of some
+    /// shards.
     pub fn is_complete(&self) -> bool {
         self.paths() == self.info.paths
     }
 
-    /// Returns the number of paths in the statistics, at each recorded time: those that have not failed before.
+    /// Returns the number of paths in the statistics, at each recorded time: those that have not
+    /// failed before.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
@@ -119,19 +122,22 @@ impl Summary {
         self.failed
     }
 
-    /// Returns the number of steps that failed and were made in smaller steps, see [`refine`](super::Ensemble::refine).
+    /// Returns the number of steps that failed and were made in smaller steps, see
+    /// [`refine`](super::Ensemble::refine).
     pub fn refined_steps(&self) -> u64 {
         self.refined
     }
 
-    /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT) = 256, in their order: number, time and error of
-    /// each. [`failed`](Self::failed) counts all failures; [`replay`](super::Ensemble::replay) shows any path that failed.
+    /// The failures of the lowest paths, at most [`FAILURES_KEPT`](super::FAILURES_KEPT) = 256, in
+    /// their order: number, time and error of each. [`failed`](Self::failed) counts all failures;
+    /// [`replay`](super::Ensemble::replay) shows any path that failed.
     pub fn failures(&self) -> &[Failure] {
         &self.failures
     }
 
-    /// Returns warnings about unreliable statistics: observables that diverge, and means that depend on one path; and about a checkpoint that could not be
-    /// written. See [`Warning`] for the criteria. `Display` and `write_html` show them.
+    /// Returns warnings about unreliable statistics: observables that diverge, and means that
+    /// depend on one path; and about a checkpoint that could not be written. See [`Warning`] for
+    /// the criteria. `Display` and `write_html` show them.
     ///
     /// ```
     /// use sve_runtime::ensemble::Warning;
@@ -150,7 +156,7 @@ impl Summary {
     /// // this rule is unstable from ωh = 2 on
     /// let stiff = Integrator::new(Oscillator { omega: 21.0 }, Endpoint);
     /// let ensemble = Ensemble::new(&stiff)
-    ///     .paths(100).steps(0.1, 100).record_every(10)
+    ///     .paths(100).steps(0.1, 100).every(10)
     ///     .start(State::new([1.0], [0.0]))
     ///     .observe("energy", |system, state| system.hamiltonian(state));
     /// let summary = ensemble.run()?;
@@ -170,8 +176,8 @@ impl Summary {
             .collect()
     }
 
-    /// The final states of the paths that did not fail, with their numbers, in their order; none unless
-    /// [`keep_final_states`](super::Ensemble::keep_final_states) was asked for.
+    /// The final states of the paths that did not fail, with their numbers, in their order; none
+    /// unless [`keep_final_states`](super::Ensemble::keep_final_states) was asked for.
     pub fn final_states(&self) -> impl Iterator<Item = (u64, FinalState<'_>)> {
         let (coordinates, momenta) = (self.info.coordinates, self.info.momenta);
         self.tree.nodes.values().flat_map(move |node| {
@@ -188,12 +194,16 @@ impl Summary {
     ///
     /// Shards can be merged in any order. All shards together have the bits of the whole run.
     ///
-    /// Shards belong to the same run if they have equal settings, formulas of the system, values of its parameters (of the fields that the
-    /// functions of its block use), method, rule and options, and starts. Closures cannot be compared. They are sampled, with all bits:
-    /// starts of the first 16 paths, of 16 evenly distributed paths, and of the last path; observables and states along path 0, at its
-    /// recorded times, for 4096 steps or a thousandth of all steps of the ensemble, whichever is more, and along three other paths for
-    /// 64 steps. **Other values of a closure are not compared**: give shards equal closures. A [`OneStepMethod`](crate::OneStepMethod) of your own adds its options
-    /// in [`identify`](crate::OneStepMethod::identify). Shards of machines whose mathematical functions differ in the last digit do not merge.
+    /// Shards belong to the same run if they have equal settings, formulas of the system, values of
+    /// its parameters (of the fields that the functions of its block use), method, rule and
+    /// options, and starts. Closures cannot be compared. They are sampled, with all bits: starts of
+    /// the first 16 paths, of 16 evenly distributed paths, and of the last path; observables and
+    /// states along path 0, at its recorded times, for 4096 steps or a thousandth of all steps of
+    /// the ensemble, whichever is more, and along three other paths for 64 steps. **Other values of
+    /// a closure are not compared**: give shards equal closures. A
+    /// [`OneStepMethod`](crate::OneStepMethod) of your own adds its options in
+    /// [`identify`](crate::OneStepMethod::identify). Shards of machines whose mathematical
+    /// functions differ in the last digit do not merge.
     ///
     #[doc = include_str!("example.md")]
     /// let mut summary = ensemble().shard(1, 2).run()?;
@@ -202,8 +212,8 @@ impl Summary {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// [`EnsembleError::OtherRun`], which says what differs; [`EnsembleError::Overlap`] where paths are in both. Nothing is
-    /// merged then.
+    /// [`EnsembleError::OtherRun`], which says what differs; [`EnsembleError::Overlap`] where paths
+    /// are in both. Nothing is merged then.
     pub fn merge(&mut self, other: Self) -> Result<(), EnsembleError> {
         if let Some(what) = self.info.difference(&other.info) {
             return Err(EnsembleError::OtherRun { what });
@@ -228,7 +238,8 @@ impl Summary {
     }
 }
 
-/// Summaries are equal if settings, statistics, failures and final states are equal. Warnings about files are not compared.
+/// Summaries are equal if settings, statistics, failures and final states are equal. Warnings about
+/// files are not compared.
 impl PartialEq for Summary {
     fn eq(&self, other: &Self) -> bool {
         self.info == other.info && self.tree == other.tree

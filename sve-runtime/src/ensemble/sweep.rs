@@ -1,21 +1,62 @@
 //! Sweeps: an ensemble for each row of a table of methods or starts, in one run with common noise.
 //!
-//! Input: an ensemble and a table. Output: a summary for each row, and the statistics of the differences of each two rows along common paths. Invariant: the summary of a row is that of the
-//! ensemble with this method and start, bit for bit.
+//! Input: an ensemble and a table. Output: a summary for each row, and the statistics of the
+//! differences of each two rows along common paths. Invariant: the summary of a row has the bits of
+//! the ensemble with this method and start.
 
 use core::ops::Index;
 
 use super::coupled::{Coupled, difference_number};
 use super::settings::{Leg, Settings};
-use super::starts::Starts;
+use super::starts::Start;
 use super::{Ensemble, EnsembleError, Summary, sizes};
-use crate::system::StateOf;
+use crate::phase::configuration::FixedSize;
+use crate::phase::state::State;
+use crate::system::{Dimensions, StateOf, System};
 use crate::trajectory::Method;
 
+/// A row of the table of a [sweep](Ensemble::sweep): a method, or a start.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no row of a sweep",
+    note = "the rows are methods of the type of the ensemble's own, or states of its system"
+)]
+pub trait SweepRow<I: Method> {
+    /// Returns the method that takes the place of the ensemble's own.
+    #[doc(hidden)]
+    fn method(&self) -> Option<&I> {
+        None
+    }
+
+    /// Returns the state that takes the place of the ensemble's own starts.
+    #[doc(hidden)]
+    fn start(&self) -> Option<StateOf<I::System>> {
+        None
+    }
+}
+
+impl<I: Method> SweepRow<I> for I {
+    fn method(&self) -> Option<&I> {
+        Some(self)
+    }
+}
+
+impl<I, Q> SweepRow<I> for State<Q>
+where
+    I: Method<System: System<Dims: Dimensions<Configuration = Q>>>,
+    Q: FixedSize,
+{
+    fn start(&self) -> Option<Self> {
+        Some(*self)
+    }
+}
+
 impl<I: Method + Sync> Ensemble<'_, I> {
-    /// Runs all paths with each of several methods, in place of the ensemble's own: systems with different parameters. Path k has the same noise in all rows.
+    /// Runs all paths for each row of a table: with each of several methods, which are systems with
+    /// different parameters, or from each of several starts. A row takes the place of the
+    /// ensemble's own method or [`start`](Self::start). Path k has the same noise in all rows.
     ///
-    /// With common noise the difference of two rows has a far smaller statistical error than each of them: the sweep takes the differences path by path, with their standard errors.
+    /// With common noise the difference of two rows has a far smaller statistical error than each
+    /// of them: the sweep takes the differences path by path, with their standard errors.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -47,29 +88,25 @@ impl<I: Method + Sync> Ensemble<'_, I> {
     /// # }
     /// ```
     ///
-    /// The differences of all pairs of rows are kept, so the memory grows with the square of the number of rows.
+    /// The differences of all pairs of rows are kept, so the memory grows with the square of the
+    /// number of rows. Without differences, [`run`](Self::run) each start alone: runs with one seed
+    /// have common noise, and with `.noise(Wiener::new(seed).path(k * paths))` row k has paths of
+    /// its own.
     ///
     /// # Errors
-    /// As [`run`](Self::run); [`EnsembleError::EmptyTable`]; [`EnsembleError::SweepInOneFile`] with a checkpoint.
-    pub fn sweep(&self, methods: &[I]) -> Result<Sweep, EnsembleError> {
-        let legs = methods.iter().map(|method| Leg {
-            method,
-            ..Leg::of(self)
-        });
-        self.run_legs(&legs.collect::<Vec<_>>())
-    }
-
-    /// Runs all paths from each of several starts, in place of a [`start`](Self::start), with the same noise for all rows; see [`sweep`](Self::sweep).
-    ///
-    /// [`run_from`](Self::run_from) is the same without differences, and gives each start paths of its own unless they are shared.
-    ///
-    /// # Errors
-    /// As [`sweep`](Self::sweep); [`EnsembleError::SweepTimes`] unless all starts have one time.
-    pub fn sweep_starts(&self, starts: &[StateOf<I::System>]) -> Result<Sweep, EnsembleError> {
-        let starts: Vec<_> = starts.iter().map(|start| Starts::Same(*start)).collect();
-        let legs = starts.iter().map(|start| Leg {
-            start: Some(start),
-            ..Leg::of(self)
+    /// As [`run`](Self::run); [`EnsembleError::EmptyTable`]; [`EnsembleError::SweepInOneFile`] with
+    /// a checkpoint; [`EnsembleError::SweepTimes`] unless all starts have one time.
+    pub fn sweep<T: SweepRow<I>>(&self, table: &[T]) -> Result<Sweep, EnsembleError> {
+        let starts: Vec<_> = (table.iter())
+            .map(|row| row.start().map(Start::Same))
+            .collect();
+        let legs = table.iter().zip(&starts).map(|(row, start)| {
+            let own = Leg::of(self);
+            Leg {
+                method: row.method().unwrap_or(own.method),
+                start: start.as_ref().or(own.start),
+                ..own
+            }
         });
         self.run_legs(&legs.collect::<Vec<_>>())
     }
@@ -118,24 +155,28 @@ impl<I: Method + Sync> Ensemble<'_, I> {
     }
 }
 
-/// The summaries of the rows of a table, and of their differences. From [`Ensemble::sweep`] and [`Ensemble::sweep_starts`].
+/// The summaries of the rows of a table, and of their differences. From [`Ensemble::sweep`].
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sweep {
     rows: Vec<Summary>,
-    /// The differences of rows, by the number of the later row, then by that of the earlier one.
+    /// The differences of rows, by the number of the later row, then by the number of the earlier
+    /// one.
     differences: Vec<Summary>,
 }
 
 impl Sweep {
-    /// The summaries of the rows, in the order of the table. Each is that of the ensemble run alone with this method or start, bit for bit.
+    /// The summaries of the rows, in the order of the table. Each has the bits of the ensemble run
+    /// alone with this method or start.
     pub fn rows(&self) -> &[Summary] {
         &self.rows
     }
 
-    /// Returns the statistics of the differences of the observables, row `to` less row `from`, over the paths that have failed in neither; `None` unless `from` is before `to` and both are rows.
+    /// Returns the statistics of the differences of the observables, row `to` less row `from`, over
+    /// the paths that have failed in neither; `None` unless `from` is before `to` and both are
+    /// rows.
     ///
-    /// Its standard errors are those of differences along common paths.
+    /// Its standard errors are the errors of differences along common paths.
     pub fn difference(&self, from: usize, to: usize) -> Option<&Summary> {
         let is_pair = from < to && to < self.rows.len();
         is_pair
@@ -146,7 +187,8 @@ impl Sweep {
     /// Adds the paths of another [shard](Ensemble::shard) of the same sweep.
     ///
     /// # Errors
-    /// As [`Summary::merge`]; [`EnsembleError::OtherTable`] if the other one has another number of rows. Nothing is merged then.
+    /// As [`Summary::merge`]; [`EnsembleError::OtherTable`] if the other one has another number of
+    /// rows. Nothing is merged then.
     pub fn merge(&mut self, other: Self) -> Result<(), EnsembleError> {
         let (rows, others) = (self.rows.len(), other.rows.len());
         if rows != others || self.differences.len() != other.differences.len() {

@@ -1,8 +1,10 @@
 //! Tangent vectors of the paths of a block, carried along their steps.
 //!
-//! Input: the tiles of a block and the quantities by which means are differentiated. Output: a tangent vector for each path and quantity at any step. Invariant: the
-//! states have the bits of a block without tangent vectors, and the vectors of a path depend on its number only. A lane whose vectors the step in lanes does not carry
-//! gets them from the step of a single state, at the states that the step in lanes has reached.
+//! Input: the tiles of a block and the quantities by which means are differentiated. Output: a
+//! tangent vector for each path and quantity at any step. Invariant: the states have the bits of a
+//! block without tangent vectors, and the vectors of a path depend on its number only. A lane whose
+//! vectors the step in lanes does not carry gets them from the step of a single state, at the
+//! states that the step in lanes has reached.
 
 use core::ops::Range;
 
@@ -26,7 +28,7 @@ use crate::trajectory::Method;
 /// The tangent vectors of the paths of a block.
 pub(super) struct Tangents<D: Dimensions> {
     tiles: Vec<TangentTile<D::TangentLanes>>,
-    /// What varies along each direction.
+    /// The parameters and coordinates that vary, one for each direction.
     varied: Vec<Varied>,
     /// Work space: the parameter that varies in a step, and the vectors of a path, by quantity.
     parameters: Vec<Option<usize>>,
@@ -48,7 +50,8 @@ impl<L> TangentTile<L> {
         &self.buffers[usize::from(self.current)]
     }
 
-    /// Swaps the buffers. Returns the vectors before a step, and the work space for those after it, which become the current ones.
+    /// Swaps the buffers. Returns the vectors before a step, and the work space for those after it,
+    /// which become the current ones.
     #[inline(always)]
     fn swap_buffers(&mut self) -> (&[L], &mut [L]) {
         self.current = !self.current;
@@ -62,7 +65,8 @@ impl<L> TangentTile<L> {
 }
 
 impl<D: Dimensions> Tangents<D> {
-    /// The tangent vectors at the start, for so many tiles. A step of the ensemble is `parts` steps of the run.
+    /// The tangent vectors at the start, for so many tiles. A step of the ensemble is `parts` steps
+    /// of the run.
     pub(super) fn new<I: Method>(gradients: &Gradients<'_, I>, parts: u64, tiles: usize) -> Self {
         let fields: Vec<_> = gradients.by.iter().map(By::start::<D>).collect();
         let starts: Vec<_> = fields.iter().map(FieldLanes::splat).collect();
@@ -95,7 +99,8 @@ impl<D: Dimensions> Tangents<D> {
     }
 }
 
-/// Steps all tiles with their tangent vectors until a step does not solve an active lane or does not carry its vectors. Returns the number of steps then made.
+/// Steps all tiles with their tangent vectors until a step does not solve an active lane or does
+/// not carry its vectors. Returns the number of steps then made.
 pub(super) struct CarryTiles<'f, I: Method> {
     method: &'f I,
     prepared: &'f I::Prepared,
@@ -160,7 +165,8 @@ impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
 }
 
 impl<I: Method> PathBlock<'_, I> {
-    /// Steps some tiles with their tangent vectors, as far as the step in lanes goes. Returns the number of steps then made.
+    /// Steps some tiles with their tangent vectors, as far as the step in lanes goes. Returns the
+    /// number of steps then made.
     pub(super) fn carry(&mut self, buffer: usize, tiles: Range<usize>, end: u64) -> u64 {
         let settings = self.settings;
         let Some(steps) = settings.ensemble.observed.gradients.steps else {
@@ -181,7 +187,8 @@ impl<I: Method> PathBlock<'_, I> {
         })
     }
 
-    /// Carries the tangent vectors along the last step in the active lanes where the step in lanes did not.
+    /// Carries the tangent vectors along the last step in the active lanes where the step in lanes
+    /// did not.
     pub(super) fn carry_unfinished_lanes(&mut self, tile: usize) {
         let unfinished = core::mem::take(&mut self.tangents.tiles[tile].unfinished);
         let settings = self.settings;

@@ -1,6 +1,7 @@
 //! Tiles: as many paths as there are lanes.
 //!
-//! Invariant: a lane without a path that goes on has the state of one that does, so that its step is solvable.
+//! Invariant: a lane without a path that goes on has the state of one that does, so that its step
+//! is solvable.
 
 use crate::lanes::{LANES, Mask};
 
@@ -11,7 +12,8 @@ pub(super) struct Place {
     pub(super) lane: usize,
 }
 
-/// The states of some paths in lanes. A lane is active if its path exists, has not failed and has not stopped; the other lanes copy an active one.
+/// The states of some paths in lanes. A lane is active if its path exists, has not failed and has
+/// not stopped; the other lanes copy an active one.
 pub(super) struct Tile<L> {
     /// The current states, and the work space for the states after a step.
     pub(super) buffers: [L; 2],
@@ -23,7 +25,7 @@ pub(super) struct Tile<L> {
     pub(super) unsolved: Mask,
     /// The path of each lane.
     pub(super) paths: [u64; LANES],
-    /// Whether all paths are those with which the tile began.
+    /// The tile still has the paths with which it began.
     pub(super) is_at_home: bool,
 }
 
@@ -42,7 +44,8 @@ impl<L> Tile<L> {
         &mut self.buffers[usize::from(self.current)]
     }
 
-    /// Swaps the buffers. Returns the states before a step, and the work space for the states after it, which become the current ones.
+    /// Swaps the buffers. Returns the states before a step, and the work space for the states after
+    /// it, which become the current ones.
     #[inline(always)]
     pub(super) fn swap_buffers(&mut self) -> (&L, &mut L) {
         self.current = !self.current;

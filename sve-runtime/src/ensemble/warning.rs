@@ -1,16 +1,19 @@
 //! Warnings about unreliable statistics and missing files.
 //!
-//! Input: the statistics of observables. Output: warnings about observables that diverge, and about means that depend on one path. Both criteria are fixed and
-//! documented at [`Warning`]; they use the recorded times only. The warning about a checkpoint comes from the run.
+//! Input: the statistics of observables. Output: warnings about observables that diverge, and about
+//! means that depend on one path. Both criteria are fixed and documented at [`Warning`]; they use
+//! the recorded times only. The warning about a checkpoint comes from the run.
 
 use core::fmt;
 
 use super::moments::Column;
 
-/// Growth within the second half of a run that is reported. A power tᵖ grows by 2ᵖ in it, so this is about the tenth power.
+/// Growth within the second half of a run that is reported. A power tᵖ grows by 2ᵖ in it, so this
+/// is about the tenth power.
 const GROWTH: f64 = 1e3;
 
-/// Growth from the start that is reported if nothing was recorded between the start and the second half.
+/// Growth from the start that is reported if nothing was recorded between the start and the second
+/// half.
 const GROWTH_FROM_START: f64 = 1e12;
 
 /// Smallest number of paths of which a single one should not have most of the variance.
@@ -19,16 +22,19 @@ const MANY: u64 = 100;
 /// Largest fraction of the sum of squared deviations of one path.
 const SHARE: f64 = 0.5;
 
-/// Why a statistic is unreliable, or a file has not the results, from [`Summary::warnings`](super::Summary::warnings).
+/// Why a statistic is unreliable, or a file has not the results, from
+/// [`Summary::warnings`](super::Summary::warnings).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Warning {
-    /// An observable diverges: its largest magnitude over the paths at the end is more than 1000 times the largest one at all
-    /// recorded times in the first half of the run. If only the start was recorded in the first half, the factor is 10¹². An
-    /// observable that is 0 throughout the first half is not tested.
+    /// An observable diverges: its largest magnitude over the paths at the end is more than 1000
+    /// times the largest one at all recorded times in the first half of the run. If only the start
+    /// was recorded in the first half, the factor is 10¹². An observable that is 0 throughout the
+    /// first half is not tested.
     ///
-    /// Exact solutions that grow exponentially are reported as well. Otherwise the step is too long for the method.
+    /// Exact solutions that grow exponentially are reported as well. Otherwise the step is too long
+    /// for the method.
     Diverges {
         /// The observable.
         name: String,
@@ -41,8 +47,9 @@ pub enum Warning {
         /// Largest magnitude there.
         after: f64,
     },
-    /// One path of 100 or more has over half of the sum of squared deviations at the end: mean and standard error
-    /// depend on this path. Distributions with an infinite moment behave so, and rare events that occurred once.
+    /// One path of 100 or more has over half of the sum of squared deviations at the end: mean and
+    /// standard error depend on this path. Distributions with an infinite moment behave so, and
+    /// rare events that occurred once.
     OnePath {
         /// The observable.
         name: String,
@@ -55,7 +62,8 @@ pub enum Warning {
         /// Its fraction of the sum of squared deviations.
         share: f64,
     },
-    /// The file of [`Ensemble::checkpoint`](super::Ensemble::checkpoint) could not be written during the run. The statistics are not affected.
+    /// The file of [`Ensemble::checkpoint`](super::Ensemble::checkpoint) could not be written
+    /// during the run. The statistics are not affected.
     #[cfg(feature = "checkpoint")]
     Checkpoint {
         /// The file.
@@ -64,7 +72,7 @@ pub enum Warning {
         failed: u64,
         /// The error of the system at the last of them.
         error: String,
-        /// Whether a later attempt, at the end, wrote the file with all results of the run.
+        /// A later attempt, at the end, wrote the file with all results of the run.
         is_written: bool,
     },
 }

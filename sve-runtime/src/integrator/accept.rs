@@ -8,8 +8,9 @@ use crate::phase::state::State;
 use crate::solve::SolveError;
 use crate::time::is_next_time;
 
-/// Largest square of the Cayley vector of a rotation in a step, which turns by 127 degrees. The Cayley transform has its pole at 180 degrees, and
-/// beyond this limit a step is no approximation of the motion.
+/// Largest square of the Cayley vector of a rotation in a step, which turns by 127 degrees. The
+/// Cayley transform has its pole at 180 degrees, and beyond this limit a step is no approximation
+/// of the motion.
 const MAX_CAYLEY_SQUARE: f64 = 16.0;
 
 /// Returns why an increment is not accepted.
@@ -76,13 +77,14 @@ pub(super) fn replace<F: FlatConfiguration<N>, const N: usize>(
     q: &F,
     p: &[f64; N],
 ) -> bool {
-    // One test of the sum finds every NaN and infinity. A sum that overflows by itself is excluded off the fast path.
+    // One test of the sum finds every NaN and infinity. A sum that overflows by itself is excluded
+    // off the fast path.
     let sum = q.sum_with(p);
     if !sum.is_finite() && !all_finite(&{ *q }.values(), &{ *p }) {
         return false;
     }
-    // The time is added after the branch. Before it, the compiler would put this addition and those of q into one vector, which lengthens the
-    // chain of operations from q to q.
+    // The time is added after the branch. Before it, the compiler would put this addition and the
+    // additions to q into one vector, which lengthens the chain of operations from q to q.
     let t = state.t + h;
     if !is_next_time(state.t, t) {
         return false;

@@ -1,6 +1,8 @@
-//! One step with compensated summation: the rounding errors of the state are kept and added at the next step.
+//! One step with compensated summation: the rounding errors of the state are kept and added at the
+//! next step.
 //!
-//! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.5.
+//! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006),
+//! section VIII.5.
 
 use super::accept::replace;
 use super::modes::SingleMode;
@@ -16,8 +18,8 @@ use crate::system::equations::StepEquations;
 use crate::system::start::Tested;
 use crate::system::{Dims, Increments, System};
 
-/// The mode that makes steps with compensated sums. It adds the low parts of the state, and writes its rounding errors there. After a failure
-/// they are those of the substeps before it.
+/// The mode that makes steps with compensated sums. It adds the low parts of the state, and writes
+/// its rounding errors there. After a failure they are the errors of the substeps before it.
 pub(super) struct Compensate<'a, F> {
     pub(super) low: &'a mut F,
 }

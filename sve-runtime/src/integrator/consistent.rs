@@ -14,11 +14,12 @@ where
     R: Rule<S::Itself>,
     Q: VectorCoordinates<N>,
 {
-    /// Returns the state on the constraints that is nearest to `state` in the metric of the masses: first the configuration, then the momentum, whose part across
-    /// the constraints is removed. Without constraints it is the state itself.
+    /// Returns the state on the constraints that is nearest to `state` in the metric of the masses:
+    /// first the configuration, then the momentum, whose part across the constraints is removed.
+    /// Without constraints it is the state itself.
     ///
-    /// A step refuses a start whose configuration does not satisfy the constraints. It takes any momentum: the part across the constraints has no effect on
-    /// the motion.
+    /// A step refuses a start whose configuration does not satisfy the constraints. It takes any
+    /// momentum: the part across the constraints has no effect on the motion.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -50,8 +51,10 @@ where
     /// ```
     ///
     /// # Errors
-    /// [`StepError::NoConsistentState`] if no such configuration is found near the given one; [`StepError::ConstraintRank`] where the constraints are
-    /// dependent, [`StepError::ConstraintGradient`] where the gradient of one vanishes with it; [`StepError::Singular`]; [`StepError::NonFiniteInput`].
+    /// [`StepError::NoConsistentState`] if no such configuration is found near the given one;
+    /// [`StepError::ConstraintRank`] where the constraints are dependent,
+    /// [`StepError::ConstraintGradient`] where the gradient of one vanishes with it;
+    /// [`StepError::Singular`]; [`StepError::NonFiniteInput`].
     pub fn consistent(&self, state: State<Q>) -> Result<State<Q>, StepError> {
         if S::CONSTRAINTS.is_empty() {
             return Ok(state);

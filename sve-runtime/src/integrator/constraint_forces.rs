@@ -49,12 +49,14 @@ where
     R: Rule<S::Itself> + TellsImpulses,
     Q: VectorCoordinates<N>,
 {
-    /// Returns the forces of the constraints in the step of length `h` from `state`: the impulses at both ends, and their mean force, in the units of the
-    /// Lagrangian.
+    /// Returns the forces of the constraints in the step of length `h` from `state`: the impulses
+    /// at both ends, and their mean force, in the units of the Lagrangian.
     ///
-    /// The tension of a rod between two points is the length of its mean force on one of them. Without noise the mean force converges to the force of the
-    /// constraint at order 1, at the middle of the step at order 2 with a symmetric rule. **With noise it has a part that grows like `h^(−1/2)`**: the constraint
-    /// balances white noise too, whose mean over a step is `ΔW/h`. Averages over times that are long beside h converge.
+    /// The tension of a rod between two points is the length of its mean force on one of them.
+    /// Without noise the mean force converges to the force of the constraint at order 1, at the
+    /// middle of the step at order 2 with a symmetric rule. **With noise it has a part that grows
+    /// like `h^(−1/2)`**: the constraint balances white noise too, whose mean over a step is
+    /// `ΔW/h`. Averages over times that are long beside h converge.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

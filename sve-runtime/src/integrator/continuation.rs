@@ -1,16 +1,19 @@
 //! Continuation: follows the solution of a step from the limit of no noise and h → 0.
 //!
-//! Input: a step that the fast path did not solve. Output: the step, or how far its solution can be followed.
-//! Invariant: each point is reached from the one before by contracting updates (see [`newton`](crate::solve::newton)) that end near the
-//! point extrapolated from the earlier ones, within the domain of L.
+//! Input: a step that the fast path did not solve. Output: the step, or how far its solution can be
+//! followed. Invariant: each point is reached from the one before by contracting updates (see
+//! [`newton`](crate::solve::newton)) that end near the point extrapolated from the earlier ones,
+//! within the domain of L.
 //!
-//! The path is that of the definition (`docs/mathematics.md`, section 6). It starts at the known limit: for h = 0 and no noise v is the velocity of p₀
-//! ([`legendre`](crate::legendre)) and nothing moves. First the step size grows to `h` without noise, then the increments grow to `ΔW` at
-//! that `h`, along `s ΔW`. A stride that fails is halved. A fold, where the solution turns back, ends the path.
-//! Nothing is allocated, but for systems with constraints, whose gradients are compared with those of the start at each point.
+//! The path is the path of the definition (`docs/mathematics.md`, section 6). It starts at the
+//! known limit: for h = 0 and no noise v is the velocity of p₀ ([`legendre`](crate::legendre)) and
+//! nothing moves. First the step size grows to `h` without noise, then the increments grow to `ΔW`
+//! at that `h`, along `s ΔW`. A stride that fails is halved. A fold, where the solution turns back,
+//! ends the path. Nothing is allocated, but for systems with constraints, whose gradients are
+//! compared with the gradients at the start at each point.
 //!
-//! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2 and, for the choice of strides,
-//! chapter 6. Paths are not followed around folds.
+//! Source: Allgower, Georg, *Introduction to Numerical Continuation Methods* (2003), chapter 2 and,
+//! for the choice of strides, chapter 6. Paths are not followed around folds.
 
 use super::accept::all_finite;
 use crate::mechanics;
@@ -25,34 +28,38 @@ use crate::system::equations::Memory;
 use crate::system::equations::{StepEquations, StepOf};
 use crate::system::{Dims, Increments, System};
 
-/// Smallest stride, relative to the part of the path behind it; at the start relative to the first stride.
+/// Smallest stride, relative to the part of the path behind it; at the start relative to the first
+/// stride.
 const SMALLEST: f64 = 1e-7;
 
-/// Largest stride. If the equations have many solutions, a contracting iteration can jump to another one; the shorter the stride, the
-/// fewer solutions are near.
+/// Largest stride. If the equations have many solutions, a contracting iteration can jump to
+/// another one; the shorter the stride, the fewer solutions are near.
 const LARGEST: f64 = 0.125;
 
 /// First stride. There is no extrapolation to compare its end with.
 const FIRST: f64 = 1.0 / 64.0;
 
-/// Largest number of points tried on a path. Halving down to the smallest stride and doubling up to the largest takes some 50; a rapidly
-/// oscillating force takes some ten points a period.
+/// Largest number of points tried on a path. Halving down to the smallest stride and doubling up to
+/// the largest takes some 50; a rapidly oscillating force takes some ten points a period.
 const MAX_POINTS: u32 = 4000;
 
-/// Largest distance between the extrapolated and the solved point, relative to the distance from the last point.
+/// Largest distance between the extrapolated and the solved point, relative to the distance from
+/// the last point.
 const MAX_DEVIATION: f64 = 0.25;
 
 /// Ratio of a stride to the last one below which there is no extrapolation.
 const SHORTEST_EXTRAPOLATION: f64 = 1.0 / 16.0;
 
-/// Relative error allowed for an increment: far above the error of an ill-conditioned step, far below the distance of two solutions that a
-/// stride could confuse.
+/// Relative error allowed for an increment: far above the error of an ill-conditioned step, far
+/// below the distance of two solutions that a stride could confuse.
 const INCREMENT_ERROR: f64 = 1e-8;
 
-/// Increments that are smaller than those of other coordinates by this factor can be rounding error.
+/// Increments that are smaller than the increments of other coordinates by this factor can be
+/// rounding error.
 const SMALL: f64 = 1e-5;
 
-/// Error allowed for an increment relative to the largest coordinate: forces depend on differences of coordinates.
+/// Error allowed for an increment relative to the largest coordinate: forces depend on differences
+/// of coordinates.
 const ROUNDING: f64 = 1e-12;
 
 /// Why continuation found no solution.
@@ -73,7 +80,7 @@ pub(super) enum ContinuationError {
         step: f64,
         /// Fraction of the increments.
         noise: f64,
-        /// What is left there of the gradients of the constraints, see [`Fold`].
+        /// The size of the gradients of the constraints there, relative to the start, see [`Fold`].
         part: f64,
     },
 }
@@ -160,8 +167,9 @@ struct Scale {
     /// Largest magnitudes of configuration and momentum at the start of the step.
     q: f64,
     p: f64,
-    /// Largest momentum with which the configuration moves by its own size in the step, if constraints solve for momenta: impulses that hold the configuration on
-    /// the constraints have the rounding errors of the configuration, divided by the step size.
+    /// Largest momentum with which the configuration moves by its own size in the step, if
+    /// constraints solve for momenta: impulses that hold the configuration on the constraints have
+    /// the rounding errors of the configuration, divided by the step size.
     impulse: f64,
 }
 
@@ -198,12 +206,13 @@ impl Scale {
 /// Where a path ends before 1.
 struct End {
     at: f64,
-    /// What is left of the gradients of the constraints, if the path ends near a fold.
+    /// The size of the gradients of the constraints relative to the start, if the path ends near a
+    /// fold.
     fold: Option<f64>,
 }
 
 impl End {
-    /// The error if the path is that of the step size.
+    /// The error on the path of the step size.
     fn in_step(self) -> ContinuationError {
         let (step, noise) = (self.at, 0.0);
         match self.fold {
@@ -212,7 +221,7 @@ impl End {
         }
     }
 
-    /// The error if the path is that of the noise.
+    /// The error on the path of the noise.
     fn in_noise(self) -> ContinuationError {
         let (step, noise) = (1.0, self.at);
         match self.fold {
@@ -266,7 +275,8 @@ fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
                 if stride < SMALLEST * if here.at > 0.0 { here.at } else { FIRST } {
                     break;
                 }
-                // A line through points that are far apart does not predict the end of a much shorter stride.
+                // A line through points that are far apart does not predict the end of a much
+                // shorter stride.
                 before = before
                     .filter(|before| stride >= SHORTEST_EXTRAPOLATION * (here.at - before.at));
             }
@@ -293,8 +303,9 @@ impl<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>> Point<N, X> {
         ahead
     }
 
-    /// Returns whether the state here is near the extrapolated one, relative to its distance from the last point. The coordinates of
-    /// the state are compared. The unknowns are not: some are multipliers, which have no natural scale.
+    /// Returns whether the state here is near the extrapolated one, relative to its distance from
+    /// the last point. The coordinates of the state are compared. The unknowns are not: some are
+    /// multipliers, which have no natural scale.
     fn is_near(&self, ahead: &Self, last: &Self, start: &Self, scale: Scale) -> bool {
         let reach = |to: &[f64; N], from: &[f64; N], first: &[f64; N]| {
             let each = (0..N).map(|i| (to[i] - first[i]).abs().max((from[i] - first[i]).abs()));

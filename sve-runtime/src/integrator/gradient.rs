@@ -1,4 +1,5 @@
-//! Derivatives along paths: steps that carry tangent vectors forwards, and derivatives of a function of their results backwards.
+//! Derivatives along paths: steps that carry tangent vectors forwards, and derivatives of a
+//! function of their results backwards.
 
 use super::modes::{LanesMode, SingleMode};
 use super::step::solve_step;
@@ -51,7 +52,8 @@ where
     }
 }
 
-/// The mode that stores the starts of all substeps but the first, which is known. The last substep is not made.
+/// The mode that stores the starts of all substeps but the first, which is known. The last substep
+/// is not made.
 struct Starts<F> {
     has_begun: bool,
     states: Vec<F>,

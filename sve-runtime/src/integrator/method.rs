@@ -1,4 +1,5 @@
-//! An integrator is a [`OneStepMethod`]: each of its functions is a walk over the substeps of the rule in a mode.
+//! An integrator is a [`OneStepMethod`]: each of its functions is a walk over the substeps of the
+//! rule in a mode.
 
 use core::any::type_name;
 use core::hash::Hasher;
@@ -19,7 +20,7 @@ use crate::system::equations::Memory;
 use crate::system::plan::{Plan, StrongOrder, Substeps};
 use crate::system::{Dims, IncrementLanesOf, StateLanesOf, System};
 
-/// What an integrator computes before the first step, and carries from step to step.
+/// The values that an integrator computes before the first step, and carries from step to step.
 #[derive(Clone, Copy, Debug)]
 pub struct Prepared<C, K> {
     /// Values that depend on parameters and step size only.
@@ -40,7 +41,7 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    /// What walks over the substeps of a step.
+    /// The walker over the substeps of a step.
     #[inline(always)]
     pub(super) fn walker(&self) -> Walker<'_, S::Itself, R> {
         Walker::new(self.system().itself(), self.newton())
@@ -105,7 +106,8 @@ where
         Ok(made)
     }
 
-    /// Makes one step in lanes in a mode. Returns the mask of lanes that were not solved, and the mode.
+    /// Makes one step in lanes in a mode. Returns the mask of lanes that were not solved, and the
+    /// mode.
     #[inline(always)]
     pub(super) fn walk_in_lanes<K: LanesMode<S::Itself>>(
         &self,

@@ -63,7 +63,8 @@ use crate::system::{Dims, System};
 /// # }
 /// ```
 ///
-/// It owns the system, or borrows it: `Integrator::new(&pendulum, Midpoint)` leaves it to other methods too.
+/// It owns the system, or borrows it: `Integrator::new(&pendulum, Midpoint)` leaves it to other
+/// methods too.
 #[derive(Clone, Copy, Debug)]
 pub struct Integrator<S, R> {
     system: S,
@@ -99,10 +100,12 @@ impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
         &self.system
     }
 
-    /// The system, to change parameters between steps: a control, or a value from a table over time.
+    /// The system, to change parameters between steps: a control, or a value from a table over
+    /// time.
     ///
-    /// A parameter is constant within a step. What a rule computes from parameters alone is computed anew in each [`step`](Self::step); a
-    /// [`trajectory`](Self::trajectory) borrows the integrator, so its parameters stay.
+    /// A parameter is constant within a step. What a rule computes from parameters alone is
+    /// computed anew in each [`step`](Self::step); a [`trajectory`](Self::trajectory) borrows the
+    /// integrator, so its parameters stay.
     ///
     /// ```
     /// use sve_runtime::noise::Noise as _;
@@ -166,7 +169,8 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
+    /// Makes one step of length `h` with the given Wiener increments, one for each process in
+    /// source order.
     ///
     #[doc = include_str!("../example.md")]
     /// let mut state = start;
@@ -175,17 +179,21 @@ where
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
+    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then
+    /// unchanged.
     #[inline]
     pub fn step(&self, state: &mut State<Q>, h: f64, dw: &R::Increments) -> Result<(), StepError> {
         let prepared = OneStepMethod::prepare(self, h)?;
         self.step_prepared(&prepared, state, h, dw)
     }
 
-    /// Returns the tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic matrix, if no force acts.
+    /// Returns the tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic
+    /// matrix, if no force acts.
     ///
-    /// The implicit-function theorem gives it from the derivatives of the step's own equations, exact to rounding. Momenta of massless coordinates of a degenerate
-    /// Lagrangian are functions of the configuration: their columns are zero, and the map preserves the two-form on consistent states.
+    /// The implicit-function theorem gives it from the derivatives of the step's own equations,
+    /// exact to rounding. Momenta of massless coordinates of a degenerate Lagrangian are functions
+    /// of the configuration: their columns are zero, and the map preserves the two-form on
+    /// consistent states.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -207,7 +215,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// As [`step`](Self::step); [`StepError::Singular`] if the Jacobian of the equations is singular at their solution.
+    /// As [`step`](Self::step); [`StepError::Singular`] if the Jacobian of the equations is
+    /// singular at their solution.
     pub fn tangent(
         &self,
         state: &State<Q>,
@@ -218,7 +227,8 @@ where
             .map(|(tangent, _)| tangent)
     }
 
-    /// Returns the derivatives of the result of one step with respect to each parameter, at fixed start and increments.
+    /// Returns the derivatives of the result of one step with respect to each parameter, at fixed
+    /// start and increments.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -251,7 +261,8 @@ where
             .map(|(_, sensitivity)| sensitivity)
     }
 
-    /// Makes one step and returns its [`tangent`](Self::tangent) and [`sensitivity`](Self::sensitivity), from one solution of its equations.
+    /// Makes one step and returns its [`tangent`](Self::tangent) and
+    /// [`sensitivity`](Self::sensitivity), from one solution of its equations.
     ///
     #[doc = include_str!("../example.md")]
     /// let mut state = start;
@@ -279,7 +290,8 @@ where
 {
     /// Makes one step of a reduced system and turns the attitude that its states leave out.
     ///
-    /// The attitude is that of the full system, with the same bits: a step of the full system that starts from this attitude ends there.
+    /// The attitude has the bits of the full system: a step of the full system that starts from
+    /// this attitude ends there.
     ///
     /// # Errors
     /// As [`step`](Self::step); `state` and `attitude` are then unchanged.

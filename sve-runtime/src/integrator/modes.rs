@@ -1,6 +1,7 @@
-//! What all modes of a walk have in common: how they treat the state in a sequence of substeps.
+//! Common parts of all modes of a walk: how they treat the state in a sequence of substeps.
 //!
-//! Invariant: the time after a sequence is rounded once. A sequence that fails leaves its state at the substep that failed: the integrator walks along a copy.
+//! Invariant: the time after a sequence is rounded once. A sequence that fails leaves its state at
+//! the substep that failed: the integrator walks along a copy.
 
 use core::convert::Infallible;
 use core::mem::replace;
@@ -85,8 +86,8 @@ where
 
 /// A mode of walks from a state in each lane.
 pub(super) trait LanesMode<S: System> {
-    /// Makes a substep in each lane. Returns the mask of lanes that the fast path could not solve, whose states are copied unchanged. Times in `next` are not
-    /// written.
+    /// Makes a substep in each lane. Returns the mask of lanes that the fast path could not solve,
+    /// whose states are copied unchanged. Times in `next` are not written.
     fn substep<R>(
         &mut self,
         walker: Walker<'_, S, R>,
@@ -134,7 +135,7 @@ impl<'a, L: Copy, K> Lanes<'a, L, K> {
 /// A sequence of substeps in lanes that has begun.
 pub(super) struct SequenceInLanes<L> {
     start: L,
-    /// Whether it is no part of another sequence.
+    /// The sequence is no part of another sequence.
     is_whole: bool,
 }
 
@@ -209,7 +210,7 @@ where
     }
 }
 
-/// Sets the times a substep later than those of `start`.
+/// Sets the times a substep later than the times of `start`.
 #[inline(always)]
 fn set_times<S: System>(next: &mut StateLanesOf<S>, start: &StateLanesOf<S>, h: f64) {
     let mut start = *start;

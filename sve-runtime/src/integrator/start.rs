@@ -1,9 +1,11 @@
 //! The tests of the start of a step, around the equations of any derived rule.
 //!
-//! Input: the step of a rule. Output: the same step, or an error where no isolated velocity has the momentum at the start ([`start`](crate::start)). Single steps,
-//! compensated steps, derivatives and lanes call the equations through the functions of this file.
+//! Input: the step of a rule. Output: the same step, or an error where no isolated velocity has the
+//! momentum at the start ([`start`](crate::start)). Single steps, compensated steps, derivatives
+//! and lanes call the equations through the functions of this file.
 //!
-//! What costs nothing comes first: the mass matrix of parameters was tested in `prepare`; a rule whose equations cannot be solved where the mass matrix is singular
+//! Checks without a cost come first: the mass matrix of parameters was tested in `prepare`; a rule
+//! whose equations cannot be solved where the mass matrix is singular
 //! ([`StepEquations::PROVES_START`]) tests nothing. A lane that is not sure takes the scalar step.
 
 use super::modes::LanesMode;
@@ -19,15 +21,16 @@ use crate::system::equations::{Memory, StepEquations, StepOf};
 use crate::system::start::{StartOfStep, Tested};
 use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
 
-/// Returned by a failed test. The error of the step is made off the fast path, from the inverse Legendre transform.
+/// Returned by a failed test. The error of the step is made off the fast path, from the inverse
+/// Legendre transform.
 const NO_START: SolveError = SolveError::Singular { iteration: 0 };
 
-/// Whether the mass matrix has to be tested in each step.
+/// The mass matrix has to be tested in each step.
 const fn tests_state<S: StepEquations<R>, R>() -> bool {
     S::TESTS_STATE && !S::PROVES_START
 }
 
-/// Whether a velocity of the momentum has to be found in each step.
+/// A velocity of the momentum has to be found in each step.
 const fn tests_velocity<S: StepEquations<R>, R>() -> bool {
     S::TESTS_VELOCITY && !S::PROVES_START
 }
@@ -35,7 +38,8 @@ const fn tests_velocity<S: StepEquations<R>, R>() -> bool {
 /// Solves the equations of a step from a start that is tested.
 ///
 /// # Errors
-/// As [`StepEquations::increment`]; a [`SolveError`] if no isolated velocity has the momentum at the start.
+/// As [`StepEquations::increment`]; a [`SolveError`] if no isolated velocity has the momentum at
+/// the start.
 #[inline(always)]
 pub(super) fn increment<S, R, Q, const N: usize, const M: usize>(
     walker: Walker<'_, S, R>,

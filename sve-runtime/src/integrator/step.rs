@@ -1,7 +1,8 @@
 //! A step of a derived rule: the fast path.
 //!
-//! Input: an integrator, a state, a step size and increments. Output: the state after the step, or a [`StepError`]; the state is then
-//! unchanged. Invariant: nothing is allocated except in errors, and a state that is not finite is never written.
+//! Input: an integrator, a state, a step size and increments. Output: the state after the step, or
+//! a [`StepError`]; the state is then unchanged. Invariant: nothing is allocated except in errors,
+//! and a state that is not finite is never written.
 
 use super::accept::{add, refusal, replace};
 use super::modes::SingleMode;
@@ -69,7 +70,8 @@ where
     where
         S: StepEquations<R, Increments = I>,
     {
-        // With a lower limit an attempt fails, and the next attempt reaches the root along another path, with other bits.
+        // With a lower limit an attempt fails, and the next attempt reaches the root along another
+        // path, with other bits.
         let increment = |max_iterations| {
             let newton = Newton {
                 max_iterations,
@@ -121,7 +123,8 @@ where
 
 /// Makes one step. Returns the unknowns of its blocks.
 ///
-/// A step without iterations is short: where it is called it becomes part of the loop, which then keeps state and memory in registers.
+/// A step without iterations is short: where it is called it becomes part of the loop, which then
+/// keeps state and memory in registers.
 ///
 /// # Errors
 /// As [`Integrator::step`](crate::Integrator::step).
@@ -147,7 +150,8 @@ where
     }
 }
 
-/// Makes one step with iterations, which are followed from the limit of no noise and h → 0 where they fail.
+/// Makes one step with iterations, which are followed from the limit of no noise and h → 0 where
+/// they fail.
 #[inline]
 fn solve_iterating_step<S, R, Q, const N: usize, const M: usize>(
     walker: Walker<'_, S, R>,

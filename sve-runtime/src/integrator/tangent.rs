@@ -1,7 +1,9 @@
-//! Derivatives of a step: the tangent map, and the sensitivity to each parameter (`docs/mathematics.md`, section 8).
+//! Derivatives of a step: the tangent map, and the sensitivity to each parameter
+//! (`docs/mathematics.md`, section 8).
 //!
-//! Input: the linearised step that the macro generated. Output: `dy/dz = ∂y/∂z − ∂y/∂x (∂R/∂x)⁻¹ ∂R/∂z` for the results y, the
-//! unknowns x with their residuals R, and z the state at the start with the parameters (implicit-function theorem).
+//! Input: the linearised step that the macro generated. Output:
+//! `dy/dz = ∂y/∂z − ∂y/∂x (∂R/∂x)⁻¹ ∂R/∂z` for the results y, the unknowns x with their residuals
+//! R, and z the state at the start with the parameters (implicit-function theorem).
 
 use core::ops::{Index, Mul};
 
@@ -20,19 +22,24 @@ use crate::system::equations::{Memory, StepEquations};
 use crate::system::start::Tested;
 use crate::system::{Dims, Increments, System};
 
-/// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the coordinates, then the momenta.
+/// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the
+/// coordinates, then the momenta.
 ///
-/// A rotation has canonical coordinates near each of its states: the Cayley vector ε of a small rotation R cay(ε), in the body frame, and the
-/// conjugate momentum y, with `δy = δΠ + ½ ε × Π` to first order. They are also those of a [`Sensitivity`].
+/// A rotation has canonical coordinates near each of its states: the Cayley vector ε of a small
+/// rotation R cay(ε), in the body frame, and the conjugate momentum y, with `δy = δΠ + ½ ε × Π` to
+/// first order. A [`Sensitivity`] has the same coordinates.
 ///
-/// `tangent[row][column]` is an entry, and [`qq`](Self::qq), [`qp`](Self::qp), [`pq`](Self::pq) and [`pp`](Self::pp) are the four blocks. The product of the maps of successive steps, the later one on the left, is that of all.
+/// `tangent[row][column]` is an entry, and [`qq`](Self::qq), [`qp`](Self::qp), [`pq`](Self::pq) and
+/// [`pp`](Self::pp) are the four blocks. The product of the maps of successive steps, the later one
+/// on the left, is the map of all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tangent<const N: usize> {
     /// Row by row.
     entries: Vec<f64>,
 }
 
-/// The derivatives of `(q₁, p₁)` with respect to the parameters of the system; `V` is the type of its momenta.
+/// The derivatives of `(q₁, p₁)` with respect to the parameters of the system; `V` is the type of
+/// its momenta.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensitivity<V> {
     names: &'static [&'static str],
@@ -171,8 +178,9 @@ impl<const N: usize> Mul for &Tangent<N> {
 }
 
 impl<V> Sensitivity<V> {
-    /// Returns the derivative with respect to a parameter, by its name in the source without `self`: `k`, `l[0]`, `body.mass`. `None` if L, the noises
-    /// and the force have no such parameter.
+    /// Returns the derivative with respect to a parameter, by its name in the source without
+    /// `self`: `k`, `l[0]`, `body.mass`. `None` if L, the noises and the force have no such
+    /// parameter.
     #[must_use]
     pub fn get(&self, parameter: &str) -> Option<&Field<V>> {
         let at = self.names.iter().position(|&name| name == parameter)?;
@@ -184,7 +192,8 @@ impl<V> Sensitivity<V> {
         self.names.iter().copied().zip(&self.fields)
     }
 
-    /// Advances the derivatives by a further step, given the tangent map and the derivatives of that step: `S ← M S + s`.
+    /// Advances the derivatives by a further step, given the tangent map and the derivatives of
+    /// that step: `S ← M S + s`.
     pub fn advance<const N: usize>(&mut self, tangent: &Tangent<N>, step: &Self)
     where
         V: FixedSize<Momentum = V>,
@@ -247,7 +256,8 @@ where
     Ok((tangent, sensitivity))
 }
 
-/// The mode that makes steps and computes the derivatives of their result: rows by `(q₁, p₁)`, columns by `(q₀, p₀)` and the parameters.
+/// The mode that makes steps and computes the derivatives of their result: rows by `(q₁, p₁)`,
+/// columns by `(q₀, p₀)` and the parameters.
 struct Derivatives {
     /// Those of the substeps so far.
     all: Option<DMatrix<f64>>,
@@ -286,7 +296,8 @@ where
     }
 }
 
-/// Returns the derivatives of the result of a substep, from those of the substep and those of its start.
+/// Returns the derivatives of the result of a substep, from the derivatives of the substep and of
+/// its start.
 #[inline]
 fn chained<const N: usize>(
     step: &DMatrix<f64>,
@@ -294,7 +305,8 @@ fn chained<const N: usize>(
     parameters: usize,
 ) -> DMatrix<f64> {
     let (size, columns) = (2 * N, 2 * N + parameters);
-    // Term by term: a product of matrices may contract operations, with other bits on other machines.
+    // Term by term: a product of matrices may contract operations, with other bits on other
+    // machines.
     DMatrix::from_fn(size, columns, |row, column| {
         let direct = if column < size {
             0.0

@@ -62,7 +62,9 @@ pub use bridge::{DyadicInterval, Refined};
 #[cfg(feature = "ensemble")]
 pub(crate) use distribution::VERSION;
 pub use from_rng::FromRng;
-pub use from_step::{FromStep, Replayable};
+#[doc(hidden)]
+pub use from_step::FromStep;
+pub use from_step::Replayable;
 pub(crate) use halves::increments_until;
 pub use halves::{Halves, WithinSteps};
 #[cfg(feature = "ensemble")]

@@ -17,7 +17,6 @@ pub struct StateLanes<const N: usize> {
 }
 
 /// States of many lanes.
-#[cfg_attr(not(feature = "ensemble"), doc(hidden))]
 pub trait LaneStates<Q: Configuration>: Clone + Copy + core::fmt::Debug {
     /// Returns the same state in each lane.
     fn splat(state: &State<Q>) -> Self;

@@ -39,7 +39,7 @@ impl Summary {
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// let method = Integrator::new(Oscillator { sigma: 1.0 }, Midpoint);
     /// let summary = Ensemble::new(&method)
-    ///     .paths(200).steps(0.1, 100).record_every(10)
+    ///     .paths(200).steps(0.1, 100).every(10)
     ///     .start(State::new([1.0], [0.0]))
     ///     .observe("energy", |system, state| system.hamiltonian(state))
     ///     .observe("q", |_, state| state.q[0])

@@ -33,6 +33,7 @@ mod layout_tests;
 mod legend;
 mod limits;
 mod numbers;
+#[doc(hidden)]
 pub mod page;
 pub mod palette;
 mod raster;

@@ -48,7 +48,7 @@ impl Report {
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// let (midpoint, heun) = (Integrator::new(Oscillator, Midpoint), Heun::new(Oscillator));
     /// let report = Study::new("oscillator")
-    ///     .start(State::new([1.0], [0.0])).horizon(1.0).steps([16, 32, 64])
+    ///     .start(State::new([1.0], [0.0])).horizon(1.0).step_counts([16, 32, 64])
     ///     .method("midpoint", &midpoint).method("Heun", &heun)
     ///     .exact(|_| State::new([1_f64.cos()], [-1_f64.sin()]))
     ///     .repeats(1)

@@ -43,8 +43,8 @@ use crate::system::start::Tested;
 ///
 /// Code for all rules of a system asks for this trait, `R: Rule<Pendulum>`. Code for all systems
 /// too asks for `S: Variational<R>`, or for `R: Rule<S::Itself>`, where
-/// [`Itself`](crate::System::Itself) is the type behind a reference: an integrator makes the same
-/// steps whether it owns the system or borrows it.
+/// [`Itself`](crate::system::System::Itself) is the type behind a reference: an integrator makes
+/// the same steps whether it owns the system or borrows it.
 #[diagnostic::on_unimplemented(
     message = "no step of the rule `{Self}` has been derived for `{S}`",
     label = "this rule is not in the attribute of the `impl` block",

@@ -1,7 +1,8 @@
-//! Methods of any type as trait objects: the solution along a path, the number of iterations, and times.
+//! Methods of any type as trait objects: the solution along a path, the number of iterations, and
+//! times.
 //!
-//! Input: a start and the increments of a path. Each function of the trait loops over all steps, so that measured times do not contain a
-//! virtual call in each step.
+//! Input: a start and the increments of a path. Each function of the trait loops over all steps, so
+//! that measured times do not contain a virtual call in each step.
 
 use core::hint::black_box;
 use std::time::{Duration, Instant};
@@ -38,11 +39,13 @@ pub(super) trait AnyMethod<S: System>: Sync {
         visit: &mut Visit<'_, S>,
     ) -> Result<StateOf<S>, StepError>;
 
-    /// Mean number of Newton iterations of a step along the path; `None` if the method does not count them.
+    /// Mean number of Newton iterations of a step along the path; `None` if the method does not
+    /// count them.
     fn iterations(&self, start: &StateOf<S>, path: &Recorded) -> Option<f64>;
 
-    /// Measures the time of `repeats` passes along a path whose increments are precomputed, each step with what a trajectory carries to it. Returns one duration for each section
-    /// of the path.
+    /// Measures the time of `repeats` passes along a path whose increments are precomputed, each
+    /// step with what a trajectory carries to it. Returns one duration for each section of the
+    /// path.
     fn measure(
         &self,
         start: &StateOf<S>,
@@ -120,7 +123,8 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
                 for dw in *section {
                     self.next_step(&mut prepared, &mut state, h, dw)?;
                 }
-                // by value: a state whose address is given away would be written to memory in each step
+                // by value: a state whose address is given away would be written to memory in each
+                // step
                 state = black_box(state);
                 // reading the clock takes as long as a few steps
                 if sections.len() > 1 {

@@ -1,4 +1,5 @@
-//! Errors of studies: invalid settings, failed references, files of results. Each message says what to write instead.
+//! Errors of studies: invalid settings, failed references, files of results. Each message says what
+//! to write instead.
 
 use crate::error::StepError;
 use crate::noise::NoiseError;
@@ -118,7 +119,7 @@ pub enum StudyError {
     Csv {
         /// Which line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The mistake in it.
         what: String,
     },
     /// Reading or writing failed.

@@ -1,6 +1,7 @@
 //! Means with standard errors.
 //!
-//! Input: independent values, one for each path. Output: an [`Estimate`]. Sums run in the order of the paths.
+//! Input: independent values, one for each path. Output: an [`Estimate`]. Sums run in the order of
+//! the paths.
 
 /// A number with its standard error: 0 without randomness, NaN for a single random value.
 #[derive(Clone, Copy, Debug, PartialEq)]

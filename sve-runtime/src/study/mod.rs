@@ -1,11 +1,13 @@
 //! Work–precision studies: what an error costs, for several methods and step sizes of one problem.
 //!
-//! Input: methods, a start, a horizon, numbers of steps, and a reference: an exact solution, or a fine step on the same
-//! Brownian path. Output: a [`Report`] with errors, their standard errors, orders, times and failures.
-//! Invariant: all but the times are functions of the settings, with the same bits for any number of threads.
+//! Input: methods, a start, a horizon, numbers of steps, and a reference: an exact solution, or a
+//! fine step on the same Brownian path. Output: a [`Report`] with errors, their standard errors,
+//! orders, times and failures. Invariant: all but the times are functions of the settings, with the
+//! same bits for any number of threads.
 //!
-//! Every method and step size has the same Brownian paths: those of the finest step, whose increments are summed. So errors
-//! are strong errors, path by path, and the choice of paths does not blur differences between methods.
+//! Every method and step size has the same Brownian paths: the paths of the finest step, whose
+//! increments are summed. So errors are strong errors, path by path, and the choice of paths does
+//! not blur differences between methods.
 
 mod any_method;
 mod csv;
@@ -56,14 +58,14 @@ struct Observable<'a, S: System> {
 struct Candidate<'a, S: System> {
     name: Cow<'a, str>,
     method: &'a dyn AnyMethod<S>,
-    /// Numbers of steps; `None` for those of the study.
+    /// Numbers of steps; `None` for the numbers of the study.
     steps: Option<Vec<usize>>,
 }
 
 /// One problem, solved by several methods with several step sizes.
 ///
-/// A start, a horizon, numbers of steps, a method and a reference have to be given. The seed is 0 and the number of paths 1
-/// unless they are given; a system without noise always has one path.
+/// A start, a horizon, numbers of steps, a method and a reference have to be given. The seed is 0
+/// and the number of paths 1 unless they are given; a system without noise always has one path.
 ///
 /// ```
 /// use sve_runtime::baseline::Heun;
@@ -87,7 +89,7 @@ struct Candidate<'a, S: System> {
 /// let report = Study::new("Kubo")
 ///     .start(State::new([1.0], [0.0]))
 ///     .horizon(1.0)
-///     .steps([16, 32, 64, 128])
+///     .step_counts([16, 32, 64, 128])
 ///     .paths(200).seed(7)
 ///     .method("midpoint", &midpoint)
 ///     .method("Heun", &heun)
@@ -156,13 +158,15 @@ impl<'a, S: System> Study<'a, S> {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// A [`StudyError`] for settings that make no sense, and where the reference fails. A method that fails is counted in its [`Row`].
+    /// A [`StudyError`] for settings that make no sense, and where the reference fails. A method
+    /// that fails is counted in its [`Row`].
     pub fn run(&self) -> Result<Report, StudyError> {
         run::run(self)
     }
 }
 
-/// Returns the square root of the sum of squared differences of all entries, those of rotation matrices among them, and momenta.
+/// Returns the square root of the sum of squared differences of all entries, which include the
+/// entries of rotation matrices, and momenta.
 fn euclidean<Q: FixedSize>(a: &State<Q>, b: &State<Q>) -> f64 {
     let entries = |state: &State<Q>| {
         let mut entries = vec![0.0; Q::ENTRIES];

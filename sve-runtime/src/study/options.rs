@@ -1,6 +1,7 @@
 //! The settings of a study, each a function that returns it.
 //!
-//! Examples in the documentation begin with the hidden lines of `example.md`: a closure `study` that makes a complete study of an oscillator with noise.
+//! Examples in the documentation begin with the hidden lines of `example.md`: a closure `study`
+//! that makes a complete study of an oscillator with noise.
 
 use std::borrow::Cow;
 
@@ -34,14 +35,15 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Sets the numbers of steps to the horizon. With noise each has to divide the largest, so that all step sizes share their paths.
+    /// Sets the numbers of steps to the horizon. With noise each has to divide the largest, so that
+    /// all step sizes share their paths.
     ///
     #[doc = include_str!("example.md")]
-    /// let report = study().steps([4, 8, 16, 32]).run()?;
+    /// let report = study().step_counts([4, 8, 16, 32]).run()?;
     /// assert_eq!(report.rows().len(), 4);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn steps(mut self, numbers: impl IntoIterator<Item = usize>) -> Self {
+    pub fn step_counts(mut self, numbers: impl IntoIterator<Item = usize>) -> Self {
         self.steps = numbers.into_iter().collect();
         self
     }
@@ -57,7 +59,8 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Sets the seed of the paths: path `k` has the increments of [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps.
+    /// Sets the seed of the paths: path `k` has the increments of
+    /// [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps.
     ///
     #[doc = include_str!("example.md")]
     /// let error = |seed| study().seed(seed).run().map(|report| report.rows()[0].error);
@@ -69,7 +72,8 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any other [`Method`].
+    /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any
+    /// other [`Method`].
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().method("uncorrected", &EulerMaruyama::new(&system).uncorrected()).run()?;
@@ -88,7 +92,8 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Adds a method with its own numbers of steps to the horizon, in place of those that [`steps`](Self::steps) sets: a method of high order needs fewer steps.
+    /// Adds a method with its own numbers of steps to the horizon, in place of the
+    /// [`step_counts`](Self::step_counts) of the study: a method of high order needs fewer steps.
     ///
     /// ```
     /// use sve_runtime::baseline::RungeKutta4;
@@ -109,9 +114,9 @@ impl<'a, S: System> Study<'a, S> {
     /// let report = Study::new("oscillator")
     ///     .start(State::new([1.0], [0.0]))
     ///     .horizon(1.0)
-    ///     .steps([100, 200, 400])
+    ///     .step_counts([100, 200, 400])
     ///     .method("midpoint", &midpoint)
-    ///     .method_with_steps("Runge–Kutta 4", &runge_kutta, [7, 15])
+    ///     .method_with_step_counts("Runge–Kutta 4", &runge_kutta, [7, 15])
     ///     .exact(|_| State::at(1.0, [1.0_f64.cos()], [-1.0_f64.sin()]))
     ///     .repeats(0) // no times
     ///     .run()?;
@@ -121,7 +126,7 @@ impl<'a, S: System> Study<'a, S> {
     /// # }
     /// ```
     #[must_use]
-    pub fn method_with_steps<I>(
+    pub fn method_with_step_counts<I>(
         mut self,
         name: impl Into<Cow<'a, str>>,
         method: &'a I,
@@ -138,14 +143,15 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Compares with the exact state at the horizon, a function of the increments over the finest steps.
+    /// Compares with the exact state at the horizon, a function of the increments over the finest
+    /// steps.
     ///
     #[doc = include_str!("example.md")]
     /// // additive noise: the exact mean path alone is no solution, so leave the noise out
     /// let quiet = Oscillator { sigma: 0.0 };
     /// let endpoint = Integrator::new(quiet, Endpoint);
     /// let report = Study::new("without noise")
-    ///     .start(State::new([1.0], [0.0])).horizon(1.0).steps([8, 16, 32])
+    ///     .start(State::new([1.0], [0.0])).horizon(1.0).step_counts([8, 16, 32])
     ///     .method("endpoint", &endpoint)
     ///     .exact(|_| State::at(1.0, [1.0_f64.cos()], [-1.0_f64.sin()]))
     ///     .repeats(0)
@@ -158,16 +164,18 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Compares with the exact state at the horizon, drawn jointly with the increments over the finest steps.
+    /// Compares with the exact state at the horizon, drawn jointly with the increments over the
+    /// finest steps.
     ///
-    /// For solutions that are not functions of the increments alone, such as integrals of `f(s) dW(s)`. The closure gets the number
-    /// of the path and of the steps, and has to return a path of that many steps up to the horizon; the seed is its own.
+    /// For solutions that are not functions of the increments alone, such as integrals of
+    /// `f(s) dW(s)`. The closure gets the number of the path and of the steps, and has to return a
+    /// path of that many steps up to the horizon; the seed is its own.
     ///
     #[doc = include_str!("example.md")]
     /// // the increment of a free particle, and the integral that moves it, drawn together
     /// use sve_runtime::noise::Wiener;
     /// let report = Study::new("free particle")
-    ///     .start(State::new([0.0], [0.0])).horizon(1.0).steps([8, 16, 32]).paths(20)
+    ///     .start(State::new([0.0], [0.0])).horizon(1.0).step_counts([8, 16, 32]).paths(20)
     ///     .method("endpoint", &Integrator::new(Free, Endpoint))
     ///     .exact_paths(|path, steps| {
     ///         let h = 1.0 / steps as f64;
@@ -196,10 +204,12 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Compares with a method whose steps are `factor` times shorter than the finest ones, on the same paths.
+    /// Compares with a method whose steps are `factor` times shorter than the finest ones, on the
+    /// same paths.
     ///
-    /// With strong order 1 and a factor of 16, the error of the reference is 1/16 of the smallest measured error. A factor of 1 is for
-    /// another, more accurate method: a reference that equals one of the methods with the same steps is refused.
+    /// With strong order 1 and a factor of 16, the error of the reference is 1/16 of the smallest
+    /// measured error. A factor of 1 is for another, more accurate method: a reference that equals
+    /// one of the methods with the same steps is refused.
     ///
     #[doc = include_str!("example.md")]
     /// let accurate = Heun::new(&system);
@@ -214,7 +224,8 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Sets the distance that measures errors. The default is the Euclidean distance of the `(q, p)`.
+    /// Sets the distance that measures errors. The default is the Euclidean distance of the
+    /// `(q, p)`.
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().distance(|a, b| (a.q[0] - b.q[0]).abs()).run()?; // positions alone
@@ -228,8 +239,9 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Measures the weak error of a function of the system and a state, which returns `f64` or `Result<f64, StepError>`: the difference
-    /// of its means at the horizon, from common random numbers, so that its standard error is that of the differences.
+    /// Measures the weak error of a function of the system and a state, which returns `f64` or
+    /// `Result<f64, StepError>`: the difference of its means at the horizon, from common random
+    /// numbers, so that its standard error is the error of the mean of the differences.
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().observe("q²", |_, state| state.q[0].powi(2)).run()?;
@@ -249,7 +261,8 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// As [`observe`](Self::observe), against the exact mean, for references that are not exact. The standard error is that of the mean over the paths.
+    /// As [`observe`](Self::observe), against the exact mean, for references that are not exact.
+    /// The standard error belongs to the mean over the paths.
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().observe_mean("q", |_, state| state.q[0], 1.0_f64.cos()).run()?;
@@ -268,7 +281,8 @@ impl<'a, S: System> Study<'a, S> {
         study
     }
 
-    /// Measures the change of an invariant of the exact solution, such as the energy where there is neither noise nor force, or a momentum map.
+    /// Measures the change of an invariant of the exact solution, such as the energy where there is
+    /// neither noise nor force, or a momentum map.
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().invariant(|system, state| system.hamiltonian(state)).run()?;
@@ -286,7 +300,8 @@ impl<'a, S: System> Study<'a, S> {
         self
     }
 
-    /// Sets how often each time is measured; 0 for no times. The methods alternate, so that a disturbance of the machine affects all of them.
+    /// Sets how often each time is measured; 0 for no times. The methods alternate, so that a
+    /// disturbance of the machine affects all of them.
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().repeats(3).run()?;

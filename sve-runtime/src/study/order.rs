@@ -1,13 +1,16 @@
 //! The measured order of convergence: the slope of error over step size, both as logarithms.
 //!
-//! Input: squared errors of each path for each step size. Output: an [`Order`] if the local slopes, those between consecutive step sizes, have
-//! converged; otherwise [`NotAsymptotic`] with the local slopes.
+//! Input: squared errors of each path for each step size. Output: an [`Order`] if the local slopes,
+//! those between consecutive step sizes, have converged; otherwise [`NotAsymptotic`] with the local
+//! slopes.
 //!
-//! The order is the slope of the least-squares line through the finest step sizes, at least three. Its error has two parts. The error of
-//! the paths is found by leaving out one batch of paths at a time (jackknife; B. Efron, *The Jackknife, the Bootstrap and Other
-//! Resampling Plans*, SIAM (1982), chapter 2). The scatter around the line would not show it, since all step sizes have the same paths. The error of
-//! the step sizes is a bias. If the error is `C hᵖ (1 + b hʳ)` and steps are halved, the local slopes tend to `p`, and each change
-//! of the slope is `ρ = 2⁻ʳ` of the change before, so the remaining change is `ρ/(1 − ρ)` of the last one. Growing changes mean that
+//! The order is the slope of the least-squares line through the finest step sizes, at least three.
+//! Its error has two parts. The error of the paths is found by leaving out one batch of paths at a
+//! time (jackknife; B. Efron, *The Jackknife, the Bootstrap and Other Resampling Plans*, SIAM
+//! (1982), chapter 2). The scatter around the line would not show it, since all step sizes have the
+//! same paths. The error of the step sizes is a bias. If the error is `C hᵖ (1 + b hʳ)` and steps
+//! are halved, the local slopes tend to `p`, and each change of the slope is `ρ = 2⁻ʳ` of the
+//! change before, so the remaining change is `ρ/(1 − ρ)` of the last one. Growing changes mean that
 //! one power is replacing another.
 
 use core::ops::Range;
@@ -17,13 +20,16 @@ use super::estimate::Estimate;
 /// Number of batches of paths for the jackknife.
 const BATCHES: usize = 10;
 
-/// Errors below this fraction of the solution's size can be rounding errors of the method or of its reference.
+/// Errors below this fraction of the solution's size can be rounding errors of the method or of its
+/// reference.
 const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 
-/// Errors below this fraction for each step can be rounding errors too: rounding errors of a phase grow with the number of steps.
+/// Errors below this fraction for each step can be rounding errors too: rounding errors of a phase
+/// grow with the number of steps.
 const ROUNDING_A_STEP: f64 = 16.0 * f64::EPSILON;
 
-/// Errors above this fraction of the solution's size are not yet proportional to a power of the step size.
+/// Errors above this fraction of the solution's size are not yet proportional to a power of the
+/// step size.
 const SATURATED: f64 = 0.25;
 
 /// Change of the local slope below which the ratio of changes is not tested.
@@ -32,8 +38,8 @@ const SETTLED: f64 = 0.005;
 /// Largest change of the local slope if there is no other change to compare it with.
 const SETTLED_ALONE: f64 = 0.05;
 
-/// Range of the ratio of two changes of the local slope: from a next power that differs by one or more, to one that differs by
-/// less than a half.
+/// Range of the ratio of two changes of the local slope: from a next power that differs by one or
+/// more, to one that differs by less than a half.
 const RATIOS: Range<f64> = 0.5..0.75;
 
 /// Safety factor of the remaining change: the ratio of changes is not constant.
@@ -50,22 +56,26 @@ const FEWEST: usize = 3;
 pub struct Order {
     /// The name of the method.
     pub method: String,
-    /// The slope of the strong error. Its error contains the scatter between paths and the bias of step sizes that are not small
-    /// enough; it is at most ¼.
+    /// The slope of the strong error. Its error contains the scatter between paths and the bias of
+    /// step sizes that are not small enough; it is at most ¼.
     pub order: Estimate,
-    /// Step sizes that it was fitted to: the finest ones, where no path failed, the error is at most a quarter of the solution's size
-    /// and more than rounding, and the local slopes are stable.
+    /// Step sizes that it was fitted to: the finest ones, where no path failed, the error is at
+    /// most a quarter of the solution's size and more than rounding, and the local slopes are
+    /// stable.
     pub points: usize,
-    /// The order of the method, if it is known ([`OneStepMethod::order`](crate::OneStepMethod::order)).
+    /// The order of the method, if it is known
+    /// ([`OneStepMethod::order`](crate::OneStepMethod::order)).
     pub of_method: Option<f64>,
 }
 
 impl Order {
-    /// Returns whether the errors at the horizon decrease faster than with the method's order, by more than the error of the measurement.
+    /// Returns whether the errors at the horizon decrease faster than with the method's order, by
+    /// more than the error of the measurement.
     ///
-    /// The errors of the method's own order can cancel at that time. They cancel at the end of whole periods if a rule is
-    /// conjugate to a rule of higher order, as `initial_point` and `endpoint` are to the Störmer–Verlet rule for `L = T(v) − V(q)`: a change of
-    /// coordinates of the size of `h` takes one into the other, and does not grow.
+    /// The errors of the method's own order can cancel at that time. They cancel at the end of
+    /// whole periods if a rule is conjugate to a rule of higher order, as `initial_point` and
+    /// `endpoint` are to the Störmer–Verlet rule for `L = T(v) − V(q)`: a change of coordinates of
+    /// the size of `h` takes one into the other, and does not grow.
     pub fn exceeds_method(&self) -> bool {
         let Estimate {
             value,
@@ -81,15 +91,17 @@ impl Order {
 pub struct NotAsymptotic {
     /// The name of the method.
     pub method: String,
-    /// Slopes between consecutive step sizes, from the largest to the smallest, of those whose errors are neither of the size of the
-    /// solution nor rounding. Their standard errors are those of the scatter between paths, NaN for a single one.
+    /// Slopes between consecutive step sizes, from the largest to the smallest, of those whose
+    /// errors are neither of the size of the solution nor rounding. Their standard errors come from
+    /// the scatter between paths, and are NaN for a single path.
     pub slopes: Vec<Estimate>,
     /// The order of the method, if it is known.
     pub of_method: Option<f64>,
 }
 
 impl NotAsymptotic {
-    /// Returns whether the errors decrease faster than with the method's order, as in [`Order::exceeds_method`].
+    /// Returns whether the errors decrease faster than with the method's order, as in
+    /// [`Order::exceeds_method`].
     pub fn exceeds_method(&self) -> bool {
         let last = self.slopes.last();
         self.of_method
@@ -174,7 +186,8 @@ impl Fit {
         }
         let values: Vec<f64> = self.without.iter().map(|y| of(y)).collect();
         let b = values.len() as f64;
-        // of the mean of b values it would be the deviation over √b; leaving one out moves the mean by 1/(b − 1) of that
+        // of the mean of b values it would be the deviation over √b; leaving one out moves the mean
+        // by 1/(b − 1) of that
         let standard_error = (b - 1.0) * Estimate::mean(&values).standard_error;
         Estimate {
             value,
@@ -195,7 +208,8 @@ impl Fit {
             .collect()
     }
 
-    /// Returns a bound of the distance of the last local slope from the order; `None` if the slopes have not converged.
+    /// Returns a bound of the distance of the last local slope from the order; `None` if the slopes
+    /// have not converged.
     fn remaining_change(&self) -> Option<f64> {
         let last = self.x.len().checked_sub(FEWEST)?;
         let change = |level| self.estimate(|y| self.local(level + 1, y) - self.local(level, y));
@@ -210,7 +224,8 @@ impl Fit {
         }
         let before = last.checked_sub(1).map(|level| change(level).value);
         let ratio = match before {
-            // With noise, changes of opposite sign are scatter too, which the jackknife underestimates.
+            // With noise, changes of opposite sign are scatter too, which the jackknife
+            // underestimates.
             Some(before) if self.random && before * value < 0.0 => {
                 return Some(size.max(before.abs()));
             }
@@ -225,7 +240,8 @@ impl Fit {
         Some(CAUTION * size * ratio / (1.0 - ratio))
     }
 
-    /// Returns the slope through the levels from `first` on. `remaining` bounds the distance of the last local slope from the order.
+    /// Returns the slope through the levels from `first` on. `remaining` bounds the distance of the
+    /// last local slope from the order.
     fn order(&self, first: usize, remaining: f64) -> Estimate {
         let through = |y: &[f64]| slope(&self.x[first..], &y[first..]);
         let Estimate {

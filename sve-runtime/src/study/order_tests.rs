@@ -42,8 +42,8 @@ fn a_power_has_its_order() {
     assert!((order.value - 1.5).abs() < 1e-14 && order.standard_error < 1e-13);
 }
 
-/// For every mixture of two powers an order that is reported is right within its error; at fine steps it is reported, where the powers
-/// change places it is not.
+/// For every mixture of two powers an order that is reported is right within its error; at fine
+/// steps it is reported, where the powers change places it is not.
 #[test]
 fn an_order_is_right_within_its_error_or_not_reported() {
     let (mut reported, mut changing) = (0, 0);
@@ -53,7 +53,8 @@ fn an_order_is_right_within_its_error_or_not_reported() {
                 let error = |h: f64| 1e-3 * h.powf(p) * (1.0 + b * h.powf(r)).abs();
                 let second = b.abs() * 0.5_f64.powf(r * f64::from(finest));
                 match of(error, finest - 4..=finest) {
-                    // so far from where the powers change places nothing tells of it; what is below rounding is left out
+                    // so far from where the powers change places nothing tells of it; what is below
+                    // rounding is left out
                     _ if second > 8.0 || error(0.5_f64.powi(finest)) < 1e-11 => {}
                     Convergence::Asymptotic(order, _) => {
                         let case = format!("h^{p} (1 + {b} h^{r}), 2^{finest} steps: {order:?}");
@@ -99,7 +100,8 @@ fn one_random_path_has_no_order() {
     ));
 }
 
-/// Errors in proportion to h on each path: all slopes are 1. Errors that are shared between step sizes do not blur the slope, others do.
+/// Errors in proportion to h on each path: all slopes are 1. Errors that are shared between step
+/// sizes do not blur the slope, others do.
 #[test]
 fn the_scatter_between_paths_is_in_the_error() {
     let shared = |path: usize| 1e-3 * (1.0 + (path % 7) as f64);
@@ -116,7 +118,8 @@ fn the_scatter_between_paths_is_in_the_error() {
     let Convergence::Unsettled(slopes) = fit(levels, 1.0, true) else {
         panic!("two step sizes");
     };
-    // of squares u and w u: the variance of Σwu/Σu − w̄ is Σ(w − w̄)²u²/(Σu)², and the slope is its logarithm over 2 ln 2
+    // of squares u and w u: the variance of Σwu/Σu − w̄ is Σ(w − w̄)²u²/(Σu)², and the slope is its
+    // logarithm over 2 ln 2
     let (mut s, mut sw) = (0.0, 0.0);
     for path in 0..100 {
         s += shared(path);

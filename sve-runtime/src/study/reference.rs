@@ -1,6 +1,7 @@
 //! Reference solutions, against which errors are measured.
 //!
-//! Input: the number of a path. Output: its increments over the finest steps, and its reference state at the horizon.
+//! Input: the number of a path. Output: its increments over the finest steps, and its reference
+//! state at the horizon.
 
 use super::StudyError;
 use super::any_method::AnyMethod;

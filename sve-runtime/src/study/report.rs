@@ -7,7 +7,8 @@ use crate::description::SystemDescription;
 
 /// The results of a [`Study`](super::Study): a row for each method and number of steps.
 ///
-/// `Display` prints a table; [`records`](Self::records) are the rows as [`write_csv`](super::write_csv) writes them.
+/// `Display` prints a table; [`records`](Self::records) are the rows as
+/// [`write_csv`](super::write_csv) writes them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
     pub(super) problem: String,
@@ -17,11 +18,11 @@ pub struct Report {
     pub(super) rows: Vec<Row>,
     pub(super) orders: Vec<Order>,
     pub(super) not_asymptotic: Vec<NotAsymptotic>,
-    /// What pages show of the system.
+    /// The description of the system on pages.
     pub(crate) system: SystemDescription,
     /// The name of each method, and what it is.
     pub(crate) methods: Vec<(String, String)>,
-    /// What errors are measured against.
+    /// The reference against which errors are measured.
     pub(crate) reference: String,
     /// The seed of the paths; `None` without noise, or where the reference draws them.
     pub(crate) seed: Option<u64>,
@@ -36,15 +37,18 @@ pub struct Row {
     pub h: f64,
     /// Steps to the horizon.
     pub steps: usize,
-    /// Strong error at the horizon, the root of the mean square over the paths that did not fail; `None` if all failed.
+    /// Strong error at the horizon, the root of the mean square over the paths that did not fail;
+    /// `None` if all failed.
     pub error: Option<Estimate>,
-    /// Weak error of each observable, in the order in which they were given: the mean of the method less that of the reference. Empty if all paths failed.
+    /// Weak error of each observable, in the order in which they were given: the mean of the method
+    /// less the mean of the reference. Empty if all paths failed.
     pub weak_errors: Vec<Estimate>,
     /// The change of the invariant, if one is measured.
     pub invariant: Option<Invariant>,
     /// Times; `None` if they were not measured, or every path failed.
     pub timing: Option<Timing>,
-    /// Newton iterations of a step, on average along the first path that did not fail; `None` if the method does not count them.
+    /// Newton iterations of a step, on average along the first path that did not fail; `None` if
+    /// the method does not count them.
     pub newton_iterations: Option<f64>,
     /// Paths on which a step failed, or the error overflowed.
     pub failures: u64,
@@ -55,8 +59,9 @@ pub struct Row {
 pub struct Invariant {
     /// Largest difference from its first value, over steps and paths.
     pub largest: f64,
-    /// The slope of the least-squares line through its values, averaged over paths: the secular change in a unit of time, if there is one.
-    /// For an error that only oscillates, the slope depends on the phases at the ends and has either sign: it passes through zero as the step
+    /// The slope of the least-squares line through its values, averaged over paths: the secular
+    /// change in a unit of time, if there is one. For an error that only oscillates, the slope
+    /// depends on the phases at the ends and has either sign: it passes through zero as the step
     /// size changes. A single small value proves nothing; compare several step sizes.
     pub drift: Estimate,
 }
@@ -64,7 +69,8 @@ pub struct Invariant {
 /// The times of a step and of a solution with precomputed increments, on one thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// Nanoseconds a step, median of the repeats (where a path has more than 2048 steps, of each part of it).
+    /// Nanoseconds a step, median of the repeats (where a path has more than 2048 steps, of each
+    /// part of it).
     pub ns_per_step: f64,
     /// Half the distance of its quartiles.
     pub ns_spread: f64,
@@ -104,7 +110,8 @@ impl Report {
         self.rows.iter().find(wanted)
     }
 
-    /// The measured order of each method whose errors have one at these step sizes: consecutive local slopes have settled.
+    /// The measured order of each method whose errors have one at these step sizes: consecutive
+    /// local slopes have settled.
     pub fn orders(&self) -> &[Order] {
         &self.orders
     }

@@ -1,4 +1,5 @@
-//! The run of a study: solves the paths in parallel, then computes statistics in the order of the paths, then measures times with nothing else running.
+//! The run of a study: solves the paths in parallel, then computes statistics in the order of the
+//! paths, then measures times with nothing else running.
 
 use rayon::prelude::*;
 

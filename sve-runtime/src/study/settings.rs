@@ -39,7 +39,7 @@ impl<'a, S: System> Settings<'a, S> {
             .clone()
             .flat_map(|method| study.steps_of(method))
             .max();
-        let finest = *finest.ok_or(missing("numbers of steps", ".steps([64, 128, 256])"))?;
+        let finest = *finest.ok_or(missing("numbers of steps", ".step_counts([64, 128, 256])"))?;
         for method in methods {
             check_steps(study.steps_of(method), finest, processes)?;
         }
@@ -68,7 +68,8 @@ impl<'a, S: System> Settings<'a, S> {
     }
 }
 
-/// Checks the numbers of steps of a method. With noise they divide the largest number of all methods.
+/// Checks the numbers of steps of a method. With noise they divide the largest number of all
+/// methods.
 fn check_steps(numbers: &[usize], finest: usize, processes: usize) -> Result<(), StudyError> {
     refuse_duplicates("steps", numbers.iter().map(usize::to_string))?;
     for &steps in numbers {
@@ -82,8 +83,9 @@ fn check_steps(numbers: &[usize], finest: usize, processes: usize) -> Result<(),
     Ok(())
 }
 
-/// Checks that the steps of a fine reference can be counted, and that the reference is none of the methods with the same steps: the error of that method would be 0,
-/// and those of the others too small.
+/// Checks that the steps of a fine reference can be counted, and that the reference is none of the
+/// methods with the same steps: the error of that method would be 0, and the errors of the others
+/// too small.
 fn check_fine<S: System>(
     study: &Study<'_, S>,
     reference: &dyn AnyMethod<S>,

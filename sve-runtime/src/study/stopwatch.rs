@@ -1,7 +1,8 @@
 //! Times of steps.
 //!
-//! Input: a method, a start, increments. Output: a [`Timing`]. A long path is timed in sections, each by the median of its repeats. An occasional disturbance
-//! of the machine affects few repeats of a short section, but every repeat of a long one.
+//! Input: a method, a start, increments. Output: a [`Timing`]. A long path is timed in sections,
+//! each by the median of its repeats. An occasional disturbance of the machine affects few repeats
+//! of a short section, but every repeat of a long one.
 
 use std::time::Duration;
 
@@ -19,7 +20,8 @@ const MAX_PASSES: u32 = 1 << 20;
 /// Largest number of steps of a section.
 const SECTION: usize = 2048;
 
-/// Longest time of a section: shorter than the time slices of a scheduler, so that most sections run without an interruption on a loaded machine.
+/// Longest time of a section: shorter than the time slices of a scheduler, so that most sections
+/// run without an interruption on a loaded machine.
 const LONGEST: Duration = Duration::from_micros(200);
 
 /// The times of a method with a step size.
@@ -104,7 +106,8 @@ impl<'a, S: System> Stopwatch<'a, S> {
     }
 }
 
-/// Returns the value below which so many quarters of the sorted values lie, by linear interpolation.
+/// Returns the value below which so many quarters of the sorted values lie, by linear
+/// interpolation.
 fn quartile(sorted: &[f64], quarters: usize) -> Option<f64> {
     let at = quarters * sorted.len().checked_sub(1)?;
     let (low, high) = (at / 4, at.div_ceil(4));

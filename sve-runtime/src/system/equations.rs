@@ -144,7 +144,6 @@ pub trait StepEquations<R>: StartOfStep {
     /// all blocks to `unknowns`. Returns the mask of lanes that the fast path could not solve;
     /// their states are copied unchanged, and the caller steps them with
     /// [`increment`](Self::increment). Times in `next` are not written.
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     #[inline(always)]
     #[allow(clippy::too_many_arguments)] // the arguments of a step and the unknowns
     fn increment_lanes(

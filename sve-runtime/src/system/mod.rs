@@ -1,48 +1,56 @@
-//! The traits that `#[variational]` implements: the interface between generated code and the
-//! runtime.
+//! The interface for code for any system: the trait that `#[variational]` implements, and the types
+//! that belong to a system.
+//!
+//! A function for all systems asks for `S: System`, or for `I: Method` with the system `I::System`,
+//! and calls the state [`StateOf<S>`](StateOf). One for systems with given sizes, such as a plane
+//! problem with one noise, asks for `S: System<Dims = Dims<2, 1>>`:
+//!
+//! ```
+//! use sve_runtime::prelude::*;
+//! use sve_runtime::system::{Dims, System};
+//!
+//! /// Returns ∂L/∂q at a state, and so the force of a potential.
+//! fn pull<S: System<Dims = Dims<2, 0>>>(system: &S, state: &State<[f64; 2]>) -> Result<[f64; 2], StepError> {
+//!     let v = system.velocity(state)?;
+//!     Ok(system.lagrangian_jet(state.t, &state.q, &v).dq)
+//! }
+//!
+//! struct Springs;
+//!
+//! #[variational(midpoint)]
+//! impl Springs {
+//!     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+//!         0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * (q[0] * q[0] + 4.0 * q[1] * q[1])
+//!     }
+//! }
+//! assert_eq!(pull(&Springs, &State::new([1.0, 1.0], [0.0, 0.0])).unwrap(), [-1.0, -4.0]);
+//! ```
 //!
 //! Everything that depends on the number of coordinates goes through one associated type,
-//! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type.
+//! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type. The rest of the
+//! folder is the interface of generated code, in `__private`.
 
+pub(crate) mod aliases;
 pub(crate) mod equations;
 pub(crate) mod euler;
 pub(crate) mod jets;
 pub(crate) mod linearisation;
 pub(crate) mod plan;
-mod sizes;
+pub(crate) mod sizes;
 pub(crate) mod start;
 
+pub use aliases::{IncrementsOf, StateOf};
 pub use jets::{ConstraintJet, CoordinateRole, ForceJet, LagrangianJet, NoiseJet};
-pub use sizes::{Dimensions, Dims, Increments};
+pub use sizes::Dims;
+
+pub(crate) use aliases::{
+    ConfigurationOf, DualStateOf, FlatOf, FlatStateOf, IncrementLanesOf, MomentumOf, StateLanesOf,
+    TangentLanesOf, VectorOf,
+};
+pub(crate) use sizes::{Dimensions, Increments};
 
 use crate::lanes::Lane;
-use crate::phase::configuration::Configuration;
-use crate::phase::state::State;
 use crate::system::euler::EulerIncrement;
-
-/// The type `[f64; N]` of a system.
-pub type VectorOf<S> = <<S as System>::Dims as Dimensions>::Vector;
-/// The type `[f64; M]` of a system.
-pub type IncrementsOf<S> = <<S as System>::Dims as Dimensions>::Increments;
-/// The configuration of a system, the type of `q` in its state.
-pub type ConfigurationOf<S> = <<S as System>::Dims as Dimensions>::Configuration;
-/// The momentum of a system, the type of `p` in its state and of velocities.
-pub type MomentumOf<S> = <ConfigurationOf<S> as Configuration>::Momentum;
-/// The state of a system.
-pub type StateOf<S> = State<ConfigurationOf<S>>;
-/// The configuration of a system as steps compute with it, `[f64; N]` in a vector space.
-pub type FlatOf<S> = <<S as System>::Dims as Dimensions>::Flat;
-/// The state of a system in coordinates, `State<[f64; N]>` in a vector space.
-pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
-/// The type `StateLanes<N>` of a system.
-pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
-/// The type `[Lane; M]` of a system.
-pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
-/// A state of a system in dual numbers: [`DualState<N>`](crate::DualState) in a vector space.
-pub type DualStateOf<'a, S> = <<S as System>::Dims as Dimensions>::DualState<'a>;
-/// A tangent vector of a system in each lane.
-#[doc(hidden)]
-pub type TangentLanesOf<S> = <<S as System>::Dims as Dimensions>::TangentLanes;
 
 /// A mechanical system: the derivatives of its Lagrangian, of its noise Hamiltonians and of its
 /// force.
@@ -75,6 +83,7 @@ pub trait System {
     const MOMENTA: &'static [&'static str] = &[];
     /// The names of the functions of the constraints: `rod`, `rods[0]`.
     const CONSTRAINTS: &'static [&'static str] = &[];
+    #[doc(hidden)]
     /// A hash of the formulas of L, the noises and the force, which identifies the system of shards
     /// and checkpoints of ensembles.
     const FORMULAS: u64 = 0;
@@ -82,15 +91,18 @@ pub trait System {
     fn parameters(&self, visit: &mut dyn FnMut(f64)) {
         let _ = visit;
     }
+    #[doc(hidden)]
     /// Numbers for [`euler_increment`](Self::euler_increment) that depend on the parameters and the
     /// step size alone.
     type EulerNumbers: Copy + core::fmt::Debug;
+    #[doc(hidden)]
     /// True if [`euler_increment`](Self::euler_increment) is implemented for this system.
     const HAS_EULER_INCREMENT: bool = false;
     /// Largest number of stages of a method that is stepped in lanes; 0 if
     /// [`euler_increment_in_lane`](Self::euler_increment_in_lane) is not implemented.
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[doc(hidden)]
     const EULER_STAGES_IN_LANES: usize = 0;
+    #[doc(hidden)]
     /// Returns the numbers for [`euler_increment`](Self::euler_increment) in steps of length `h`;
     /// `None` if a constant mass matrix is singular.
     #[inline]
@@ -98,6 +110,7 @@ pub trait System {
         let _ = h;
         None
     }
+    #[doc(hidden)]
     /// Returns the increment of Euler's method over a step from a state. Where the increment has no
     /// value, the result is not finite, or `None`.
     #[inline]
@@ -114,7 +127,7 @@ pub trait System {
         None
     }
     /// Returns the same increment in a loop over lanes, by functions without branches.
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[doc(hidden)]
     #[inline(always)]
     fn euler_increment_in_lane(
         &self,
@@ -166,7 +179,7 @@ pub trait System {
     }
     /// Writes the energy of each lane to `energies`. Where a loop without branches cannot compute
     /// it, writes a number that is not finite, as the default implementation does for every lane.
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
+    #[doc(hidden)]
     #[inline(always)]
     fn energy_lanes(&self, states: &StateLanesOf<Self>, energies: &mut Lane) {
         let _ = states;

@@ -21,7 +21,6 @@ pub trait Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]> {
     /// The increments that are all zero.
     const NONE: Self;
     /// Number of Wiener processes.
-    #[doc(hidden)]
     const PROCESSES: usize;
     /// Returns these increments times a factor.
     #[must_use]
@@ -53,13 +52,10 @@ pub trait Dimensions {
     type Flat: Copy + core::fmt::Debug;
     /// The state in this form: [`State<[f64; N]>`](State) in a vector space.
     type FlatState: Clone + core::fmt::Debug;
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
-    /// A state in each lane: [`StateLanes<N>`](crate::StateLanes) in a vector space.
+    /// A state in each lane: `StateLanes<N>` in a vector space.
     type StateLanes: Clone + Copy + core::fmt::Debug;
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// The increments of each lane, `[Lane; M]`.
     type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
-    #[doc(hidden)]
     /// A tangent vector in each lane.
     type TangentLanes: FieldLanes<Self::Vector>;
     /// [`LagrangianJet<N>`](LagrangianJet).
@@ -70,39 +66,30 @@ pub trait Dimensions {
     type ForceJet;
     /// [`ConstraintJet<N>`](ConstraintJet).
     type ConstraintJet;
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// Increments of all lanes that are zero.
     const NO_INCREMENT_LANES: Self::IncrementLanes;
-    #[doc(hidden)]
     /// A row of zeros.
     const ZERO: Self::Vector;
     /// A state in dual numbers, [`DualState<N>`](crate::DualState) in a vector space.
     type DualState<'a>;
     /// The force zero with its derivatives.
     const NO_FORCE: Self::ForceJet;
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// Returns the same state in each lane.
     fn splat(state: &State<Self::Configuration>) -> Self::StateLanes;
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// Returns the state of a lane.
     fn get(lanes: &Self::StateLanes, lane: usize) -> State<Self::Configuration>;
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// Replaces the state of a lane.
     fn set(lanes: &mut Self::StateLanes, lane: usize, state: &State<Self::Configuration>);
-    #[cfg_attr(not(feature = "ensemble"), doc(hidden))]
     /// Returns the times of the lanes.
     fn times(lanes: &mut Self::StateLanes) -> &mut Lane;
-    #[doc(hidden)]
     /// Returns a state that varies along a direction; `parameter` returns the parameters.
     fn dual_state<'a>(
         state: &State<Self::Configuration>,
         direction: &Field<Self::Vector>,
         parameter: &'a dyn Fn(&str) -> Dual,
     ) -> Self::DualState<'a>;
-    #[doc(hidden)]
     /// Returns the increments of a lane.
     fn increments_of(lanes: &Self::IncrementLanes, lane: usize) -> Self::Increments;
-    #[doc(hidden)]
     /// Returns the increments of all processes if there is a single process.
     fn of_only_process(increments: &Lane) -> Option<&Self::IncrementLanes>;
 }

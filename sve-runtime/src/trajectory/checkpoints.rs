@@ -1,17 +1,22 @@
-//! Places of checkpoints for the walk of a discrete adjoint, which reads states from the last to the first.
+//! Places of checkpoints for the walk of a discrete adjoint, which reads states from the last to
+//! the first.
 //!
-//! Input: the number of steps ahead of a kept state and the number of states that can still be kept. Output: the distance to the next one. The number of times that a step is
-//! made is then the least possible one (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Trans. Math. Software 26, 2000).
+//! Input: the number of steps ahead of a kept state and the number of states that can still be
+//! kept. Output: the distance to the next one. The number of times that a step is made is then the
+//! least possible one (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Trans. Math. Software
+//! 26, 2000).
 
-/// Returns a number of states with which a step is made twice at most before the walk passes it: (c + 1)(c + 2)/2 steps for c states.
+/// Returns a number of states with which a step is made twice at most before the walk passes it:
+/// (c + 1)(c + 2)/2 steps for c states.
 pub(super) fn enough(steps: u64) -> usize {
     steps.saturating_mul(2).isqrt() as usize + 1
 }
 
-/// Returns the distance to the next checkpoint, for so many steps and so many states that can be kept.
+/// Returns the distance to the next checkpoint, for so many steps and so many states that can be
+/// kept.
 ///
-/// With `free` states and `r` repetitions β(free, r) = (free + r)!/(free! r!) steps can be walked backwards; β(f, r) = β(f − 1, r) + β(f, r − 1) are the parts behind and
-/// before the checkpoint.
+/// With `free` states and `r` repetitions β(free, r) = (free + r)!/(free! r!) steps can be walked
+/// backwards; β(f, r) = β(f − 1, r) + β(f, r − 1) are the parts behind and before the checkpoint.
 pub(super) fn distance(steps: u64, free: u64) -> u64 {
     let (mut repetitions, mut behind) = (0, 1_u64);
     // β(free, r) grows with r
@@ -43,7 +48,8 @@ fn reach(checkpoints: u64, repetitions: u64) -> u64 {
 mod tests {
     use super::{distance, enough, reach};
 
-    /// Counts how often steps are made to walk back over `steps` steps, with the greatest number of states that are kept.
+    /// Counts how often steps are made to walk back over `steps` steps, with the greatest number of
+    /// states that are kept.
     fn walk(steps: u64, checkpoints: usize) -> (u64, usize) {
         let (mut kept, mut reached, mut made, mut most) = (vec![0], steps, 0, 0);
         while reached > 0 {

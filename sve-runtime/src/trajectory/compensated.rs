@@ -1,6 +1,7 @@
 //! Trajectories that compensate the rounding errors of the state.
 //!
-//! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.5.
+//! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006),
+//! section VIII.5.
 
 use super::{RefinedTrajectory, Trajectory};
 use crate::error::StepError;
@@ -13,7 +14,8 @@ use crate::rule::Rule;
 use crate::system::{Dims, StateOf, System};
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
-    /// Carries the low parts of the state from now on, starting with `low`. A resumed trajectory keeps its own.
+    /// Carries the low parts of the state from now on, starting with `low`. A resumed trajectory
+    /// keeps its own.
     fn carry_low_parts(mut self, low: StateOf<I::System>) -> Self {
         self.low.get_or_insert(low);
         self
@@ -61,14 +63,18 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    /// Compensates the rounding errors of the state: keeps the rounding errors of coordinates and momenta at each step, and adds them at the next
-    /// one. In a run of many steps this reduces the random walk of rounding errors.
+    /// Compensates the rounding errors of the state: keeps the rounding errors of coordinates and
+    /// momenta at each step, and adds them at the next one. In a run of many steps this reduces the
+    /// random walk of rounding errors.
     ///
-    /// Compensation helps if the increments of a step have digits that the state does not have: in explicit and linear steps, and for coordinates. The
-    /// momentum of an implicit midpoint step is p₀ + 2(p̄ − p₀), where p̄ is rounded like the state: nothing can be kept, and
-    /// the walk remains. Compensation does not reduce a systematic error of a step, and thus a drift. A refined step, see [`refine`](Self::refine), keeps the low parts that it starts with.
+    /// Compensation helps if the increments of a step have digits that the state does not have: in
+    /// explicit and linear steps, and for coordinates. The momentum of an implicit midpoint step is
+    /// p₀ + 2(p̄ − p₀), where p̄ is rounded like the state: nothing can be kept, and the walk
+    /// remains. Compensation does not reduce a systematic error of a step, and thus a drift. A
+    /// refined step, see [`refine`](Self::refine), keeps the low parts that it starts with.
     ///
-    /// A compile-time error for linear steps with noise in the momentum, which return states and no increments.
+    /// A compile-time error for linear steps with noise in the momentum, which return states and no
+    /// increments.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -92,7 +98,8 @@ where
     /// # }
     /// ```
     ///
-    /// Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VIII.5.
+    /// Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006),
+    /// section VIII.5.
     #[must_use]
     pub fn compensated(self) -> Self {
         const {
@@ -109,7 +116,8 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    /// Compensates the rounding errors of the state, see [`Trajectory::compensated`], which has an example.
+    /// Compensates the rounding errors of the state, see [`Trajectory::compensated`], which has an
+    /// example.
     #[must_use]
     pub fn compensated(self) -> Self {
         const {

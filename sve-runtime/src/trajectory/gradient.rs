@@ -1,9 +1,11 @@
 //! The gradient of a function of the states along a path, by the discrete adjoint.
 //!
-//! Input: a trajectory, a number of steps and a loss. Output: the loss with its derivatives by the state at the start and by each parameter. Invariant: the derivatives
-//! are those of the steps as they are computed, so they agree with the tangent maps of the steps to rounding.
+//! Input: a trajectory, a number of steps and a loss. Output: the loss with its derivatives by the
+//! state at the start and by each parameter. Invariant: the derivatives belong to the steps as they
+//! are computed, so they agree with the tangent maps of the steps to rounding.
 //!
-//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that this needs are computed again from checkpoints.
+//! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that
+//! this needs are computed again from checkpoints.
 
 use core::fmt;
 
@@ -17,7 +19,8 @@ use crate::phase::Field;
 use crate::phase::dual::Dual;
 use crate::system::{ConfigurationOf, DualStateOf, MomentumOf, System};
 
-/// Steps of a trajectory along which a loss is differentiated, with the options of [`Trajectory::adjoint`].
+/// Steps of a trajectory along which a loss is differentiated, with the options of
+/// [`Trajectory::adjoint`].
 pub struct Adjoint<'a, I: OneStepMethod, W> {
     trajectory: Trajectory<'a, I, W>,
     steps: u64,
@@ -53,20 +56,23 @@ impl<V> Gradient<V> {
 
     /// The derivatives by the coordinates and momenta of the first state.
     ///
-    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the states that are allowed. Of a rotation they are along canonical
-    /// coordinates, those of a [`Tangent`](crate::Tangent).
+    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the states
+    /// that are allowed. Of a rotation they are along the canonical coordinates of a
+    /// [`Tangent`](crate::Tangent).
     pub fn start(&self) -> &Field<V> {
         &self.start
     }
 
-    /// Returns the derivative by a parameter, by its name in the source without `self`: `k`, `l[0]`, `body.mass`. `None` if L, the noises and the force have no such
-    /// parameter. The start stays as it is.
+    /// Returns the derivative by a parameter, by its name in the source without `self`: `k`,
+    /// `l[0]`, `body.mass`. `None` if L, the noises and the force have no such parameter. The start
+    /// stays as it is.
     #[must_use]
     pub fn get(&self, parameter: &str) -> Option<f64> {
         Some(self.pieces(parameter)?.sum())
     }
 
-    /// Returns the derivatives by the values that a parameter has in each [piece](Adjoint::pieces_of).
+    /// Returns the derivatives by the values that a parameter has in each
+    /// [piece](Adjoint::pieces_of).
     #[must_use]
     pub fn pieces(&self, parameter: &str) -> Option<impl Iterator<Item = f64>> {
         let number = self.names.iter().position(|&name| name == parameter)?;
@@ -87,11 +93,14 @@ impl<V> Gradient<V> {
 }
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
-    /// Returns a loss with its derivatives by the present state and by all parameters, along the next `steps` steps.
+    /// Returns a loss with its derivatives by the present state and by all parameters, along the
+    /// next `steps` steps.
     ///
-    /// The loss is the sum of the numbers that a function returns for the number of a state, from 0 for the present one, and the state, written with [dual numbers](Dual);
-    /// `None` where a state does not count. The price is that of three to four steps for a step that is solved by Newton's method, for any number of parameters; see
-    /// [`adjoint`](Self::adjoint) for memory, and for parameters that are step functions of time. To differentiate by a few parameters only,
+    /// The loss is the sum of the numbers that a function returns for the number of a state, from 0
+    /// for the present one, and the state, written with [dual numbers](Dual); `None` where a state
+    /// does not count. The price is three to four steps for a step that is solved by Newton's
+    /// method, for any number of parameters; see [`adjoint`](Self::adjoint) for memory, and for
+    /// parameters that are step functions of time. To differentiate by a few parameters only,
     /// [`step_with_derivatives`](crate::Integrator::step_with_derivatives) goes forwards.
     ///
     /// ```
@@ -121,12 +130,13 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// # }
     /// ```
     ///
-    /// The steps are made without what a trajectory carries and without compensated sums, so that they agree with those of the trajectory to rounding. The noise is
-    /// asked for the increments of a step several times.
+    /// The steps are made without what a trajectory carries and without compensated sums, so that
+    /// they agree with the steps of the trajectory to rounding. The noise is asked for the
+    /// increments of a step several times.
     ///
     /// # Errors
-    /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations are singular; [`StepError::NonFiniteLoss`];
-    /// [`StepError::UnknownParameter`].
+    /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations
+    /// are singular; [`StepError::NonFiniteLoss`]; [`StepError::UnknownParameter`].
     pub fn gradient(
         self,
         steps: u64,
@@ -178,16 +188,20 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
 }
 
 impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
-    /// Sets the number of states that are kept at the same time, besides the first one. By default it is √(2 steps), with which each step is made three times at most.
-    /// With fewer states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made `r` + 1 times. [`Trajectory::adjoint`] has an example.
+    /// Sets the number of states that are kept at the same time, besides the first one. By default
+    /// it is √(2 steps), with which each step is made three times at most. With fewer states the
+    /// steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made
+    /// `r` + 1 times. [`Trajectory::adjoint`] has an example.
     #[must_use]
     pub fn checkpoints(mut self, states: usize) -> Self {
         self.checkpoints = Some(states);
         self
     }
 
-    /// Differentiates by the values of the parameters in each piece of so many steps, as if the parameters were step functions of time: [`Gradient::pieces`].
-    /// A parameter that the loss itself reads belongs to the step before the state. With 0 there is one piece. [`Trajectory::adjoint`] has an example.
+    /// Differentiates by the values of the parameters in each piece of so many steps, as if the
+    /// parameters were step functions of time: [`Gradient::pieces`]. A parameter that the loss
+    /// itself reads belongs to the step before the state. With 0 there is one piece.
+    /// [`Trajectory::adjoint`] has an example.
     #[must_use]
     pub fn pieces_of(mut self, steps: u64) -> Self {
         self.piece = if steps == 0 { self.steps.max(1) } else { steps };

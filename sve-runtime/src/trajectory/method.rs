@@ -10,7 +10,8 @@ use crate::rule::Rule;
 use crate::system::{Dims, IncrementsOf, StateOf, System};
 use crate::trajectory::{Snapshot, Trajectory};
 
-/// A [`OneStepMethod`] that takes one increment for each Wiener process: what ensembles and studies run, and what code for any method asks for.
+/// A [`OneStepMethod`] that takes one increment for each Wiener process: what ensembles and studies
+/// run, and what code for any method asks for.
 ///
 /// All methods do, except rules with stage noise.
 #[diagnostic::on_unimplemented(
@@ -20,10 +21,12 @@ use crate::trajectory::{Snapshot, Trajectory};
 pub trait Method:
     OneStepMethod<Increments = IncrementsOf<<Self as OneStepMethod>::System>>
 {
-    /// Makes one step of length `h` with the given Wiener increments, one for each process in source order.
+    /// Makes one step of length `h` with the given Wiener increments, one for each process in
+    /// source order.
     ///
     /// # Errors
-    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then unchanged.
+    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then
+    /// unchanged.
     #[inline]
     fn step(
         &self,
@@ -35,10 +38,12 @@ pub trait Method:
         self.step_prepared(&prepared, state, h, dw)
     }
 
-    /// Returns the states after each step of length `h` from `state`, without end, or to the end of a recorded path.
+    /// Returns the states after each step of length `h` from `state`, without end, or to the end of
+    /// a recorded path.
     ///
-    /// The state number `k` (from 1) has time `t₀ + k h`, rounded once. The first step has the increments of step 0 of the noise,
-    /// whatever the time of `state`. To continue after `k` steps of a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
+    /// The state number `k` (from 1) has time `t₀ + k h`, rounded once. The first step has the
+    /// increments of step 0 of the noise, whatever the time of `state`. To continue after `k` steps
+    /// of a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
     /// [`resume`](Self::resume) a snapshot.
     fn trajectory<W: Noise>(
         &self,
@@ -54,12 +59,16 @@ pub trait Method:
 
     /// Continues the trajectory of a [`Snapshot`], with the bits of one that was not interrupted.
     ///
-    /// System, method and noise have to be those of the first trajectory. A trajectory borrows its method, so nothing of these changes between its steps, and some
-    /// rules carry what the next step would compute again, such as the force at the end of a step. A snapshot with such numbers is refused if a parameter, a
-    /// formula or an option has another value than at the snapshot. A snapshot without them, of [`Midpoint`](crate::Midpoint) say, goes on with the present parameters.
-    /// To change parameters along a path, begin a [`trajectory`](Self::trajectory) at the state of the snapshot. The noise starts from its beginning, since the snapshot contains the number of
-    /// the step; a source whose increments [follow one another](crate::noise::FromRng) has to be in the state that it had at the snapshot.
-    /// A refined trajectory needs [`refine`](Trajectory::refine) again; a
+    /// System, method and noise have to be the same as for the first trajectory. A trajectory
+    /// borrows its method, so nothing of these changes between its steps, and some rules carry what
+    /// the next step would compute again, such as the force at the end of a step. A snapshot with
+    /// such numbers is refused if a parameter, a formula or an option has another value than at the
+    /// snapshot. A snapshot without them, of [`Midpoint`](crate::Midpoint) say, goes on with the
+    /// present parameters. To change parameters along a path, begin a
+    /// [`trajectory`](Self::trajectory) at the state of the snapshot. The noise starts from its
+    /// beginning, since the snapshot contains the number of the step; a source whose increments
+    /// [follow one another](crate::noise::FromRng) has to be in the state that it had at the
+    /// snapshot. A refined trajectory needs [`refine`](Trajectory::refine) again; a
     /// [compensated](Trajectory::compensated) one continues to be compensated.
     ///
     /// ```
@@ -90,8 +99,9 @@ pub trait Method:
     /// ```
     ///
     /// # Errors
-    /// [`StepError::OtherSteps`] for a snapshot with numbers that were carried by steps of another method or of other parameters;
-    /// [`StepError::Uncompensated`] for a snapshot of a compensated trajectory, if this method makes no such steps.
+    /// [`StepError::OtherSteps`] for a snapshot with numbers that were carried by steps of another
+    /// method or of other parameters; [`StepError::Uncompensated`] for a snapshot of a compensated
+    /// trajectory, if this method makes no such steps.
     fn resume<W: Noise>(
         &self,
         snapshot: Snapshot<StateOf<Self::System>>,
@@ -104,7 +114,7 @@ pub trait Method:
     }
 }
 
-// the message of the trait says more than that of the increments
+// the message of the trait says more than the message of the increments
 #[diagnostic::do_not_recommend]
 impl<I: OneStepMethod<Increments = IncrementsOf<<I as OneStepMethod>::System>>> Method for I {}
 
@@ -115,7 +125,8 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    /// Returns the states after each step of length `h` from `state`; see [`Method::trajectory`](crate::Method::trajectory).
+    /// Returns the states after each step of length `h` from `state`; see
+    /// [`Method::trajectory`](crate::Method::trajectory).
     ///
     #[doc = include_str!("../example.md")]
     /// for state in pendulum.trajectory(start, 0.01, Wiener::new(42)).take(100) {

@@ -1,8 +1,11 @@
 //! States along a path, one for each step.
 //!
-//! Input: a method, a start, a step size and a noise. Output: an iterator over the states. Two options change how a step is made: [`refine`](Trajectory::refine)
-//! wraps the trajectory into an adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low parts of the state. The adapter
-//! [`Events`] yields the states at zeros of functions, and ends or changes the trajectory there; the adapter [`Saved`] yields every n-th state, or those at given times.
+//! Input: a method, a start, a step size and a noise. Output: an iterator over the states. Two
+//! options change how a step is made: [`refine`](Trajectory::refine) wraps the trajectory into an
+//! adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low
+//! parts of the state. The adapter [`Events`] yields the states at zeros of functions, and ends or
+//! changes the trajectory there; the adapter [`Saved`] yields every n-th state, or those at given
+//! times.
 
 mod checkpoints;
 mod compensated;
@@ -32,8 +35,9 @@ use crate::time::{is_next_time, time_after};
 
 /// The states after each step, from [`Method::trajectory`](crate::Method::trajectory).
 ///
-/// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many as needed, or give a time with [`until`](Self::until).
-/// [`every`](Self::every) and [`at`](Self::at) save some of the states.
+/// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many
+/// as needed, or give a time with [`until`](Self::until). [`every`](Self::every) and
+/// [`at`](Self::at) save some of the states.
 #[derive(Debug)]
 pub struct Trajectory<'a, I: OneStepMethod, W> {
     method: &'a I,
@@ -95,7 +99,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             ..Self::new(method, state, h, noise)
         };
         if memory.is_empty() {
-            // Nothing is carried, so the next step reads the state and the present parameters alone.
+            // Nothing is carried, so the next step reads the state and the present parameters
+            // alone.
             return Ok(resumed);
         }
         let other = |differs: &str| StepError::OtherSteps {
@@ -118,7 +123,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         Ok(resumed)
     }
 
-    /// Returns what is needed to continue from here with [`Method::resume`](crate::Method::resume), with the bits of this trajectory.
+    /// Returns what is needed to continue from here with [`Method::resume`](crate::Method::resume),
+    /// with the bits of this trajectory.
     pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
         Snapshot {
             start: self.start,
@@ -133,7 +139,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
-    /// Number of steps made so far, including those before a snapshot. The next step has the increments of this step of the noise.
+    /// Number of steps made so far, including those before a snapshot. The next step has the
+    /// increments of this step of the noise.
     pub fn step(&self) -> u64 {
         self.step
     }
@@ -163,8 +170,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
-    /// Returns the state after the next step. Calls `retry` with the error and the increments of a step that fails; it makes the step in
-    /// another way, or returns an error.
+    /// Returns the state after the next step. Calls `retry` with the error and the increments of a
+    /// step that fails; it makes the step in another way, or returns an error.
     #[inline(always)]
     fn next_or(
         &mut self,
@@ -216,7 +223,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         if !is_next_time(t, end) && t.is_finite() {
             return Err(StepError::Time { t, h: self.h, end });
         }
-        // The rare cases are calls with copies of the increments, so that the compiler optimises the plain step as if it were alone.
+        // The rare cases are calls with copies of the increments, so that the compiler optimises
+        // the plain step as if it were alone.
         let made = if self.low.is_some() {
             self.compensated_step(&{ dw })
         } else {

@@ -29,15 +29,17 @@ pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
 }
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
-    /// Refines steps that fail: divides such a step into two halves on the same path, and each half that fails likewise, up to `depth` times.
+    /// Refines steps that fail: divides such a step into two halves on the same path, and each half
+    /// that fails likewise, up to `depth` times.
     ///
-    /// The increments of the halves are those of a Brownian bridge, a pure function of seed, path, step and interval, so a
-    /// repeated trajectory has the same bits. Its states remain those after steps of length `h`, at the
-    /// same times. [`refinements`](Self::refinements) counts the refined steps. If the smallest parts fail too,
-    /// the error is that of the first of them.
+    /// The increments of the halves come from a Brownian bridge, a pure function of seed, path,
+    /// step and interval, so a repeated trajectory has the same bits. Its states remain those after
+    /// steps of length `h`, at the same times. [`refinements`](Self::refinements) counts the
+    /// refined steps. If the smallest parts fail too, the error belongs to the first of them.
     ///
-    /// Whether a step is refined depends on the path, so the distribution of the states is no longer exactly that
-    /// of the rule. Refinement is for rare failures. If the count grows with the number of steps, take a smaller `h`.
+    /// It depends on the path which steps are refined, so the states no longer have exactly the
+    /// distribution of the rule. Refinement is for rare failures. If the count grows with the
+    /// number of steps, take a smaller `h`.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -114,7 +116,8 @@ pub(crate) struct Halving<'a, I, W: ?Sized> {
 }
 
 impl<I: Method, W: Halves + ?Sized> Halving<'_, I, W> {
-    /// Makes the step over an interval, which failed with `error`, in two halves. Returns the number of halvings of the smallest part. After an error the state is that between two parts.
+    /// Makes the step over an interval, which failed with `error`, in two halves. Returns the
+    /// number of halvings of the smallest part. After an error the state is that between two parts.
     pub(crate) fn step(
         &self,
         error: StepError,

@@ -3,14 +3,19 @@
 use super::Refinements;
 use crate::fingerprint::StepsFingerprint;
 
-/// The stored form of a trajectory after some steps, from [`Trajectory::snapshot`](crate::Trajectory::snapshot).
+/// The stored form of a trajectory after some steps, from
+/// [`Trajectory::snapshot`](crate::Trajectory::snapshot).
 ///
-/// It contains everything that a trajectory carries from step to step: its first time, step size, number of steps, state, the low parts of
-/// [compensated](crate::Trajectory::compensated) sums, the numbers that the method carries (the force at the end of a step, say), and the count of refined steps. It contains neither the system nor the method nor the noise:
-/// [`Method::resume`](crate::Method::resume) takes them again. Hashes of the formulas, of the parameters and of the method tell `resume` whether the numbers
-/// that the method carries belong to them.
+/// It contains everything that a trajectory carries from step to step: its first time, step size,
+/// number of steps, state, the low parts of [compensated](crate::Trajectory::compensated) sums, the
+/// numbers that the method carries (the force at the end of a step, say), and the count of refined
+/// steps. It contains neither the system nor the method nor the noise:
+/// [`Method::resume`](crate::Method::resume) takes them again. Hashes of the formulas, of the
+/// parameters and of the method tell `resume` whether the numbers that the method carries belong to
+/// them.
 ///
-/// With the feature `serde` it can be serialised. The format has to keep all bits of numbers: `serde_json` does so with its feature `float_roundtrip`.
+/// With the feature `serde` it can be serialised. The format has to keep all bits of numbers:
+/// `serde_json` does so with its feature `float_roundtrip`.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Snapshot<T> {
@@ -23,10 +28,10 @@ pub struct Snapshot<T> {
     /// Low parts of the state, if sums are compensated.
     #[cfg_attr(feature = "serde", serde(rename = "rest"))]
     pub(super) low: Option<T>,
-    /// What the method carries from step to step.
+    /// The numbers that the method carries from step to step.
     #[cfg_attr(feature = "serde", serde(default, with = "crate::floats::many"))]
     pub(super) memory: Vec<f64>,
-    /// What determines the steps that were made, and with them `memory`.
+    /// The formulas, parameters and method of the steps that were made, which determine `memory`.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) steps: StepsFingerprint,
     pub(super) refinements: Refinements,

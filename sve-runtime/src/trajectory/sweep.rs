@@ -1,7 +1,8 @@
 //! The walk of a discrete adjoint from the last state of a path to the first.
 //!
-//! Input: the first state and the number of steps. Output: the loss with its derivatives. Invariant: the states that the walk reads are computed by the same steps, however
-//! many of them are kept.
+//! Input: the first state and the number of steps. Output: the loss with its derivatives.
+//! Invariant: the states that the walk reads are computed by the same steps, however many of them
+//! are kept.
 
 use core::cell::RefCell;
 

@@ -231,12 +231,12 @@ impl Shifted {
 
 #[test]
 fn what_cannot_be_solved_exactly_is_refused() {
-    fn check<I: Method>(method: &I, start: sve_runtime::StateOf<I::System>, message: &str)
+    fn check<I: Method>(method: &I, start: sve_runtime::system::StateOf<I::System>, message: &str)
     where
-        sve_runtime::StateOf<I::System>: PartialEq + core::fmt::Debug,
+        sve_runtime::system::StateOf<I::System>: PartialEq + core::fmt::Debug,
     {
         let mut state = start;
-        let dw = <sve_runtime::IncrementsOf<I::System> as sve_runtime::Increments>::NONE;
+        let dw = <sve_runtime::system::IncrementsOf<I::System> as sve_runtime::__private::Increments>::NONE;
         let error = method.step(&mut state, 0.1, &dw).unwrap_err();
         assert!(matches!(error, StepError::NotLangevin { .. }), "{error}");
         assert!(error.to_string().contains(message), "{error}");

@@ -3,7 +3,8 @@
 use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
-use sve_runtime::{Dims, Method, State, System};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Method, State};
 
 use crate::models::{Damped, Kubo, Pendulum, Relativistic};
 use crate::random::Random;

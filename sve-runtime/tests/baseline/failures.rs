@@ -3,7 +3,8 @@
 use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
-use sve_runtime::{Dims, Method, Newton, State, StepError, System};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Method, Newton, State, StepError};
 
 use crate::models::{Kubo, Pendulum, Polar, Relativistic};
 

@@ -3,7 +3,7 @@
 
 use sve_runtime::baseline::{EulerMaruyama, Heun, RungeKutta4};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System};
+use sve_runtime::system::{Dims, System};
 
 use crate::random::Random;
 

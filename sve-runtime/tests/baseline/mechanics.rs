@@ -1,6 +1,8 @@
 //! Legendre transform, energy, drift, acceleration and Itô correction.
 
-use sve_runtime::{Dims, Field, LagrangianJet, Mechanics, NoiseJet, State, StepError, System};
+use sve_runtime::__private::Field;
+use sve_runtime::system::{Dims, LagrangianJet, NoiseJet, System};
+use sve_runtime::{Mechanics, State, StepError};
 
 use crate::models::{Damped, Kubo, Oscillator, Pendulum, Polar, Relativistic};
 use crate::random::Random;

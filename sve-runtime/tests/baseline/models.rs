@@ -1,7 +1,7 @@
 //! Test systems: each Lagrangian with its jet differentiated by hand (`mechanics.rs` checks them by
 //! differences).
 
-use sve_runtime::{Dims, LagrangianJet, NoiseJet, System};
+use sve_runtime::system::{Dims, LagrangianJet, NoiseJet, System};
 
 pub(crate) const fn lagrangian_zero<const N: usize>() -> LagrangianJet<N> {
     LagrangianJet {

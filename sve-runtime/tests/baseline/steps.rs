@@ -17,7 +17,7 @@ fn after<I, const N: usize, const M: usize>(
 ) -> State<[f64; N]>
 where
     I: Method,
-    I::System: sve_runtime::System<Dims = sve_runtime::Dims<N, M>>,
+    I::System: sve_runtime::system::System<Dims = sve_runtime::system::Dims<N, M>>,
 {
     method.step(&mut state, h, &dw).unwrap();
     state

@@ -3,9 +3,10 @@
 
 use sve_runtime::__private::Unstructured;
 use sve_runtime::__private::lane::{LaneDirections, TangentLanes};
+use sve_runtime::__private::{Differentiable, LANES, Lane, Mask, StateLanes};
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
-use sve_runtime::{Differentiable, Dual, LANES, Lane, Mask, Plan, StateLanes, Variational};
+use sve_runtime::{Dual, Plan, Variational};
 
 use crate::functions::{Functions, Matrix, Point, TypedModel, Vector, array};
 use crate::oracle::{Model, Nodes, Rule};

@@ -2,8 +2,10 @@
 
 use std::fmt::{Debug, Display};
 
+use sve_runtime::__private::{Coordinates, FixedSize};
+use sve_runtime::Rule;
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, FixedSize, Rule, System};
+use sve_runtime::system::{Dims, System};
 
 use crate::oracle::name;
 use crate::orders::numbers;

@@ -3,11 +3,13 @@
 use std::marker::PhantomData;
 
 use sve_runtime::__private::lane::KeepUnknowns;
-use sve_runtime::__private::{Linearisation, Returns, SolveError, StartOfStep};
-use sve_runtime::{
-    BlockSolver, Dimensions, Dims, EulerIncrement, IncrementLanesOf, IncrementsOf, Lane, Mask,
-    Newton, Plan, State, StateLanesOf, StepEquations, System, VectorCoordinates, VectorOf,
+use sve_runtime::__private::{
+    BlockSolver, Dimensions, EulerIncrement, IncrementLanesOf, Lane, Mask, StateLanesOf,
+    StepEquations, VectorCoordinates, VectorOf,
 };
+use sve_runtime::__private::{Linearisation, Returns, SolveError, StartOfStep};
+use sve_runtime::system::{Dims, IncrementsOf, System};
+use sve_runtime::{Newton, Plan, State};
 
 /// The system `S` with configurations of the type `Q`.
 #[derive(Clone, Copy)]

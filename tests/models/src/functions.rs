@@ -3,8 +3,9 @@
 
 use core::fmt::Debug;
 
+use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, ForceJet, LagrangianJet, NoiseJet, System, VectorCoordinates};
+use sve_runtime::system::{Dims, ForceJet, LagrangianJet, NoiseJet, System};
 
 use crate::oracle::Model;
 use crate::random::Random;

@@ -1,7 +1,8 @@
 //! Comparison of a derived Lagrangian with the user's own function: values, and derivatives by
 //! differences.
 
-use sve_runtime::{Dims, System, VectorCoordinates};
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::system::{Dims, System};
 
 use crate::functions::{Lagrangian, array, lagrangian};
 use crate::random::Random;

@@ -2,7 +2,7 @@
 //! list of all models and rules.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System};
+use sve_runtime::system::{Dims, System};
 
 use crate::case::{Case, case};
 use crate::configured::Configured;

@@ -4,8 +4,11 @@
 //! paths with noise, the error is the root mean square over paths of the distance of the ends, and
 //! the scatter of the slope between batches of paths gives its standard error.
 
+use sve_runtime::__private::{Coordinates, FixedSize};
+use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
-use sve_runtime::{Configuration, Coordinates, Dims, FixedSize, Rule, StrongOrder, System};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Configuration, Rule};
 
 /// Largest accepted deviation of a slope, in standard errors. Two standard errors would reject one
 /// row in twenty by chance.

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 
 use serde::Deserialize;
 use serde_json::Value;
+use sve_runtime::__private::{ConstraintImpulses, Coordinates, Increments};
 use sve_runtime::prelude::*;
-use sve_runtime::{
-    Configuration, ConstraintImpulses, Coordinates, Dims, Increments, Rule, System, Variational,
-};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Configuration, Rule, Variational};
 
 use crate::orders::numbers;
 

@@ -1,7 +1,9 @@
 //! Integrators behind a pointer: one loop goes over the rules of a system.
 
+use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::prelude::*;
-use sve_runtime::{Configuration, Dims, Rule, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Configuration, Rule, Variational};
 
 use crate::checks::failure;
 use crate::oracle::name;

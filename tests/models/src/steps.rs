@@ -1,8 +1,9 @@
 //! Identities of a step of any rule: its derivatives by differences, symplecticity, and the step
 //! back.
 
+use sve_runtime::Rule;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, System};
+use sve_runtime::system::{Dims, System};
 
 use crate::differences::derivatives;
 use crate::oracle::name;

@@ -7,7 +7,8 @@ mod chain;
 mod pendulum;
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::Variational;
+use sve_runtime::system::{Dims, System};
 
 /// Rounding errors of some thousand operations.
 const ROUNDING: f64 = 1e-10;

@@ -15,11 +15,11 @@ fn ensembles_have_the_bits_of_the_coordinates() {
             .paths(70)
             .seed(2)
             .steps(H, 12)
-            .start_with(|_, rng| {
+            .start(Starts::each(|_, rng| {
                 let mut start = START;
                 start.q[0] += 0.1 * rng.normal();
                 state::<Q, 6>(&start)
-            })
+            }))
             .observe("energy", Mechanics::hamiltonian)
             .observe("last", |_, state: &State<Q>| flat(state).p[5])
             .keep_final_states(true);
@@ -56,7 +56,7 @@ fn studies_have_the_bits_of_the_coordinates() {
         let report = Study::new("charges")
             .start(state::<Q, 6>(&START))
             .horizon(0.4)
-            .steps([4, 8])
+            .step_counts([4, 8])
             .paths(3)
             .method("midpoint", &integrator)
             .method("Heun", &heun)

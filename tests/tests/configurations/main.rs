@@ -9,8 +9,8 @@ mod steps;
 use sve_models::configured::Configured;
 use sve_models::models::Charges;
 use sve_models::oracle::charges;
+use sve_runtime::__private::{Field, VectorCoordinates};
 use sve_runtime::prelude::*;
-use sve_runtime::{Field, VectorCoordinates};
 
 pub(crate) const H: f64 = 0.05;
 pub(crate) const DW: [f64; 3] = [0.1, -0.2, 0.05];

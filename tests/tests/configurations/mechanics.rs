@@ -3,9 +3,10 @@
 use sve_models::configured::Configured;
 use sve_models::models::Stirred;
 use sve_models::oracle::{charges, stirred};
+use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::nalgebra::DMatrix;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, StateOf, System, VectorCoordinates};
+use sve_runtime::system::{Dims, StateOf, System};
 
 use crate::{DW, H, START, Six, every_type, flat, flat_field, state, system};
 

@@ -1,7 +1,8 @@
 //! Sizes, increments and stored forms of states.
 
+use sve_runtime::__private::Coordinates;
+use sve_runtime::Configuration;
 use sve_runtime::prelude::*;
-use sve_runtime::{Configuration, Coordinates};
 
 use crate::{START, Six, every_type};
 

@@ -5,10 +5,11 @@ use serde::de::DeserializeOwned;
 use sve_models::configured::Configured;
 use sve_models::models::Stirred;
 use sve_models::oracle::stirred;
+use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::baseline::{RungeKutta4, TaylorSeries2};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 use crate::{DW, H, START, Six, every_type, flat, flat_field, state, system};
 

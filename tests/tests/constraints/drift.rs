@@ -5,8 +5,10 @@ use sve_models::checks::assert_relative;
 use sve_models::models::OnSphere;
 use sve_models::orders::numbers;
 use sve_models::stepper::Stepper;
+use sve_runtime::__private::{ConstraintImpulses, VectorCoordinates};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 use super::systems::{Check, all, thermal};
 

@@ -3,9 +3,11 @@
 
 use sve_models::models::OnSphere;
 use sve_models::stepper::{Stepper, with_verlet};
+use sve_runtime::__private::{ConstraintImpulses, VectorCoordinates};
+use sve_runtime::Variational;
 use sve_runtime::ensemble::Cause;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 use super::systems::{Check, conservative, two_rods, two_rods_at};
 
@@ -133,10 +135,10 @@ fn lanes_find_the_same_folds() {
         .paths(64)
         .seed(1)
         .steps(0.01, 400)
-        .start_with(|path, _| {
+        .start(Starts::each(|path, _| {
             let at = start(0.7 + 0.01 * path as f64, 1.0);
             integrator.consistent(at).unwrap()
-        })
+        }))
         .observe("x", |_, state: &State<Two>| state.q[0].x)
         .run()
         .unwrap();

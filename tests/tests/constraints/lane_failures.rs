@@ -1,9 +1,11 @@
 //! Failures of constrained systems in lanes: those of single paths.
 
 use sve_models::models::OnSphere;
+use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::ensemble::{Cause, Failure};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, OneStepMethod, StateOf, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, StateOf, System};
+use sve_runtime::{OneStepMethod, Variational};
 
 use super::errors::FourBars;
 
@@ -50,7 +52,7 @@ where
         .paths(100)
         .seed(7)
         .steps(h, steps)
-        .start_with(|path, _| start(path))
+        .start(Starts::each(|path, _| start(path)))
         .observe("q", |_, state: &State<Q>| state.q.coordinates()[0])
         .run();
     summary.unwrap().failures().to_vec()

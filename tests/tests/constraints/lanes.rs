@@ -5,8 +5,10 @@ use sve_models::checks::assert_within;
 use sve_models::models::{Thermal, TurnedSphere};
 use sve_models::orders::numbers;
 use sve_models::random::Random;
+use sve_runtime::__private::{ConstraintImpulses, LANES, Lane, VectorCoordinates};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, LANES, Lane, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 use super::systems::{Check, all, random_states, stepped_in_lanes, thermal};
 
@@ -238,7 +240,7 @@ fn a_heat_bath_has_its_temperature() {
         .paths(u64::from(PATHS))
         .seed(11)
         .steps(0.1, 120)
-        .record_every(120)
+        .every(120)
         .start(State::new(Vector3::new(1.0, 0.0, 0.0), Vector3::zeros()))
         .observe("height", |_, state: &State<Vector3<f64>>| state.q.z)
         .observe(

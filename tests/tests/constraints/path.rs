@@ -8,9 +8,10 @@
 //! 0 = p − p₀ − (1 − c) g − Dφ(q₀)ᵀ λ      0 = w − v − Σ ∂G/∂p ΔW / h + …      0 = φ(t₁, q₀ + h w)/h
 //! ```
 
+use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::nalgebra::{DMatrix, DVector};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, NoiseJet, System, VectorCoordinates};
+use sve_runtime::system::{Dims, NoiseJet, System};
 
 /// The rules whose equations are known here.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use sve_models::checks::assert_says;
 use sve_models::models::{Breathing, Curved, OnSphere, TurnedSphere};
-use sve_runtime::BlockKind;
+use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
 
 use super::systems::{FiveRods, two_rods};

@@ -1,8 +1,10 @@
 //! What long paths keep: the constraints, momenta of symmetries, the energy without drift; and the
 //! exact path of a rotation.
 
+use sve_runtime::__private::{ConstraintImpulses, VectorCoordinates};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 use super::systems::{Check, all};
 

@@ -3,8 +3,10 @@
 
 use sve_models::models::{OnSphere, TurnedSphere, TwoRods};
 use sve_models::reference::{ReferenceRun, check};
+use sve_runtime::__private::ConstraintImpulses;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 fn error<S, const N: usize, const M: usize>(run: &ReferenceRun, system: &S) -> f64
 where

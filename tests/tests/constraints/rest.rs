@@ -4,8 +4,9 @@
 
 use sve_models::models::TurnedSphere;
 use sve_models::random::Random;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 /// Momenta of the starts: at rest, and so slow that rounding errors of the constraint are larger.
 const SPEEDS: [f64; 5] = [0.0, 1e-300, 1e-20, 1e-17, 1e-14];

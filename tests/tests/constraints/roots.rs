@@ -3,8 +3,10 @@
 //! the end of the path it is an error.
 
 use sve_models::random::Random;
+use sve_runtime::__private::{ConstraintImpulses, LANES, VectorCoordinates};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, LANES, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 use super::path::{Followed, Scheme, follow};
 use super::systems::{Check, conservative, random_states, stepped_in_lanes};

@@ -3,8 +3,10 @@
 
 use sve_models::differences::derivatives;
 use sve_models::random::Random;
+use sve_runtime::__private::{ConstraintImpulses, VectorCoordinates};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{ConstraintImpulses, Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 use super::systems::{Check, conservative};
 

@@ -4,11 +4,10 @@ use sve_models::models::{
     Breathing, Curved, Ellipsoid, OnSphere, Saddle, Thermal, Torus, TurnedSphere, TwoRods,
 };
 use sve_models::random::Random;
+use sve_runtime::__private::{ConstraintImpulses, Dimensions, LANES, Lane, Mask, StateLanesOf};
 use sve_runtime::prelude::*;
-use sve_runtime::{
-    ConstraintImpulses, Dimensions, Dims, LANES, Lane, Mask, OneStepMethod, StateLanesOf, System,
-    Variational,
-};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{OneStepMethod, Variational};
 
 /// A chain of five rods of equal masses whose end is shaken.
 #[derive(Clone, Debug)]
@@ -51,7 +50,7 @@ pub(crate) trait Check {
         start: State<Q>,
     ) where
         S: Variational<R> + ConstraintImpulses<R> + System<Dims = Dims<N, M, Q>>,
-        Q: sve_runtime::VectorCoordinates<N>;
+        Q: sve_runtime::__private::VectorCoordinates<N>;
 }
 
 /// Random consistent states around a start, one for each lane.
@@ -63,7 +62,7 @@ pub(crate) fn random_states<S, R, Q, const N: usize, const M: usize>(
 ) -> Vec<State<Q>>
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: sve_runtime::VectorCoordinates<N>,
+    Q: sve_runtime::__private::VectorCoordinates<N>,
 {
     let mut states = Vec::new();
     while states.len() < LANES {
@@ -85,7 +84,7 @@ pub(crate) fn stepped_in_lanes<S, R, Q, const N: usize, const M: usize>(
 ) -> (Vec<State<Q>>, Mask)
 where
     S: Variational<R> + System<Dims = Dims<N, M, Q>>,
-    Q: sve_runtime::VectorCoordinates<N>,
+    Q: sve_runtime::__private::VectorCoordinates<N>,
 {
     let mut lanes = <Dims<N, M, Q> as Dimensions>::splat(&states[0]);
     for (lane, state) in states.iter().enumerate() {
@@ -113,7 +112,7 @@ fn all_rules<S, Q, const N: usize, const M: usize>(
         + ConstraintImpulses<Endpoint>
         + ConstraintImpulses<Midpoint>
         + ConstraintImpulses<StormerVerlet>,
-    Q: sve_runtime::VectorCoordinates<N>,
+    Q: sve_runtime::__private::VectorCoordinates<N>,
 {
     let midpoint = Integrator::new(system, Midpoint);
     let start = midpoint.consistent(start).unwrap();

@@ -189,7 +189,7 @@ fn lanes_refuse_them_too() {
             .paths(180)
             .seed(1)
             .steps(0.01, 2)
-            .start_with(|path, _| beside(path as u32))
+            .start(Starts::each(|path, _| beside(path as u32)))
             .observe("x", |_, state: &State<[f64; 2]>| state.q[0])
             .run()
             .unwrap();

@@ -6,8 +6,10 @@ use sve_models::degenerate::{
     CubicLotkaVolterra, Drift, InternalLotkaVolterra, Joint, Kubo, LotkaVolterra, MassWithPair,
     Spin, VortexPair, Vortices,
 };
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 /// The three rules on the same noise stay near the exact rotation, and the midpoint rule keeps the
 /// energy.

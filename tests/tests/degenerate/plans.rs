@@ -1,7 +1,8 @@
 //! What plans say of degenerate Lagrangians.
 
+use sve_runtime::plan::DegenerateStep;
 use sve_runtime::prelude::*;
-use sve_runtime::{DegenerateStep, Plan, Variational};
+use sve_runtime::{Plan, Variational};
 
 use sve_models::degenerate::{
     CubicLotkaVolterra, Drift, InternalLotkaVolterra, Joint, Kubo, LotkaVolterra,

@@ -2,8 +2,9 @@
 
 use sve_models::degenerate::{InternalLotkaVolterra, Kubo, LotkaVolterra, Spin};
 use sve_models::reference::{ReferenceRun, check};
+use sve_runtime::Rule;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, System};
+use sve_runtime::system::{Dims, System};
 
 /// The error along a run from the rest state of its first configuration.
 fn error<S, R>(run: &ReferenceRun, system: S, rule: R) -> f64

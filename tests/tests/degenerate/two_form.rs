@@ -1,8 +1,10 @@
 //! Steps preserve the two-form: to rounding in the affine and the internal form, up to O(h⁵) where
 //! they are projected.
 
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{CoordinateRole, Dims, LagrangianJet, System, Variational, VectorCoordinates};
+use sve_runtime::system::{CoordinateRole, Dims, LagrangianJet, System};
 
 use sve_models::degenerate::{
     CubicLotkaVolterra, Drift, InternalLotkaVolterra, Joint, Kubo, LotkaVolterra,

@@ -68,7 +68,7 @@ fn odd_observables_have_no_error_and_even_ones_a_larger_one() {
             .paths(20_000)
             .seed(4)
             .steps(0.05, 40)
-            .record_every(20)
+            .every(20)
             .start(State::new([start], [0.0]))
             .observe("q", |_, s| s.q[0])
             .observe("q²", |_, s| s.q[0] * s.q[0])
@@ -104,10 +104,10 @@ fn starts_of_a_pair_have_the_same_numbers() {
         .paths(1000)
         .seed(4)
         .steps(0.05, 40)
-        .start_with(|path, rng| {
+        .start(Starts::each(|path, rng| {
             let sign = if path % 2 == 0 { 1.0 } else { -1.0 };
             State::new([sign * rng.normal()], [sign * rng.normal()])
-        })
+        }))
         .antithetic(true)
         .observe("q", |_, s| s.q[0])
         .run()

@@ -17,9 +17,11 @@ fn ensemble(method: &KuboMethod) -> Ensemble<'_, KuboMethod> {
         .paths(20)
         .seed(3)
         .steps(0.05, 4)
-        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .start(Starts::each(|_, rng| {
+            State::new([rng.normal()], [rng.uniform()])
+        }))
         .observe("q", |_, s| if s.q[0] > 1.5 { f64::NAN } else { s.q[0] })
-        .final_histogram("q", -2.0..2.0, 3)
+        .histogram("q", -2.0..2.0, Bins::at_end(3))
         .covariance("q", "q")
         .quantiles("q", 2)
         .keep_final_states(true)

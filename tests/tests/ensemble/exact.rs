@@ -7,8 +7,9 @@
 use sve_models::checks::assert_within;
 use sve_models::models::Oscillator;
 use sve_models::stepper::Stepper;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::runs::oscillator;
 
@@ -84,7 +85,7 @@ where
         .paths(PATHS)
         .seed(seed)
         .steps(H, 500)
-        .record_every(50)
+        .every(50)
         .start(State::new([1.0], [0.0]))
         .observe("energy", Mechanics::hamiltonian)
         .run()

@@ -41,8 +41,8 @@ fn ensemble(method: &Integrator<Spring, Endpoint>) -> Ensemble<'_, Integrator<Sp
         .paths(PATHS)
         .seed(5)
         .steps(H, STEPS)
-        .record_every(10)
-        .start_with(|_, rng| start(rng))
+        .every(10)
+        .start(Starts::each(|_, rng| start(rng)))
         .keep_final_states(true)
 }
 
@@ -202,12 +202,12 @@ fn of_starts() {
     let summary = Ensemble::new(&method)
         .paths(200)
         .steps(H, 5)
-        .start_with(|path, _| match path {
+        .start(Starts::each(|path, _| match path {
             0 | 64 => State::new([f64::NAN], [0.0]),
             17 => State::at(1.0, [0.0], [0.0]),
             130 => State::new([0.0], [f64::INFINITY]),
             _ => State::new([0.1], [0.0]),
-        })
+        }))
         .observe("q", |_, state| state.q[0])
         .run()
         .unwrap();
@@ -266,7 +266,7 @@ fn that_end_a_run_are_the_lowest_even_if_a_later_one_is_first() {
     let method = spring();
     let begun = AtomicBool::new(false);
     let ensemble = ensemble(&method)
-        .start_with(|path, _| {
+        .start(Starts::each(|path, _| {
             match path {
                 // another thread has the block of path 130; let it fail meanwhile
                 70 => {
@@ -282,7 +282,7 @@ fn that_end_a_run_are_the_lowest_even_if_a_later_one_is_first() {
                 _ => return State::new([0.1], [0.0]),
             }
             State::new([f64::NAN], [0.0])
-        })
+        }))
         .stop_on_failure(true)
         .threads(2);
     match ensemble.run() {

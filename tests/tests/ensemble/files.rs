@@ -18,8 +18,10 @@ fn ensemble(method: &KuboMethod) -> Ensemble<'_, KuboMethod> {
         .paths(700)
         .seed(3)
         .steps(0.05, 40)
-        .record_every(15)
-        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .every(15)
+        .start(Starts::each(|_, rng| {
+            State::new([rng.normal()], [rng.uniform()])
+        }))
         .observe("q", |_, s| if s.q[0] > 2.5 { f64::NAN } else { s.q[0] })
         .observe("a, \"b\" é", |_, s| {
             if s.t < 0.1 { 1e-300 * s.p[0] } else { -s.p[0] }

@@ -20,7 +20,7 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
         .paths(PATHS)
         .seed(5)
         .steps(0.1, 60)
-        .record_every(10)
+        .every(10)
         .start(State::new([1.0], [0.0]))
         .observe("q", |_, s| s.q[0])
         .observe("p", |_, s| s.p[0])
@@ -127,11 +127,11 @@ fn autocorrelations_of_a_bath_are_stationary() {
         .paths(20_000)
         .seed(3)
         .steps(h, 12)
-        .record_every(2)
-        .start_with(|_, rng| {
+        .every(2)
+        .start(Starts::each(|_, rng| {
             let s = 2.0_f64.sqrt();
             State::new([s * rng.normal()], [s * rng.normal()])
-        })
+        }))
         .observe("q", |_, s| s.q[0])
         .two_time("q", "q")
         .run()
@@ -209,7 +209,7 @@ fn pairs_of_times_leave_out_paths_that_have_failed() {
         .paths(paths)
         .seed(5)
         .steps(h, 30)
-        .record_every(10)
+        .every(10)
         .start(State::new([1.0], [0.0]))
         .observe("q", |_, s| if s.q[0] > bound { f64::NAN } else { s.q[0] })
         .observe("p", |_, s| s.p[0])
@@ -253,8 +253,10 @@ fn shards_merge_into_the_bits_of_the_whole() {
             .paths(64 * 10 + 7)
             .seed(3)
             .steps(0.05, 40)
-            .record_every(10)
-            .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+            .every(10)
+            .start(Starts::each(|_, rng| {
+                State::new([rng.normal()], [rng.uniform()])
+            }))
             .observe("q", |_, s| if s.q[0] > 2.0 { f64::NAN } else { s.q[0] })
             .observe("p", |_, s| s.p[0])
             .covariance("q", "p")
@@ -279,7 +281,7 @@ fn shards_merge_into_the_bits_of_the_whole() {
 fn names_and_sizes_are_checked() {
     let method = oscillator(Midpoint);
     let of = || ensemble(&method);
-    let many = of().steps(1e-9, 1 << 21).record_every(1);
+    let many = of().steps(1e-9, 1 << 21).every(1);
     for (refused, says) in [
         (of().covariance("q", "x"), "`x` to take a covariance of"),
         (of().quantiles("x", 10), "`x` to take quantiles of"),

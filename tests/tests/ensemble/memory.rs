@@ -26,7 +26,7 @@ fn run(method: &KuboMethod, paths: u64, steps: u64, every: u64) -> Summary {
     Ensemble::new(method)
         .paths(paths)
         .steps(0.01, steps)
-        .record_every(every)
+        .every(every)
         .start(State::new([1.0], [0.0]))
         .observe("q", |_, state| state.q[0])
         .observe("p", |_, state| state.p[0])

@@ -288,11 +288,11 @@ fn levels_have_independent_random_starts() {
     let method = oscillator(Endpoint);
     let starts = Mutex::new(BTreeSet::new());
     let estimate = ensemble(&method)
-        .start_with(|_, rng| {
+        .start(Starts::each(|_, rng| {
             let q = rng.normal();
             starts.lock().unwrap().insert(q.to_bits());
             State::new([q], [0.0])
-        })
+        }))
         .multilevel("q²")
         .run(0.3)
         .unwrap();
@@ -306,10 +306,10 @@ fn paths_that_fail_do_not_count() {
     let method = oscillator(Endpoint);
     let wanted = 0.1;
     let estimate = ensemble(&method)
-        .start_with(|path, _| {
+        .start(Starts::each(|path, _| {
             let q = if path % 4 == 0 { 1.0 } else { f64::NAN };
             State::new([q], [0.0])
-        })
+        }))
         .multilevel("q²")
         .run(wanted)
         .unwrap();

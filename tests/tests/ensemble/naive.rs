@@ -6,7 +6,7 @@ use sve_models::orders::numbers;
 use sve_runtime::baseline::Heun;
 use sve_runtime::noise::ThreePoint;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System};
+use sve_runtime::system::{Dims, System};
 
 use crate::runs::kubo;
 
@@ -33,7 +33,7 @@ fn check<I, S, const N: usize, const M: usize>(
     let ensemble = settings(Ensemble::new(method))
         .paths(PATHS)
         .steps(H, STEPS)
-        .record_every(EVERY)
+        .every(EVERY)
         .start(start)
         .keep_final_states(true)
         .observe("mixture", |_, state| observable(state));
@@ -151,7 +151,7 @@ fn seeds_of_noise_and_starts() {
         let ensemble = Ensemble::new(&method)
             .paths(70)
             .steps(0.1, 5)
-            .start_with(|_, rng| State::new([rng.normal()], [0.1]))
+            .start(Starts::each(|_, rng| State::new([rng.normal()], [0.1])))
             .keep_final_states(true);
         settings(ensemble)
     };

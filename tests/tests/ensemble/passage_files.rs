@@ -15,8 +15,10 @@ fn passages() -> Summary {
     Ensemble::new(&method)
         .paths(300)
         .steps(0.1, 40)
-        .record_every(10)
-        .start_with(|path, _| State::new([0.0], [path as f64 / 150.0 - 1.0]))
+        .every(10)
+        .start(Starts::each(|path, _| {
+            State::new([0.0], [path as f64 / 150.0 - 1.0])
+        }))
         .observe("age", |_, s| if s.p[0].abs() < 0.2 { s.t } else { 0.0 })
         .bound("age", ..=1.5)
         .stop_at("left", |_, s| s.q[0] + 1.0)

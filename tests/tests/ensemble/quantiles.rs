@@ -17,7 +17,9 @@ fn ends_have_the_ranks_of_so_many_deviations() {
     let summary = Ensemble::new(&method)
         .paths(u64::from(paths))
         .steps(0.1, 1)
-        .start_with(|path, _| State::new([((path * 77) % 1000 + 1) as f64], [0.0]))
+        .start(Starts::each(|path, _| {
+            State::new([((path * 77) % 1000 + 1) as f64], [0.0])
+        }))
         .observe("q", |_, state| state.q[0])
         .quantiles("q", 1000)
         .run()
@@ -45,7 +47,7 @@ fn normals(method: &Free, size: usize, seed: u64) -> Ensemble<'_, Free> {
         .paths(6000)
         .seed(seed)
         .steps(0.1, 1)
-        .start_with(|_, rng| State::new([rng.normal()], [0.0]))
+        .start(Starts::each(|_, rng| State::new([rng.normal()], [0.0])))
         .observe("q", |_, state| state.q[0])
         .quantiles("q", size)
 }
@@ -119,7 +121,7 @@ fn intervals_contain_the_quantile_as_often_as_they_say() {
             .paths(192)
             .seed(u64::from(seed))
             .steps(0.1, 1)
-            .start_with(|_, rng| State::new([rng.uniform()], [0.0]))
+            .start(Starts::each(|_, rng| State::new([rng.uniform()], [0.0])))
             .observe("q", |_, state| state.q[0])
             .quantiles("q", 192)
             .threads(1)

@@ -94,7 +94,7 @@ fn values_that_do_not_differ_are_no_estimate() {
     // random starts are noise
     let drawn = constant()
         .noise(NoNoise)
-        .start_with(|_, rng| State::new([rng.normal()], [0.0]));
+        .start(Starts::each(|_, rng| State::new([rng.normal()], [0.0])));
     let found = drawn.multilevel("t").run(1e-3);
     assert_matches!(found, Err(EnsembleError::OneValue { .. }));
 }
@@ -106,7 +106,7 @@ fn levels_without_a_difference_have_enough_paths() {
     let method = oscillator(Endpoint);
     let ensemble = ensemble(&method, 2)
         .paths(64)
-        .start_with(|_, rng| State::new([0.0], [rng.uniform()]))
+        .start(Starts::each(|_, rng| State::new([0.0], [rng.uniform()])))
         .fold(
             "start",
             |_, s| f64::from(s.p[0] < 0.3),
@@ -133,7 +133,9 @@ fn tails_without_a_variance_are_an_error() {
     let ensemble = ensemble(&method, 3)
         .paths(64)
         .steps(1.0, 1)
-        .start_with(|_, rng| State::new([(PI * (rng.uniform() - 0.5)).tan()], [0.0]))
+        .start(Starts::each(|_, rng| {
+            State::new([(PI * (rng.uniform() - 0.5)).tan()], [0.0])
+        }))
         .observe("q", |_, s| s.q[0]);
     let found = ensemble.multilevel("q").run(0.01);
     assert_matches!(found, Err(EnsembleError::HeavyTails { carriers, .. }) if *carriers < 8.0);

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use sve_models::models::{Kicked, Kubo, Oscillator};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System};
+use sve_runtime::system::{Dims, System};
 
 pub(crate) type KuboMethod = Integrator<Kubo, Midpoint>;
 
@@ -46,10 +46,10 @@ pub(crate) fn drawn<T: Send>(
         .paths(paths)
         .seed(seed)
         .steps(0.1, 1)
-        .start_with(|path, rng| {
+        .start(Starts::each(|path, rng| {
             all.lock().unwrap().insert(path, draw(path, rng));
             State::new([0.0], [0.0])
-        });
+        }));
     ensemble.run().unwrap();
     drop(ensemble);
     all.into_inner().unwrap().into_values().collect()

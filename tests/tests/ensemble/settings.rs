@@ -34,7 +34,7 @@ fn errors() {
             |e| e.start(State::at(f64::NAN, [1.0], [0.0])),
             "not finite; take fewer or shorter steps",
         ),
-        (|e| e.record_every(0), "write 1 to record each step"),
+        (|e| e.every(0), "write 1 to record each step"),
         (
             |e| e.steps(0.1, 10).settle(10).average("x", |_, s| s.q[0]),
             "`settle(10)` leaves nothing to average: a path makes 10 steps",
@@ -60,7 +60,7 @@ fn errors() {
         ),
         (|e| e.histogram("q", f64::NAN..1.0, 3), "finite bounds"),
         (
-            |e| e.final_histogram("q", 0.0..f64::INFINITY, 3),
+            |e| e.histogram("q", 0.0..f64::INFINITY, Bins::at_end(3)),
             "finite bounds",
         ),
         (|e| e.shard(2, 2), "of 2 shards the numbers are 0 to 2 − 1"),
@@ -85,11 +85,11 @@ fn errors() {
             "with 35184372088832 bins at 2 recorded times take 11",
         ),
         (
-            |e| e.steps(1e-9, 1 << 50).record_every(1),
+            |e| e.steps(1e-9, 1 << 50).every(1),
             "1125899906842625 recorded times",
         ),
         (
-            |e| e.steps(1e-9, u64::MAX).record_every(1),
+            |e| e.steps(1e-9, u64::MAX).every(1),
             "18446744073709551615 steps of 1e-9 from t = 0: at t = 18446744073",
         ),
         (
@@ -201,11 +201,13 @@ fn histograms_count_every_path_in_its_bin() {
             .paths(500)
             .seed(6)
             .steps(0.1, 2)
-            .record_every(1)
-            .start_with(|path, rng| State::new([draw(path, rng)], [0.0]))
+            .every(1)
+            .start(Starts::each(|path, rng| {
+                State::new([draw(path, rng)], [0.0])
+            }))
             .observe("q", |_, state| state.q[0])
             .histogram("q", low..high, bins)
-            .final_histogram("q", low..high, bins)
+            .histogram("q", low..high, Bins::at_end(bins))
             .run()
             .unwrap();
         let [each, end] = summary.histograms() else {

@@ -2,10 +2,10 @@
 
 use sve_models::assert_matches;
 use sve_models::checks::assert_says;
-use sve_runtime::Dims;
 use sve_runtime::baseline::{EulerMaruyama, Heun};
 use sve_runtime::ensemble::Difference;
 use sve_runtime::prelude::*;
+use sve_runtime::system::Dims;
 
 use crate::runs::{KuboMethod, kubo, run_in_parts};
 
@@ -17,12 +17,14 @@ fn ensemble(method: &KuboMethod) -> Ensemble<'_, KuboMethod> {
         .paths(PATHS)
         .seed(3)
         .steps(0.05, 40)
-        .record_every(10)
-        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .every(10)
+        .start(Starts::each(|_, rng| {
+            State::new([rng.normal()], [rng.uniform()])
+        }))
         .observe("q", |_, s| if s.q[0] > 2.5 { f64::NAN } else { s.q[0] })
         .observe("energy", |system, state| system.hamiltonian(state))
         .histogram("q", -2.0..2.0, 10)
-        .final_histogram("energy", 0.0..2.0, 7)
+        .histogram("energy", 0.0..2.0, Bins::at_end(7))
         .keep_final_states(true)
 }
 
@@ -97,7 +99,7 @@ fn of_other_runs_do_not_merge() {
     };
     other(|e| e.paths(PATHS + 64), "number of paths");
     other(|e| e.steps(0.06, 40), "recorded times");
-    other(|e| e.record_every(20), "recorded times");
+    other(|e| e.every(20), "recorded times");
     other(|e| e.observe("p", |_, s| s.p[0]), "observables");
     other(|e| e.histogram("q", 0.0..1.0, 3), "histograms");
     other(|e| e.seed(4), "a seed");
@@ -111,7 +113,7 @@ fn of_other_runs_do_not_merge() {
     other(|e| e.keep_final_states(false), "settings");
     other(|e| e.bound("q", ..1e9), "settings");
     // all recorded times are equal, and the step is not
-    other(|e| e.steps(0.025, 80).record_every(20), "settings");
+    other(|e| e.steps(0.025, 80).every(20), "settings");
 }
 
 #[test]
@@ -141,8 +143,8 @@ fn of_statistics_in_another_order_merge() {
 /// names.
 fn refused<I, J>(first: &Ensemble<'_, I>, second: &Ensemble<'_, J>) -> Difference
 where
-    I: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>> + Sync,
-    J: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>> + Sync,
+    I: sve_runtime::Method<System: sve_runtime::system::System<Dims = Dims<1, 1>>> + Sync,
+    J: sve_runtime::Method<System: sve_runtime::system::System<Dims = Dims<1, 1>>> + Sync,
 {
     let mut merged = first.run().unwrap();
     match merged.merge(second.run().unwrap()) {
@@ -191,12 +193,12 @@ impl Pulse {
 /// 2,000 steps from rest.
 fn from_rest<I>(method: &I, shard: u64) -> Ensemble<'_, I>
 where
-    I: sve_runtime::Method<System: sve_runtime::System<Dims = Dims<1, 1>>>,
+    I: sve_runtime::Method<System: sve_runtime::system::System<Dims = Dims<1, 1>>>,
 {
     Ensemble::new(method)
         .paths(256)
         .steps(0.01, 2000)
-        .record_every(100)
+        .every(100)
         .start(State::new([0.0], [0.0]))
         .observe("q²", |_, state| state.q[0].powi(2))
         .shard(shard, 2)
@@ -257,14 +259,15 @@ fn of_starts_and_observables_that_differ_little_do_not_merge() {
     let first = from_rest(&method, 0);
     let moved = from_rest(&method, 1).start(State::new([1e-9], [0.0]));
     assert_eq!(refused(&first, &moved), Difference::Starts);
-    let others = from_rest(&method, 1)
-        .start_with(|k, _| State::new([if k == 0 { 0.0 } else { 1e-12 }], [0.0]));
+    let others = from_rest(&method, 1).start(Starts::each(|k, _| {
+        State::new([if k == 0 { 0.0 } else { 1e-12 }], [0.0])
+    }));
     assert_eq!(refused(&first, &others), Difference::Starts);
     let late = |from: f64| {
         Ensemble::new(&method)
             .paths(256)
             .steps(0.01, 2000)
-            .record_every(100)
+            .every(100)
             .start(State::new([0.0], [0.0]))
             .observe("q²", move |_, state| {
                 state.q[0].powi(2) + if state.t > from { 1e-12 } else { 0.0 }

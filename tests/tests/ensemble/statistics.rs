@@ -11,7 +11,7 @@ fn summary(observable: impl Fn(f64) -> f64 + Sync) -> Summary {
     let ensemble = Ensemble::new(&method)
         .paths(300)
         .steps(0.1, 1)
-        .start_with(|path, _| State::new([path as f64], [0.0]))
+        .start(Starts::each(|path, _| State::new([path as f64], [0.0])))
         .observe("x", |_, state| {
             observable(if state.t == 0.0 { state.q[0] } else { 0.0 })
         });
@@ -92,10 +92,10 @@ fn edges_of_histograms_are_the_nearest_numbers() {
     let ensemble = Ensemble::new(&method)
         .paths(3)
         .steps(0.1, 1)
-        .start_with(|path, _| {
+        .start(Starts::each(|path, _| {
             let starts = [-0.5_f64, (-0.5_f64).next_down(), 2.5];
             State::new([starts[path as usize]], [0.0])
-        })
+        }))
         .observe("q", |_, state| state.q[0])
         .histogram("q", -3.0..3.0, 12);
     let summary = ensemble.run().unwrap();

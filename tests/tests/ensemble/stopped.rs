@@ -6,8 +6,10 @@ use std::time::Duration;
 
 use sve_models::checks::assert_within;
 use sve_models::models::{Kicked, Oscillator, Pushed};
+use sve_runtime::__private::{IncrementLanesOf, Mask, StateLanesOf};
+use sve_runtime::OneStepMethod;
 use sve_runtime::prelude::*;
-use sve_runtime::{IncrementLanesOf, Mask, OneStepMethod, StateLanesOf, StateOf};
+use sve_runtime::system::StateOf;
 
 use crate::runs::{drawn, free, run_in_parts, scratch};
 
@@ -24,8 +26,10 @@ fn observed(method: &Method) -> Ensemble<'_, Method> {
         .paths(1500)
         .seed(3)
         .steps(H, 300)
-        .record_every(60)
-        .start_with(|_, rng| State::new([0.1 * rng.normal()], [0.0]))
+        .every(60)
+        .start(Starts::each(|_, rng| {
+            State::new([0.1 * rng.normal()], [0.0])
+        }))
         .observe("q", |_, state| state.q[0])
         .average("kinetic", |_, state| 0.5 * state.p[0] * state.p[0])
         .integral("area", |_, state| state.q[0])
@@ -170,14 +174,16 @@ fn stopped_paths_cost_no_steps() {
             .paths(4096)
             .seed(1)
             .steps(h, steps)
-            .start_with(|_, rng| State::new([0.0], [-1.0 / (1.0 - rng.uniform()).ln()]))
+            .start(Starts::each(|_, rng| {
+                State::new([0.0], [-1.0 / (1.0 - rng.uniform()).ln()])
+            }))
             // the time of passage 1/v is exponential
             .stop_at("wall", |_, state| state.q[0] - 1.0)
             .threads(threads)
             .run()
             .unwrap();
         let exposure = summary.passage("wall").unwrap().rate(0).exposure;
-        let steps = method.1.load(Ordering::Relaxed) * sve_runtime::LANES as u64;
+        let steps = method.1.load(Ordering::Relaxed) * sve_runtime::__private::LANES as u64;
         steps as f64 * h / exposure
     };
     // 16 blocks together, until all have stopped: lanes are filled again every 32 steps, and the
@@ -222,7 +228,9 @@ fn an_oscillator_has_its_exact_maximum_and_turns() {
     let summary = Ensemble::new(&method)
         .paths(100)
         .steps(h, steps)
-        .start_with(move |path, _| State::new([phase(path).cos()], [-phase(path).sin()]))
+        .start(Starts::each(move |path, _| {
+            State::new([phase(path).cos()], [-phase(path).sin()])
+        }))
         .maximum("q", |_, state| state.q[0])
         .crossings("turns", |_, state| state.q[0])
         .run()

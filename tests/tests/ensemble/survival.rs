@@ -35,10 +35,10 @@ fn race<'a>(
         .paths(paths)
         .seed(seed)
         .steps(h, steps)
-        .start_with(move |_, rng| {
+        .start(Starts::each(move |_, rng| {
             let [a, b] = times([rng.uniform(), rng.uniform()].map(|u| -(1.0 - u).ln()));
             State::new([0.0; 2], [1.0 / a, 1.0 / b])
-        })
+        }))
         .stop_at("event", |_, state| state.q[0] - 1.0)
         .stop_at("other end", |_, state| state.q[1] - 1.0)
 }
@@ -84,7 +84,7 @@ fn competing_exponential_times_have_their_survival() {
         for seed in 0..runs {
             let step = (2.0 / steps as f64, steps);
             let ensemble = race(&method, (10_000, seed), step, exponential);
-            let summary = ensemble.record_every(every).run().unwrap();
+            let summary = ensemble.every(every).run().unwrap();
             let (survival, error) = last(summary.passage("event").unwrap());
             // 10,000 e⁻⁵ paths are left, and Greenwood's sum is ∫ λ e^(2.5 t) dt/n
             let expected = exact * ((5.0_f64.exp() - 1.0) / 2.5 / 10_000.0).sqrt();
@@ -107,7 +107,7 @@ fn rates_may_vary_against_one_another() {
     for (steps, every) in [(1, 1), (12, 12), (9000, 9000)] {
         let paths = if steps > 1000 { 1000 } else { 20_000 };
         let ensemble = race(&method, (paths, 3), (1.2 / steps as f64, steps), times);
-        let summary = ensemble.record_every(every).run().unwrap();
+        let summary = ensemble.every(every).run().unwrap();
         let (survival, error) = last(summary.passage("event").unwrap());
         assert_within(survival, f64::exp(-1.44), error, 4.0, steps);
     }
@@ -118,7 +118,7 @@ fn rates_may_vary_against_one_another() {
 #[test]
 fn the_estimate_is_that_of_single_events() {
     let method = pair();
-    let run = |every| race(&method, (300, 5), (0.1, 20), exponential).record_every(every);
+    let run = |every| race(&method, (300, 5), (0.1, 20), exponential).every(every);
     let ends = drawn(300, 5, |_, rng| {
         let [a, b] = exponential([rng.uniform(), rng.uniform()].map(|u: f64| -(1.0 - u).ln()));
         (a.min(b), a < b)
@@ -177,8 +177,10 @@ fn paths_that_fail_are_at_risk_until_then() {
     let summary = Ensemble::new(&method)
         .paths(paths)
         .steps(0.125, 24)
-        .record_every(4)
-        .start_with(|path, _| State::new([0.0; 2], [velocity(path), 0.0]))
+        .every(4)
+        .start(Starts::each(|path, _| {
+            State::new([0.0; 2], [velocity(path), 0.0])
+        }))
         // every third path fails where its age is above 1.2
         .observe("age", |_, state| {
             if number(state.p[0]) % 3 == 0 {
@@ -222,8 +224,10 @@ fn lost(method: &Method, from: f64, speed: f64) -> Summary {
     Ensemble::new(method)
         .paths(100)
         .steps(0.25, 12)
-        .record_every(4)
-        .start_with(move |path, _| State::new([0.0; 2], [if path < 50 { speed } else { 0.0 }, 1.0]))
+        .every(4)
+        .start(Starts::each(move |path, _| {
+            State::new([0.0; 2], [if path < 50 { speed } else { 0.0 }, 1.0])
+        }))
         .observe(
             "x",
             move |_, state| if state.t >= from { f64::NAN } else { 0.0 },
@@ -264,8 +268,10 @@ fn survival_is_unknown_after_the_last_path_is_censored() {
     let ensemble = Ensemble::new(&method)
         .paths(100)
         .steps(0.5, 6)
-        .record_every(2)
-        .start_with(|path, _| State::new([0.0; 2], [if path < 50 { 1.25 } else { 0.0 }, 0.8]))
+        .every(2)
+        .start(Starts::each(|path, _| {
+            State::new([0.0; 2], [if path < 50 { 1.25 } else { 0.0 }, 0.8])
+        }))
         .stop_at("wall", |_, state| state.q[0] - 1.0)
         .stop_at("other end", |_, state| state.q[1] - 1.0);
     let summary = ensemble.run().unwrap();
@@ -275,7 +281,7 @@ fn survival_is_unknown_after_the_last_path_is_censored() {
     let summary = Ensemble::new(&method)
         .paths(100)
         .steps(0.5, 4)
-        .record_every(2)
+        .every(2)
         .start(State::new([0.0; 2], [0.8, 0.0]))
         .stop_at("wall", |_, state| state.q[0] - 1.0)
         .run()
@@ -289,7 +295,7 @@ fn survival_is_unknown_after_the_last_path_is_censored() {
 #[test]
 fn threads_shards_and_stored_forms_have_the_same_bits() {
     let method = pair();
-    let ensemble = || race(&method, (1000, 9), (0.1, 20), exponential).record_every(4);
+    let ensemble = || race(&method, (1000, 9), (0.1, 20), exponential).every(4);
     let whole = run_in_parts(ensemble, &[3], &[&[2, 0, 1]]);
     let text = serde_json::to_string(&whole).unwrap();
     let read: Summary = serde_json::from_str(&text).unwrap();

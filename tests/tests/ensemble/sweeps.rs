@@ -23,7 +23,7 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
         .paths(PATHS)
         .seed(3)
         .steps(0.05, 40)
-        .record_every(10)
+        .every(10)
         .observe("q", |_, s| s.q[0])
         .observe("σ", |system, _| system.sigma)
 }
@@ -71,7 +71,7 @@ fn rows_have_the_bits_of_single_runs() {
         assert_eq!(*row, ensemble(method).start(start).run().unwrap());
     }
     let starts = [start, State::new([0.5], [0.5])];
-    let sweep = ensemble(&table[0]).sweep_starts(&starts).unwrap();
+    let sweep = ensemble(&table[0]).sweep(&starts).unwrap();
     for (row, start) in sweep.rows().iter().zip(starts) {
         assert_eq!(*row, ensemble(&table[0]).start(start).run().unwrap());
     }
@@ -94,8 +94,10 @@ fn failing(table: &[KuboMethod]) -> Ensemble<'_, KuboMethod> {
         .paths(PATHS)
         .seed(3)
         .steps(0.05, 40)
-        .record_every(20)
-        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .every(20)
+        .start(Starts::each(|_, rng| {
+            State::new([rng.normal()], [rng.uniform()])
+        }))
         .observe("q", |_, s| if s.q[0] > 1.0 { f64::NAN } else { s.q[0] })
         .histogram("q", -1.0..1.0, 4)
         .covariance("q", "q")
@@ -142,8 +144,10 @@ fn stopping(method: &Method) -> Ensemble<'_, Method> {
         .paths(1500)
         .seed(5)
         .steps(0.05, 120)
-        .record_every(30)
-        .start_with(|_, rng| State::new([0.3 * rng.normal()], [0.0]))
+        .every(30)
+        .start(Starts::each(|_, rng| {
+            State::new([0.3 * rng.normal()], [0.0])
+        }))
         .observe("q", |_, s| s.q[0])
         .observe("time", |_, s| s.t)
         .maximum("highest", |_, s| s.q[0])
@@ -201,18 +205,12 @@ fn rows_with_stopped_paths_have_the_bits_of_single_runs() {
     assert_close(&[difference["time"].mean()[4]], &[mean], 1e-12, "time");
 
     let starts = [State::new([0.2], [0.0]), State::new([-0.5], [0.5])];
-    let sweep = stopping(&table[0]).sweep_starts(&starts).unwrap();
+    let sweep = stopping(&table[0]).sweep(&starts).unwrap();
     for (row, start) in sweep.rows().iter().zip(starts) {
         assert_eq!(*row, stopping(&table[0]).start(start).run().unwrap());
     }
-    let mut merged = stopping(&table[0])
-        .shard(0, 2)
-        .sweep_starts(&starts)
-        .unwrap();
-    let other = stopping(&table[0])
-        .shard(1, 2)
-        .sweep_starts(&starts)
-        .unwrap();
+    let mut merged = stopping(&table[0]).shard(0, 2).sweep(&starts).unwrap();
+    let other = stopping(&table[0]).shard(1, 2).sweep(&starts).unwrap();
     merged.merge(other).unwrap();
     assert_eq!(merged, sweep);
 }
@@ -234,14 +232,17 @@ fn antithetic_pairs_of_rows() {
 #[test]
 fn bad_tables_are_errors() {
     let table = kubos();
-    assert_matches!(failing(&table).sweep(&[]), Err(EnsembleError::EmptyTable));
+    assert_matches!(
+        failing(&table).sweep(&table[..0]),
+        Err(EnsembleError::EmptyTable)
+    );
     let file = scratch("sweep.sve");
     let error = failing(&table)
         .checkpoint(&file, Duration::ZERO)
         .sweep(&table);
     assert!(matches!(error, Err(EnsembleError::SweepInOneFile)) && !file.exists());
     let starts = [0.0, 5.0].map(|t| State::at(t, [1.0], [0.0]));
-    let error = failing(&table).sweep_starts(&starts).unwrap_err();
+    let error = failing(&table).sweep(&starts).unwrap_err();
     let is_of_row = |error: &EnsembleError| {
         matches!(
             error,

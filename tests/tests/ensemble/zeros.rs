@@ -14,7 +14,9 @@ fn the_first_zero_within_a_step_stops() {
     let summary = Ensemble::new(&method)
         .paths(100)
         .steps(0.5, 8)
-        .start_with(|path, _| State::new([0.0], [if path % 2 == 0 { 1.0 } else { -1.0 }]))
+        .start(Starts::each(|path, _| {
+            State::new([0.0], [if path % 2 == 0 { 1.0 } else { -1.0 }])
+        }))
         .stop_at("outer", |_, state| state.q[0].abs() - 1.25)
         .stop_at("inner", |_, state| state.q[0].abs() - 1.125)
         .first_passage("between", |_, state| state.q[0].abs() - 1.1875)
@@ -41,7 +43,9 @@ fn jumps_are_no_passages() {
         Ensemble::new(&method)
             .paths(256)
             .steps(0.05, 20)
-            .start_with(|path, _| State::new([0.0], [0.25 + 1.75 * (path % 256) as f64 / 256.0]))
+            .start(Starts::each(|path, _| {
+                State::new([0.0], [0.25 + 1.75 * (path % 256) as f64 / 256.0])
+            }))
     };
     let crossing = ensemble()
         .crossings("x", |_, s| s.q[0] - 0.2)
@@ -74,7 +78,9 @@ fn a_function_that_is_not_finite_fails_the_path() {
     let summary = Ensemble::new(&method)
         .paths(2)
         .steps(0.125, 8)
-        .start_with(|path, _| State::new([0.0], [1.0 - 2.0 * path as f64]))
+        .start(Starts::each(|path, _| {
+            State::new([0.0], [1.0 - 2.0 * path as f64])
+        }))
         .stop_at("root", |_, state| 1.0 - (state.q[0] + 0.5).sqrt())
         .run()
         .unwrap();

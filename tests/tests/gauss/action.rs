@@ -3,8 +3,9 @@
 
 use sve_models::random::Random;
 use sve_runtime::__private::Unstructured;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::systems::{everything, wells};
 

@@ -3,8 +3,9 @@
 
 use sve_models::random::Random;
 use sve_models::steps::{check_return, check_sensitivity, check_tangent};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::systems::{
     Central, Everything, Kubo, Relativistic, VariableMass, double_pendulum, everything, pendulum,

@@ -1,7 +1,8 @@
 //! Steps that fail leave the state unchanged.
 
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::systems::{Logarithmic, Relativistic, double_pendulum, pendulum};
 

@@ -2,8 +2,9 @@
 
 use sve_models::orders::{Order, Tolerance};
 use sve_models::random::Random;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::systems::{VariableMass, double_pendulum, pendulum};
 

@@ -3,7 +3,8 @@
 
 use sve_models::reference::{ReferenceRun, check};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, System, Variational};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Rule, Variational};
 
 use crate::systems::{DoublePendulum, Kubo, Pendulum};
 

@@ -1,8 +1,9 @@
 //! Which solution a step takes: the one connected with no noise and h → 0. Random steps are
 //! compared in `tests/statistics/tests/roots`.
 
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 /// `½v² + cos kq`, kicked.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,9 @@
 //! How stages are solved: by fixed-point iteration where it contracts, by Newton's method
 //! elsewhere.
 
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::systems::{Pendulum, Relativistic, Ring, double_pendulum, pendulum};
 

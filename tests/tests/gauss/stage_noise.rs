@@ -1,9 +1,10 @@
 //! Stage noise: sources, symplecticity, what does not go.
 
 use sve_models::steps::check_tangent;
+use sve_runtime::noise;
 use sve_runtime::noise::NoiseError;
+use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
-use sve_runtime::{StrongOrder, noise};
 
 use crate::systems::{DoublePendulum, Kubo};
 

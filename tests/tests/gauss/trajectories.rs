@@ -1,7 +1,8 @@
 //! What a trajectory carries: the stages of the last step, from which the next one starts.
 
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::systems::{VariableMass, pendulum};
 

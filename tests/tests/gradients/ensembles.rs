@@ -18,8 +18,10 @@ fn ensemble(swing: &Integrator<Swing, Endpoint>) -> Ensemble<'_, Integrator<Swin
         .paths(300)
         .seed(4)
         .steps(H, 20)
-        .record_every(5)
-        .start_with(|_, rng| State::new([0.8], [0.3 * rng.normal()]))
+        .every(5)
+        .start(Starts::each(|_, rng| {
+            State::new([0.8], [0.3 * rng.normal()])
+        }))
         .observe("q", |_, state| state.q[0])
 }
 
@@ -64,7 +66,7 @@ fn a_derivative_that_is_not_finite_is_a_failure() {
     let summary = Ensemble::new(&swing)
         .paths(100)
         .steps(H, 4)
-        .record_every(1)
+        .every(1)
         .start(State::new([0.8], [0.0]))
         // at the start the root is 0 and its derivative by q infinite
         .gradient("root", [By::q(0)], |s| (s.q[0] - 0.8).powi(2).sqrt())

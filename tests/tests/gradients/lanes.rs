@@ -5,8 +5,8 @@ use sve_models::functions::{Point, Vector};
 use sve_models::oracle::{cases, kubo};
 use sve_models::random::Random;
 use sve_runtime::__private::lane::{LaneDirections, TangentLanes};
+use sve_runtime::__private::{Differentiable, LANES, StateLanes};
 use sve_runtime::prelude::*;
-use sve_runtime::{Differentiable, LANES, StateLanes};
 
 use crate::adjoint::Swing;
 

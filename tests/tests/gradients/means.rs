@@ -62,10 +62,10 @@ fn paths(
         .paths(70)
         .seed(9)
         .steps(H, STEPS)
-        .start_with(move |path, rng| {
+        .start(Starts::each(move |path, rng| {
             let shift = if path == 3 { 2.0 } else { 0.1 };
             State::new([q + shift * rng.normal()], [p])
-        })
+        }))
 }
 
 #[test]

@@ -72,7 +72,7 @@ macro_rules! oscillator {
             .paths(PATHS)
             .seed($seed)
             .steps(H, 40)
-            .record_every(10)
+            .every(10)
             .start(State::new([1.0], [0.5]))
             .gradient("q", ["k", "sigma"], |s| s.q[0])
             .gradient("q²", ["k", "sigma"], |s| s.q[0].powi(2))

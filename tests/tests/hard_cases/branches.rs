@@ -3,8 +3,8 @@
 
 use sve_models::models::{Actions, Pendulum};
 use sve_models::random::Random;
+use sve_runtime::__private::{LANES, StateLanes};
 use sve_runtime::prelude::*;
-use sve_runtime::{LANES, StateLanes};
 
 use super::systems::Fourth;
 

@@ -5,7 +5,7 @@ use sve_models::assert_matches;
 use sve_models::checks::{assert_relative, assert_says, failure};
 use sve_models::orders::numbers;
 use sve_models::stepper::{one_node, with_taylor2};
-use sve_runtime::StateLanes;
+use sve_runtime::__private::StateLanes;
 use sve_runtime::prelude::*;
 
 use super::roots::end;

@@ -3,7 +3,8 @@
 use sve_models::checks::assert_says;
 use sve_models::models::{DoublePendulum, Kepler, Kubo, Oscillator, PlanarDoublePendulum, Rotor};
 use sve_models::stepper::one_node;
-use sve_runtime::{Dims, System, Variational, prelude::*};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Variational, prelude::*};
 
 use super::systems::Fourth;
 

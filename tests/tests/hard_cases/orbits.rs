@@ -3,8 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use sve_models::models::{HenonHeiles, Kepler, PlanarDoublePendulum};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 /// Returns the aphelion of an orbit of semi-major axis 1 around a unit mass.
 fn aphelion(e: f64) -> State<[f64; 2]> {

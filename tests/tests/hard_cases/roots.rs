@@ -3,8 +3,10 @@
 
 use sve_models::checks::assert_relative;
 use sve_models::random::Random;
+use sve_runtime::__private::{LANES, StateLanes};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use super::wild::*;
 

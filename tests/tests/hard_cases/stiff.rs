@@ -2,7 +2,8 @@
 
 use sve_models::models::Quartic;
 use sve_models::stepper::{Stepper, one_node};
-use sve_runtime::{Dims, System, prelude::*};
+use sve_runtime::prelude::*;
+use sve_runtime::system::{Dims, System};
 
 use super::systems::Stiff;
 

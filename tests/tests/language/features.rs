@@ -3,8 +3,8 @@
 
 use sve_models::feature;
 use sve_models::language::{check, close, slope, with};
-use sve_runtime::System;
 use sve_runtime::prelude::*;
+use sve_runtime::system::System;
 
 feature! {
     let_patterns, LetPatterns { m: [f64; 2] = [1.5, 0.5] },

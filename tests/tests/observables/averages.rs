@@ -2,7 +2,8 @@
 //! paths.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Blocking, Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Blocking, Variational};
 
 use super::systems::{Langevin, Oscillator};
 
@@ -146,7 +147,7 @@ fn averages(
         .paths(200)
         .seed(5)
         .steps(0.25, 400)
-        .record_every(record)
+        .every(record)
         .settle(40)
         .start(State::new([1.0], [0.5]))
         .average("kT", Langevin::temperature)
@@ -195,7 +196,7 @@ fn averages_along_paths_are_trapezoidal_sums() {
         .paths(200)
         .seed(5)
         .steps(0.25, 400)
-        .record_every(100)
+        .every(100)
         .start(State::new([1.0], [0.5]))
         .observe("q", |_, state| state.q[0])
         .run()

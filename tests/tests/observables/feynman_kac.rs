@@ -3,9 +3,10 @@
 //! The expectation over an increment is taken exactly. A linear step with a quadratic exponent maps exp(−½zᵀAz − c) to a function of the same form; for the Kubo
 //! oscillator the mean of the step's matrix is a quadrature; for other systems the quadrature follows all nodes of all steps.
 
+use sve_runtime::Variational;
 use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use super::systems::{Kubo, Langevin, Stiffness};
 
@@ -251,7 +252,7 @@ fn ensemble<I: Method<System = Langevin>>(method: &I, paths: u64) -> Ensemble<'_
         .paths(paths)
         .seed(3)
         .steps(0.125, 16)
-        .record_every(8)
+        .every(8)
         .start(State::new([POINT[0]], [POINT[1]]))
         .weight(|_, state| 0.5 * KAPPA * state.q[0].powi(2))
         .terminal("u", |_, _| 1.0)
@@ -313,46 +314,22 @@ fn weights_keep_their_bits() {
     assert!(shard(0).merge(other.shard(1, 2).run().unwrap()).is_err());
 }
 
-/// Several starts: each has the summary of its own run, with paths of its own or with the same ones.
+/// The sampling errors at near points are nearly the same with the same paths, and differ with paths of their own.
 #[test]
 fn several_points() {
     let motion = Integrator::new(oscillator(), Midpoint);
-    let points = [[0.7, -0.4], [0.7001, -0.4], [0.0, 1.0]].map(|[q, p]| State::new([q], [p]));
-    let apart = ensemble(&motion, 200).run_from(&points).unwrap();
-    let shared = ensemble(&motion, 200)
-        .share_paths(true)
-        .run_from(&points)
-        .unwrap();
-    assert_eq!((apart.len(), shared.len()), (3, 3));
-    let alone = ensemble(&motion, 200).start(points[2]).run().unwrap();
-    assert_eq!(shared[2]["u"].mean(), alone["u"].mean());
-    let own = ensemble(&motion, 200)
-        .noise(Wiener::new(3).path(400))
-        .start(points[2]);
-    assert_eq!(apart[2]["u"].mean(), own.run().unwrap()["u"].mean());
-    // at near points shared paths give nearly the same error
-    let at = |summaries: &[Summary], k: usize| summaries[k]["u"].mean()[2];
-    let error = shared[0]["u"].standard_error()[2];
-    assert!((at(&shared, 0) - at(&shared, 1)).abs() < 1e-3 * error.sqrt());
-    assert!((at(&apart, 0) - at(&apart, 1)).abs() > 0.1 * error);
-    // the shards of a start merge
-    let half = |k| {
-        ensemble(&motion, 200)
-            .shard(k, 2)
-            .run_from(&points)
-            .unwrap()
+    let points = [[0.7, -0.4], [0.7001, -0.4]].map(|[q, p]| State::new([q], [p]));
+    let run = |k: usize, first_path: u64| {
+        let ensemble = ensemble(&motion, 200).noise(Wiener::new(3).path(first_path));
+        let summary = ensemble.start(points[k]).run().unwrap();
+        (summary["u"].mean()[2], summary["u"].standard_error()[2])
     };
-    let (first, second) = (half(0), half(1));
-    for ((mut first, second), whole) in first.into_iter().zip(second).zip(&apart) {
-        first.merge(second).unwrap();
-        assert_eq!(&first, whole);
-    }
-    let file = std::env::temp_dir().join("never-written");
-    let every = std::time::Duration::from_secs(60);
-    let refused = ensemble(&motion, 200)
-        .checkpoint(file, every)
-        .run_from(&points);
-    assert!(matches!(refused, Err(EnsembleError::PointsInOneFile)));
+    let (first, error) = run(0, 0);
+    assert!((first - run(1, 0).0).abs() < 1e-3 * error.sqrt());
+    assert!((first - run(1, 200).0).abs() > 0.1 * error);
+    // a seed alone is the noise that begins at path 0
+    let seeded = ensemble(&motion, 200).start(points[0]).run().unwrap();
+    assert_eq!(seeded["u"].mean()[2], first);
 }
 
 /// The closed form, with a tolerance of the sampling error and the known bias of the rule.

@@ -1,9 +1,11 @@
 //! What motions with rotations keep: momenta, Casimirs, energies; steps back; compositions; energy
 //! and drift.
 
+use sve_runtime::__private::Coordinates;
+use sve_runtime::Variational;
 use sve_runtime::nalgebra::Quaternion;
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::starts::{attitude, body, pair, three};
 use crate::systems::{Driven, FreeBody, HeavyTop, NoisyBody, SymmetricTop, Tethered, Three};

@@ -1,7 +1,8 @@
 //! Bodies without their attitude: the reduced system and the full one agree.
 
+use sve_runtime::Reduced;
+use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
-use sve_runtime::{Reduced, StrongOrder};
 
 use crate::starts::{attitude, body, three};
 use crate::systems::NoisyBody;

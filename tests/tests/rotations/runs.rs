@@ -152,7 +152,7 @@ fn a_study_finds_the_order() {
     let report = Study::new("driven top")
         .start(body())
         .horizon(1.0)
-        .steps([16, 32, 64, 128])
+        .step_counts([16, 32, 64, 128])
         .method("midpoint", &midpoint)
         .fine(&fine, 2)
         .repeats(0)

@@ -1,9 +1,11 @@
 //! Steps are symplectic on the cotangent bundle, with noise; tangent maps and sensitivities are
 //! those of differences.
 
+use sve_runtime::__private::Coordinates;
+use sve_runtime::Variational;
 use sve_runtime::nalgebra::{DMatrix, Matrix3};
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::charts::{Chart, differences, symplectic_defect};
 use crate::starts::{body, pair, three};

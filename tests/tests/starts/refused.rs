@@ -1,7 +1,9 @@
 //! Steps from a start that has none, by every function that steps.
 
+use sve_runtime::__private::{Increments, LANES, StateLanes};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Increments, LANES, OneStepMethod, Rule, StateLanes, System};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{OneStepMethod, Rule};
 
 /// Makes steps from `bad`, which is no start, and from `good` by every function that steps. Returns
 /// the error of a step.

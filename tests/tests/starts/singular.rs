@@ -3,9 +3,11 @@
 //! them steps are made.
 
 use sve_models::random::Random;
+use sve_runtime::__private::Increments;
 use sve_runtime::ensemble::Cause;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Increments, MomentumVelocities, System, Variational};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{MomentumVelocities, Variational};
 
 use crate::refused::refused;
 use crate::systems::{Coupled, Fold, Gram, Mass, Polar, Quartic, Ray, Vanishing};
@@ -42,7 +44,7 @@ fn a_mass_of_zero() {
         let summary = Ensemble::new(&method)
             .paths(40)
             .steps(0.01, 2)
-            .start_with(|_, _| start)
+            .start(Starts::each(|_, _| start))
             .run()
             .unwrap();
         assert_eq!(summary.failed(), 40);

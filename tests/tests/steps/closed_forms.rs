@@ -8,8 +8,9 @@
 use sve_models::double_double::Double;
 use sve_models::models::{Kubo, Oscillator};
 use sve_models::random::Random;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 const SAMPLES: usize = 20_000;
 

@@ -8,10 +8,10 @@ use sve_models::models::{Bath, HenonHeiles};
 use sve_models::orders::numbers;
 use sve_models::stepper::Stepper;
 use sve_models::steps::{check_return, check_sensitivity, check_tangent};
+use sve_runtime::__private::{Composition, LANES, StateLanes, Symmetric};
 use sve_runtime::prelude::*;
-use sve_runtime::{
-    Composition, Dims, LANES, OneStepMethod, Rule, StateLanes, Symmetric, System, Variational,
-};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{OneStepMethod, Rule, Variational};
 
 /// A pendulum whose pivot swings, so that the times of substeps matter, with a bead on a spring.
 #[derive(Clone, Copy, Debug)]

@@ -6,11 +6,12 @@ use sve_models::models::{Bath, Damped};
 use sve_models::oracle::{damped, stirred};
 use sve_models::random::Random;
 use sve_models::stepper::one_node;
+use sve_runtime::Variational;
 use sve_runtime::baseline::{
     BackwardEulerMaruyama, EulerMaruyama, Heun, RungeKutta4, TaylorSeries2,
 };
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 /// Solves two linear equations.
 fn solve(a: [[f64; 2]; 2], b: [f64; 2]) -> [f64; 2] {

@@ -6,8 +6,9 @@
 
 use sve_models::checks::assert_close;
 use sve_models::stepper::{Steppers, with_taylor2};
+use sve_runtime::__private::{BlockSolver, Memory, StepEquations};
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockSolver, Dims, Memory, StepEquations, System};
+use sve_runtime::system::{Dims, System};
 
 /// A system of two coordinates with two parameters, whose small number is a literal in the type
 /// `Written` and a parameter in the type `Given`.

@@ -9,8 +9,10 @@
 use sve_models::models::{Central, Chain, Charges, Mixed, Stretched};
 use sve_models::oracle::{central, chain, charges, mixed, stretched};
 use sve_models::stepper::Stepper;
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 const STEPS: u32 = 5000;
 

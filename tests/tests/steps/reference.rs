@@ -3,8 +3,9 @@
 
 use sve_models::models::{DoublePendulum, Kubo, Oscillator, Pendulum};
 use sve_models::reference::{ReferenceRun, check};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use crate::verlet::DoubleWell;
 

@@ -12,7 +12,8 @@ use sve_models::oracle::{self, Model, Rule, cases, name};
 use sve_models::random::Random;
 use sve_models::steps::stepped;
 use sve_runtime::prelude::*;
-use sve_runtime::{System, Tangent, Variational};
+use sve_runtime::system::System;
+use sve_runtime::{Tangent, Variational};
 
 /// Differences are good to 1e-12 (see `differences`) times derivatives of the seventh order and the
 /// condition of the Jacobian, below 100 here. A step that is not symplectic is wrong by the order

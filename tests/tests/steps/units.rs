@@ -16,8 +16,9 @@ use sve_models::oracle::{
     chain, double_pendulum, magnetic, polar, quartic, relativistic, spherical_pendulum,
 };
 use sve_models::stepper::{Stepper, one_node};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 const STEPS: u64 = 200;
 

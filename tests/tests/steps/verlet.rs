@@ -6,8 +6,10 @@ use sve_models::checks::assert_close;
 use sve_models::oracle::{double_pendulum, driven, pendulum};
 use sve_models::random::Random;
 use sve_models::stepper::Stepper;
+use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Dims, System, Variational, baseline};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Variational, baseline};
 
 /// A particle in a double well whose kicks depend on its place.
 pub(crate) struct DoubleWell {

@@ -8,8 +8,10 @@ use sve_models::potential::{
     Additive, Chain, ChainByHand, Heavy, HeavyByHand, Pendulums, PendulumsByHand, Well, WellByHand,
 };
 use sve_models::random::Random;
+use sve_runtime::Variational;
+use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 const H: f64 = 0.1;
 
@@ -61,7 +63,7 @@ where
         let (a, b) = (tangent.to_dmatrix(), tangent_by_hand.to_dmatrix());
         close(a.as_slice(), b.as_slice(), DERIVATIVES, name);
         for parameter in ["s[0]", "s[1]", "m"] {
-            let of = |field: &sve_runtime::Field<[f64; N]>| [field.q, field.p].concat();
+            let of = |field: &sve_runtime::__private::Field<[f64; N]>| [field.q, field.p].concat();
             let [a, b] = [&sensitivity, &sensitivity_by_hand].map(|s| s.get(parameter).unwrap());
             close(&of(a), &of(b), DERIVATIVES, parameter);
         }

@@ -9,7 +9,7 @@ mod unstructured {
     use sve_models::case::Case;
     use sve_models::oracle::{Nodes, cases};
     use sve_models::random::Random;
-    use sve_runtime::BlockKind;
+    use sve_runtime::plan::BlockKind;
 
     const H: f64 = 0.05;
 
@@ -64,8 +64,10 @@ mod unstructured {
 mod table {
     use super::scenes::{Facts, Scene, Visitor, every_scene};
     use sve_runtime::__private::Unstructured;
+    use sve_runtime::__private::VectorCoordinates;
+    use sve_runtime::Variational;
     use sve_runtime::prelude::*;
-    use sve_runtime::{Dims, System, Variational, VectorCoordinates};
+    use sve_runtime::system::{Dims, System};
 
     /// Scene and rule; then without structure and with it: blocks, operations, calls, additions,
     /// bytes beside the state.
@@ -161,8 +163,9 @@ chain of 12, midpoint | Newton 36; 33299 + 33410 n; 0; 0; 10664 | Newton 12 band
 
 /// What a term adds to a step.
 mod terms {
+    use sve_runtime::plan::Operations;
     use sve_runtime::prelude::*;
-    use sve_runtime::{Operations, Plan, Variational};
+    use sve_runtime::{Plan, Variational};
 
     macro_rules! systems {
         ($($name:ident { $($members:tt)* })*) => {$(

@@ -4,8 +4,9 @@ use sve_models::case::Case;
 use sve_models::oracle::{
     Nodes, cases, charges, damped, kubo, oscillator, planar_double_pendulum, rails, stretched,
 };
+use sve_runtime::Plan;
+use sve_runtime::plan::{BlockKind, StrongOrder};
 use sve_runtime::prelude::*;
-use sve_runtime::{BlockKind, Plan, StrongOrder};
 
 use crate::plan_table;
 

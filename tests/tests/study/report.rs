@@ -38,7 +38,7 @@ pub(super) fn oscillator() -> Report {
     Study::new("oscillator")
         .start(start)
         .horizon(HORIZON)
-        .steps(STEPS)
+        .step_counts(STEPS)
         .paths(PATHS)
         .method(
             "initial point",
@@ -166,7 +166,7 @@ fn the_error_of_an_order_is_that_of_its_seeds() {
     let midpoint = Integrator::new(system, Midpoint);
     let study = |seed| {
         let study = kubo().seed(seed).paths(400).method("midpoint", &midpoint);
-        study.steps([16, 32, 64, 128]).run().unwrap()
+        study.step_counts([16, 32, 64, 128]).run().unwrap()
     };
     let orders: Vec<Estimate> = (0..SEEDS as u64)
         .filter_map(|seed| Some(study(seed).orders().first()?.order))
@@ -211,7 +211,9 @@ fn an_order_is_not_claimed_where_there_is_none() {
     let study = |horizon: f64| {
         let (sin, cos) = horizon.sin_cos();
         let study = Study::new("oscillator").start(State::new([1.0], [0.0]));
-        let study = study.horizon(horizon).steps([128, 256, 512, 1024, 2048]);
+        let study = study
+            .horizon(horizon)
+            .step_counts([128, 256, 512, 1024, 2048]);
         let study = study.method("endpoint", &endpoint).repeats(0).paths(2);
         study
             .exact(move |_| State::at(horizon, [cos], [-sin]))
@@ -237,7 +239,7 @@ pub(super) fn kubo<'a>() -> Study<'a, Kubo> {
     Study::new("Kubo")
         .start(State::new([1.0], [0.0]))
         .horizon(1.0)
-        .steps([16, 64])
+        .step_counts([16, 64])
         .exact(|path| {
             let whole = path.coarsen(path.len()).unwrap();
             let (sin, cos) = (1.0 + 0.5 * whole.get(0).unwrap()[0]).sin_cos();
@@ -255,7 +257,7 @@ fn a_fine_step_stands_for_the_exact_solution() {
     let heun = Heun::new(system);
     let exact = kubo().paths(200).method("Heun", &heun);
     // the paths are those of the finest steps: as many with the factor as without
-    let exact = exact.steps([16, 64, 1024]).run().unwrap();
+    let exact = exact.step_counts([16, 64, 1024]).run().unwrap();
     let fine = kubo().paths(200).method("Heun", &heun);
     let fine = fine.fine(&midpoint, 16).run().unwrap();
     for steps in [16, 64] {

@@ -4,7 +4,7 @@ use sve_models::models::Kubo;
 use sve_runtime::baseline::Heun;
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Study, StudyError, read_csv, write_csv};
-use sve_runtime::{IncrementsOf, StateOf};
+use sve_runtime::system::{IncrementsOf, StateOf};
 
 use crate::report::{HORIZON, kubo, oscillator};
 
@@ -108,10 +108,10 @@ fn settings_that_make_no_sense_are_named() {
     assert!(good().run().is_ok());
     assert!(message(kubo()).contains(".method("));
     assert!(message(Study::new("")).contains(".horizon("));
-    assert!(message(good().steps([])).contains(".steps("));
-    assert!(message(good().steps([12, 64])).starts_with("12 steps do not divide the 64"));
-    assert!(message(good().steps([0])).starts_with("`steps` was given 0"));
-    assert!(message(good().steps([8, 8])).contains("two of `8`"));
+    assert!(message(good().step_counts([])).contains(".step_counts("));
+    assert!(message(good().step_counts([12, 64])).starts_with("12 steps do not divide the 64"));
+    assert!(message(good().step_counts([0])).starts_with("`steps` was given 0"));
+    assert!(message(good().step_counts([8, 8])).contains("two of `8`"));
     assert!(message(good().paths(0)).starts_with("`paths` was given 0"));
     assert!(message(good().method("midpoint", &midpoint)).contains("two of `midpoint`"));
     assert!(message(good().fine(&midpoint, 0)).starts_with("`fine` was given 0"));

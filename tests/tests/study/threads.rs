@@ -15,7 +15,7 @@ fn the_number_of_threads_changes_no_bit() {
             Study::new("synchrotron")
                 .start(State::new([1.0], [0.0]))
                 .horizon(1.0)
-                .steps([8, 32])
+                .step_counts([8, 32])
                 .paths(97)
                 .method("midpoint", &midpoint)
                 .method("Heun", &heun)

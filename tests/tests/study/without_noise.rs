@@ -1,10 +1,10 @@
 //! Studies of one path without noise: orders, invariants and iterations.
 
 use sve_models::models::Pendulum;
+use sve_runtime::__private::{BlockSolver, StepEquations};
 use sve_runtime::baseline::{EulerMaruyama, RungeKutta4};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Estimate, Report, Study};
-use sve_runtime::{BlockSolver, StepEquations};
 
 pub(super) fn pendulum(seconds: u32) -> Report {
     let system = Pendulum { g: 9.8 };
@@ -12,7 +12,7 @@ pub(super) fn pendulum(seconds: u32) -> Report {
     Study::new("pendulum")
         .start(State::new([1.0], [0.0]))
         .horizon(seconds.into())
-        .steps([40, 80, 160, 320].map(|n| n * seconds as usize))
+        .step_counts([40, 80, 160, 320].map(|n| n * seconds as usize))
         .method(
             "initial point",
             &Integrator::new(system.clone(), InitialPoint),

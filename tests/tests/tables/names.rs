@@ -1,8 +1,9 @@
 //! Columns have the names that the Lagrangian gives the coordinates.
 
 use sve_models::models::Kubo;
+use sve_runtime::StateTable;
 use sve_runtime::prelude::*;
-use sve_runtime::{StateTable, System};
+use sve_runtime::system::System;
 
 /// Declares a system with this L, and checks the names of its coordinates and momenta.
 macro_rules! check_names {

@@ -196,8 +196,10 @@ fn ensemble(method: &Method) -> Ensemble<'_, Method> {
         .paths(150)
         .seed(3)
         .steps(0.05, 40)
-        .record_every(15)
-        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .every(15)
+        .start(Starts::each(|_, rng| {
+            State::new([rng.normal()], [rng.uniform()])
+        }))
         .observe("q", |_, s| if s.q[0] > 2.5 { f64::NAN } else { s.q[0] })
         .keep_final_states(true)
 }
@@ -271,7 +273,7 @@ fn histograms_of_ensembles() {
     let method = kubo();
     let summary = ensemble(&method)
         .histogram("q", -1.0..0.5, 3)
-        .final_histogram("q", -1.0..0.5, 3)
+        .histogram("q", -1.0..0.5, Bins::at_end(3))
         .run()
         .unwrap();
     let [always, last] = summary.histograms() else {

@@ -7,9 +7,10 @@ mod saved;
 use sve_models::case::Case;
 use sve_models::oracle::{cases, kubo, mixed, oscillator, pendulum};
 use sve_models::random::Random;
+use sve_runtime::Variational;
 use sve_runtime::baseline::{EulerMaruyama, RungeKutta4};
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 fn trajectory_is_the_repeated_step(case: &dyn Case, random: &mut Random) {
     let start = case.model().point(random);

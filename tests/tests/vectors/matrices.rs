@@ -1,10 +1,10 @@
 //! Construction, parts and products of matrices.
 
 use sve_models::language::{check, close};
-use sve_runtime::System;
 use sve_runtime::nalgebra as na;
 use sve_runtime::nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, SMatrix, Vector2, Vector3};
 use sve_runtime::prelude::*;
+use sve_runtime::system::System;
 
 /// Matrices: construction, parts, products, and parameters whose types are written.
 struct Matrices {

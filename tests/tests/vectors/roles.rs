@@ -1,9 +1,9 @@
 //! Noises, forces and symmetries that take and return vectors.
 
 use sve_models::language::{check, close};
-use sve_runtime::System;
 use sve_runtime::nalgebra::{SVector, Vector2, Vector3, Vector4};
 use sve_runtime::prelude::*;
+use sve_runtime::system::System;
 
 /// Vectors of any length; noises, a force and a symmetry in vectors.
 struct Chain {

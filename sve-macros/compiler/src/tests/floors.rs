@@ -59,6 +59,7 @@ const RUNTIME: &[&str] = &[
     "study",
     "plot",
     "guide",
+    "__private",
     "lib",
 ];
 

@@ -61,7 +61,7 @@ pub(crate) fn unequal_times(given: &World) {
             .paths(64 * BLOCKS)
             .threads(1)
             .steps(0.1, 5)
-            .start_with(move |path, rng| {
+            .start(Starts::each(move |path, rng| {
                 if path % 64 == 0 && path >= slow && !delay.is_zero() {
                     // The delay is a pause and no work, so that the load of the machine does not
                     // matter.
@@ -69,7 +69,7 @@ pub(crate) fn unequal_times(given: &World) {
                     own.fetch_add(1, Ordering::Relaxed);
                 }
                 State::new([rng.normal()], [1.0])
-            })
+            }))
             .observe("q", |_, s| s.q[0])
     };
     let alone = ensemble(Duration::ZERO).run().unwrap();

@@ -58,7 +58,7 @@ pub(crate) fn panics(given: &World) {
         Ensemble::new(&method)
             .paths(64_000)
             .steps(0.1, 50)
-            .start_with(draw)
+            .start(Starts::each(draw))
     };
     for first in [0, 40] {
         match error(&panicking(first), given) {
@@ -76,7 +76,7 @@ pub(crate) fn wrong_settings(given: &World) {
     for wrong in 0..=given.last {
         let ensemble = with_all(&method, 500);
         let ensemble = if given.rank == wrong {
-            ensemble.record_every(0)
+            ensemble.every(0)
         } else {
             ensemble
         };
@@ -87,7 +87,7 @@ pub(crate) fn wrong_settings(given: &World) {
                 source,
             } => {
                 assert_eq!(rank, wrong);
-                assert!(message.contains("`record_every` was given 0"), "{message}");
+                assert!(message.contains("`every` was given 0"), "{message}");
                 let is_source = matches!(source.as_deref(), Some(EnsembleError::Zero { .. }));
                 assert_eq!(is_source, given.rank == wrong);
             }

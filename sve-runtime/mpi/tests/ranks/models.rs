@@ -56,12 +56,12 @@ pub(crate) fn with_all(method: &Method, paths: u64) -> Ensemble<'_, Method> {
         .paths(paths)
         .seed(3)
         .steps(0.05, 30)
-        .record_every(7)
-        .start_with(|_, rng| State::new([rng.normal()], [rng.uniform()]))
+        .every(7)
+        .start(Starts::each(|_, rng| State::new([rng.normal()], [rng.uniform()])))
         .observe("q", |_, s| if s.q[0] > 2.5 { f64::NAN } else { s.q[0] })
         .observe("energy", |system, s| system.hamiltonian(s))
         .histogram("q", -2.0..2.0, 9)
-        .final_histogram("energy", 0.0..3.0, 5)
+        .histogram("energy", 0.0..3.0, Bins::at_end(5))
         .keep_final_states(true)
 }
 

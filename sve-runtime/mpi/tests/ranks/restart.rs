@@ -34,7 +34,7 @@ pub(crate) fn stopped(given: &World) {
         }
     };
     let ensemble = with_all(&method, PATHS)
-        .start_with(start(if is_last { 0 } else { 20 }))
+        .start(Starts::each(start(if is_last { 0 } else { 20 })))
         .threads(1)
         .checkpoint(&file, Duration::from_millis(1))
         .stop_when(|| is_last && asked.fetch_add(1, Ordering::Relaxed) >= 9);
@@ -44,7 +44,7 @@ pub(crate) fn stopped(given: &World) {
         "{summary:?}"
     );
     same_on_all(given, &bits(&summary));
-    let again = || with_all(&method, PATHS).start_with(start(0));
+    let again = || with_all(&method, PATHS).start(Starts::each(start(0)));
     let whole = again()
         .checkpoint(&file, Duration::from_secs(60))
         .resume(true);
@@ -103,13 +103,13 @@ fn killed_file(number: i32) -> PathBuf {
 
 /// Returns an ensemble whose blocks take some time.
 fn slow<'a>(method: &'a Method, ran: &'a AtomicU64) -> Ensemble<'a, Method> {
-    with_all(method, PATHS).start_with(move |path, rng| {
+    with_all(method, PATHS).start(Starts::each(move |path, rng| {
         if path % 64 == 33 {
             ran.fetch_add(1, Ordering::Relaxed);
             thread::sleep(Duration::from_millis(5));
         }
         State::new([rng.normal()], [rng.uniform()])
-    })
+    }))
 }
 
 /// Kills the last rank once a few checkpoints exist.

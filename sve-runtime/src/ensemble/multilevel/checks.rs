@@ -1,12 +1,14 @@
-//! What the multilevel method refuses: settings that do not go with it, and levels that have no mean.
+//! Refusals of the multilevel method: settings that do not go with it, and levels that have no
+//! mean.
 //!
-//! Input: the settings; the levels that have been run. Output: an error that says what to do instead, if they give no estimate.
+//! Input: the settings; the levels that have been run. Output: an error that says what to do
+//! instead, if they give no estimate.
 
 use super::runs::{Run, largest_range};
 use super::{FIRST_LEVELS, MULTILEVEL, Multilevel, SURE};
 use crate::ensemble::estimate::Level;
 use crate::ensemble::settings::{Leg, Settings};
-use crate::ensemble::starts::Starts;
+use crate::ensemble::starts::Start;
 use crate::ensemble::{BLOCK_PATHS, EnsembleError};
 use crate::system::{Increments, IncrementsOf};
 use crate::trajectory::Method;
@@ -64,7 +66,8 @@ impl<I: Method + Sync> Multilevel<'_, I> {
     }
 }
 
-/// Returns an error if no path of any level differs from another one, although they have noise or starts of their own: an event that is too rare for them would look like that.
+/// Returns an error if no path of any level differs from another one, although they have noise or
+/// starts of their own: an event that is too rare for them would look like that.
 pub(super) fn check_values<I: Method>(
     multilevel: &Multilevel<'_, I>,
     runs: &[Run<'_, I>],
@@ -74,7 +77,7 @@ pub(super) fn check_values<I: Method>(
     };
     let noise = &first.legs.legs[0].noise;
     let has_noise = noise.distribution.is_some() && <IncrementsOf<I::System>>::PROCESSES > 0;
-    let has_starts = matches!(multilevel.ensemble.start, Some(Starts::Drawn(_)));
+    let has_starts = matches!(multilevel.ensemble.start, Some(Start::Drawn(_)));
     let may_differ = has_noise || has_starts;
     let have_changes = finer.iter().any(|run| run.level.mean != 0.0);
     if !may_differ || have_changes || largest_range(runs) > 0.0 {

@@ -1,6 +1,8 @@
-//! The paths of a level of the multilevel method: a coarse and a fine run along the same paths of the noise.
+//! The paths of a level of the multilevel method: a coarse and a fine run along the same paths of
+//! the noise.
 //!
-//! Input: the number of a level and of its blocks. Output: the mean and the variance of the difference, and how it is spread. Invariant: blocks that were run are not run again.
+//! Input: the number of a level and of its blocks. Output: the mean and the variance of the
+//! difference, and how it is spread. Invariant: blocks that were run are not run again.
 
 use super::Multilevel;
 use crate::ensemble::coupled::Coupled;
@@ -26,7 +28,8 @@ pub(super) struct Run<'a, I: Method> {
     pub(super) blocks: u64,
     pub(super) level: Level,
     pub(super) spread: Spread,
-    /// Number of times that the paths were doubled since they differ, for more of them to carry the variance.
+    /// Number of times that the paths were doubled since they differ, for more of them to carry the
+    /// variance.
     pub(super) doublings: u32,
 }
 

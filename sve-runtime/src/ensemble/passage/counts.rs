@@ -1,10 +1,13 @@
-//! Counts of passages: how many paths passed, and how many were lost from sight, in each of many short bins of time.
+//! Counts of passages: how many paths passed, and how many were lost from sight, in each of many
+//! short bins of time.
 //!
-//! Input: the passages and failures of the paths of a block. Output: counts and sums of times, which merge by addition. Invariant: the passages of a block
-//! are added in the order of its paths, so the sums have the same bits for any layout of the lanes.
+//! Input: the passages and failures of the paths of a block. Output: counts and sums of times,
+//! which merge by addition. Invariant: the passages of a block are added in the order of its paths,
+//! so the sums have the same bits for any layout of the lanes.
 //!
-//! The bins belong to the run, so counts of different blocks add up, and their number does not grow with the paths. All recorded times and, in runs of up to [`BINS`] steps, the times of all steps are ends
-//! of bins. Within a bin the order of the ends is not kept.
+//! The bins belong to the run, so counts of different blocks add up, and their number does not grow
+//! with the paths. All recorded times and, in runs of up to [`BINS`] steps, the times of all steps
+//! are ends of bins. Within a bin the order of the ends is not kept.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,10 +20,12 @@ use super::super::summary::Summary;
 use super::survival::Passages;
 use crate::trajectory::Method;
 
-/// Number of bins of a run, unless it has more recorded times: what depends on the order of the ends within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
+/// Number of bins of a run, unless it has more recorded times: what depends on the order of the
+/// ends within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
 const BINS: u64 = 4096;
 
-/// The bins of a run. Bin 0 is the start; of the bins after it, as many are between each two recorded times.
+/// The bins of a run. Bin 0 is the start; of the bins after it, as many are between each two
+/// recorded times.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Grid {
     /// Steps between two recorded times.
@@ -52,7 +57,8 @@ impl Grid {
 pub(in super::super) struct Ends {
     /// Paths that passed.
     pub(in super::super) passed: u64,
-    /// Paths that ended within the bin before they passed: they failed, or were stopped by another function.
+    /// Paths that ended within the bin before they passed: they failed, or were stopped by another
+    /// function.
     pub(in super::super) censored: u64,
     /// Paths that failed at the end of the bin, after all its passages.
     pub(in super::super) censored_at_end: u64,
@@ -67,7 +73,7 @@ pub(in super::super) struct PassageRequest {
     pub(in super::super) function: usize,
 }
 
-/// What is counted of a function.
+/// The counts of the passages of a function.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(in super::super) struct PassageCounts {
@@ -76,7 +82,8 @@ pub(in super::super) struct PassageCounts {
     pub(in super::super) between_records: u64,
     /// The bins in which a path ends.
     pub(in super::super) bins: BTreeMap<u64, Ends>,
-    /// The times since record `j − 1` of the paths that end after it until record `j`, added up; entry 0 is about the start.
+    /// The times since record `j − 1` of the paths that end after it until record `j`, added up;
+    /// entry 0 is about the start.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats::many"))]
     pub(in super::super) times: Vec<f64>,
 }
@@ -94,7 +101,7 @@ impl Statistic for PassageCounts {
                 "the passages of `{}` at {records} recorded times",
                 request.name
             ),
-            remedy: "record less often with `record_every`",
+            remedy: "record less often with `every`",
         }
     }
 
@@ -172,13 +179,16 @@ impl Summary {
         self.shown.all()
     }
 
-    /// The first passages through the zero of a function, from [`stop_at`](super::super::Ensemble::stop_at) or [`first_passage`](super::super::Ensemble::first_passage).
+    /// The first passages through the zero of a function, from
+    /// [`stop_at`](super::super::Ensemble::stop_at) or
+    /// [`first_passage`](super::super::Ensemble::first_passage).
     pub fn passage(&self, name: &str) -> Option<&Passages> {
         self.passages().iter().find(|p| p.name() == name)
     }
 }
 
-/// The end of the observation of a path: after so many steps, the last of which may be a part of one, at a time.
+/// The end of the observation of a path: after so many steps, the last of which may be a part of
+/// one, at a time.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct End {
     pub(in super::super) path: u64,
@@ -194,7 +204,7 @@ struct Place {
     /// The time since the record before.
     time: f64,
     bin: u64,
-    /// Whether it is the end of the bin.
+    /// The place is the end of the bin.
     is_at_end: bool,
 }
 

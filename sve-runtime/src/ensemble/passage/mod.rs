@@ -1,9 +1,11 @@
 //! First passages: the first zero of a function along each path, and paths that stop there.
 //!
-//! Input: functions of the system and a state. Output: the time of the first zero on each path, and the paths that were never seen to pass. Invariant: a passage is
-//! a function of the path's states and noise only, not of its lane, block or thread.
+//! Input: functions of the system and a state. Output: the time of the first zero on each path, and
+//! the paths that were never seen to pass. Invariant: a passage is a function of the path's states
+//! and noise only, not of its lane, block or thread.
 //!
-//! Files: [`watch`] compares signs after each step, [`search`] finds the zero within a step, [`counts`] sums up, [`survival`] is what users read, [`table`] what they write into files.
+//! Files: [`watch`] compares signs after each step, [`search`] finds the zero within a step,
+//! [`counts`] sums up, [`survival`] is what users read, [`table`] what they write into files.
 
 pub(super) mod counts;
 mod search;
@@ -25,20 +27,26 @@ use crate::trajectory::Method;
 pub(super) struct PassageFunction<'a, S: System> {
     pub(super) name: String,
     pub(super) function: Box<dyn Function<S> + 'a>,
-    /// Whether a path ends at the zero.
+    /// A path ends at the zero.
     pub(super) stops: bool,
 }
 
 impl<'a, I: Method> Ensemble<'a, I> {
-    /// Stops each path at the first zero of a function, as [`Trajectory::stop_at`](crate::Trajectory::stop_at) does, and records the time:
+    /// Stops each path at the first zero of a function, as
+    /// [`Trajectory::stop_at`](crate::Trajectory::stop_at) does, and records the time:
     /// [`Summary::passage`](super::Summary::passage) has the distribution of the times.
     ///
-    /// A stopped path makes no more steps. Its state stays that at the zero, with the time of the zero, and its observables keep their values there in all
-    /// later statistics: a mean at time t is that of the stopped process, E f(X at min(t, τ)). `observe("time", |_, state| state.t)` has the
-    /// mean of min(t, τ), and [`keep_final_states`](Self::keep_final_states) the time and the place of each passage. A [`weight`](Self::weight) is integrated up to τ.
+    /// A stopped path makes no more steps. Its state stays that at the zero, with the time of the
+    /// zero, and its observables keep their values there in all later statistics: a mean at time t
+    /// is the mean of the stopped process, E f(X at min(t, τ)).
+    /// `observe("time", |_, state| state.t)` has the mean of min(t, τ), and
+    /// [`keep_final_states`](Self::keep_final_states) the time and the place of each passage. A
+    /// [`weight`](Self::weight) is integrated up to τ.
     ///
-    /// Several functions may be given: a path stops at the first zero of any, and the others then count it as censored.
-    /// A path with an observable that is out of its [`bound`](Self::bound) or not finite where it stops has not passed: it fails there, and all functions count it as censored.
+    /// Several functions may be given: a path stops at the first zero of any, and the others then
+    /// count it as censored. A path with an observable that is out of its [`bound`](Self::bound) or
+    /// not finite where it stops has not passed: it fails there, and all functions count it as
+    /// censored.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -59,7 +67,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// let well = Integrator::new(Well, Midpoint);
     /// let summary = Ensemble::new(&well)
     ///     .paths(1000).seed(1)
-    ///     .steps(0.1, 2000).record_every(100)
+    ///     .steps(0.1, 2000).every(100)
     ///     .start(State::new([-0.5], [0.0]))
     ///     .stop_at("escape", |_, state| state.q[0] - 1.5)
     ///     .run()?;
@@ -76,14 +84,21 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// # }
     /// ```
     ///
-    /// **What is seen.** The signs of the function after successive steps are compared. Where they differ, the step is halved twelve times on the same path of the noise, always
-    /// towards the earlier change of sign, and the path is stopped at the zero of the secant of the last part: for a function with a smooth motion the time has the accuracy of the
-    /// rule. Two zeros within a step are not seen. For a function of q, with noise in p alone, these are grazing encounters, a fraction of the passages that vanishes with h. A
-    /// function that the noise moves itself returns within each step: its passages are seen late, as if the boundary were 0.58 σ√h farther away (Broadie, Glasserman and Kou 1997); compare two step
-    /// sizes, or move the boundary by this distance. A path that starts at a zero does not stop there; it has the side that it is on after the first step.
+    /// **What is seen.** The signs of the function after successive steps are compared. Where they
+    /// differ, the step is halved twelve times on the same path of the noise, always towards the
+    /// earlier change of sign, and the path is stopped at the zero of the secant of the last part:
+    /// for a function with a smooth motion the time has the accuracy of the rule. Two zeros within
+    /// a step are not seen. For a function of q, with noise in p alone, these are grazing
+    /// encounters, a fraction of the passages that vanishes with h. A function that the noise moves
+    /// itself returns within each step: its passages are seen late, as if the boundary were 0.58
+    /// σ√h farther away (Broadie, Glasserman and Kou 1997); compare two step sizes, or move the
+    /// boundary by this distance. A path that starts at a zero does not stop there; it has the side
+    /// that it is on after the first step.
     ///
-    /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or [`NoNoise`](crate::noise::NoNoise). A path whose function is not finite after a step fails, and so
-    /// does a path on which the function jumps to the other sign, as at a pole, or a part of a step has no solution; such parts are made in smaller steps with [`refine`](Self::refine).
+    /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or
+    /// [`NoNoise`](crate::noise::NoNoise). A path whose function is not finite after a step fails,
+    /// and so does a path on which the function jumps to the other sign, as at a pole, or a part of
+    /// a step has no solution; such parts are made in smaller steps with [`refine`](Self::refine).
     #[must_use]
     pub fn stop_at<F, O>(self, name: impl Into<String>, function: F) -> Self
     where
@@ -93,7 +108,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self.add_passage(name.into(), Closure::new(function), true)
     }
 
-    /// Records the first zero of a function along each path, as [`stop_at`](Self::stop_at) does, and lets the path go on.
+    /// Records the first zero of a function along each path, as [`stop_at`](Self::stop_at) does,
+    /// and lets the path go on.
     ///
     #[doc = include_str!("../example.md")]
     /// let summary = ensemble().first_passage("zero", |_, state| state.q[0]).run()?;

@@ -1,11 +1,14 @@
 //! The first zero of a function within a step.
 //!
-//! Input: the state before a step, its increments, and the path of the noise within the step; the function has different signs at both ends. Output: the
-//! state at the zero. Invariant: the result is a function of these inputs.
+//! Input: the state before a step, its increments, and the path of the noise within the step; the
+//! function has different signs at both ends. Output: the state at the zero. Invariant: the result
+//! is a function of these inputs.
 //!
-//! The step is halved on the same path of the noise, towards the earlier half in which the sign changes. Within the last part the function is taken as linear and
-//! so is the path, so for a smooth motion the zero is off by 2⁻²⁴ of the square of the step, times the second derivative over the first. A part of the step that has no solution is made
-//! in smaller steps, if the ensemble refines steps.
+//! The step is halved on the same path of the noise, towards the earlier half in which the sign
+//! changes. Within the last part the function is taken as linear and so is the path, so for a
+//! smooth motion the zero is off by 2⁻²⁴ of the square of the step, times the second derivative
+//! over the first. A part of the step that has no solution is made in smaller steps, if the
+//! ensemble refines steps.
 
 use crate::error::StepError;
 use crate::noise::{DyadicInterval, Halves};
@@ -20,7 +23,8 @@ use super::super::observe::Function;
 /// Number of halvings of a step. Each costs a scalar step and four random words a process.
 const HALVINGS: u32 = 12;
 
-/// Number of halvings after which a function that is no smaller than at the ends of the step jumps. It is far smaller by then if it is continuous, also along a rough path.
+/// Number of halvings after which a function that is no smaller than at the ends of the step jumps.
+/// It is far smaller by then if it is continuous, also along a rough path.
 const DEEPEST: u32 = 32;
 
 /// A step within which a function has different signs.
@@ -98,7 +102,8 @@ impl<I: Method> Crossing<'_, I> {
         Ok(Zero { fraction, state })
     }
 
-    /// Replaces a bracket by its first half in which the sign changes. Returns whether there are halves.
+    /// Replaces a bracket by its first half in which the sign changes. Returns whether there are
+    /// halves.
     fn halve(
         &self,
         bracket: &mut Bracket<IncrementsOf<I::System>>,
@@ -132,7 +137,8 @@ impl<I: Method> Crossing<'_, I> {
         Ok(true)
     }
 
-    /// Returns an error if the function jumps in the bracket: if it does not become smaller than half of its size at the ends of the step.
+    /// Returns an error if the function jumps in the bracket: if it does not become smaller than
+    /// half of its size at the ends of the step.
     fn refuse_jump(
         &self,
         mut bracket: Bracket<IncrementsOf<I::System>>,
@@ -177,7 +183,8 @@ impl<I: Method> Crossing<'_, I> {
         Ok(state)
     }
 
-    /// Makes what [`state_at`](Self::state_at) failed to make part by part, each in smaller steps if need be.
+    /// Makes what [`state_at`](Self::state_at) failed to make part by part, each in smaller steps
+    /// if need be.
     fn state_in_parts(
         &self,
         error: StepError,

@@ -1,18 +1,25 @@
-//! First-passage times as a distribution: survival, rates, and the paths that were not seen to pass.
+//! First-passage times as a distribution: survival, rates, and the paths that were not seen to
+//! pass.
 //!
-//! Input: merged counts. Output: the numbers that users read. Invariant: at each recorded time the paths that have passed, those that were censored and those at risk sum up to all paths. Nothing is NaN
-//! but the error of a rate without an event.
+//! Input: merged counts. Output: the numbers that users read. Invariant: at each recorded time the
+//! paths that have passed, those that were censored and those at risk sum up to all paths. Nothing
+//! is NaN but the error of a rate without an event.
 //!
-//! Sources: E. L. Kaplan, P. Meier, *Nonparametric estimation from incomplete observations*, J. Am. Stat. Assoc. 53 (1958); M. Greenwood, *The errors of sampling of the survivorship tables* (1926);
-//! for passages and other ends in one bin, C. L. Chiang, *Introduction to Stochastic Processes in Biostatistics* (1968), chapter 11.
+//! Sources: E. L. Kaplan, P. Meier, *Nonparametric estimation from incomplete observations*, J. Am.
+//! Stat. Assoc. 53 (1958); M. Greenwood, *The errors of sampling of the survivorship tables*
+//! (1926); for passages and other ends in one bin, C. L. Chiang, *Introduction to Stochastic
+//! Processes in Biostatistics* (1968), chapter 11.
 
 use core::fmt;
 
 use super::counts::{Ends, PassageCounts};
 
-/// The first passages of the paths of an ensemble, from [`Summary::passage`](super::super::Summary::passage): the distribution of the time τ of the first zero of a function.
+/// The first passages of the paths of an ensemble, from
+/// [`Summary::passage`](super::super::Summary::passage): the distribution of the time τ of the
+/// first zero of a function.
 ///
-/// A path is at risk until it passes, fails, or is stopped by another function; then it is censored: all that is known of its τ is that it is greater. Paths that have not passed at the
+/// A path is at risk until it passes, fails, or is stopped by another function; then it is
+/// censored: all that is known of its τ is that it is greater. Paths that have not passed at the
 /// end of the run are censored there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passages {
@@ -60,7 +67,7 @@ impl Passages {
         self.paths
     }
 
-    /// The recorded times, those of the [summary](super::super::Summary::times).
+    /// The recorded times of the [summary](super::super::Summary::times).
     pub fn times(&self) -> &[f64] {
         &self.times
     }
@@ -70,12 +77,14 @@ impl Passages {
         self.cumulative(|ends| ends.passed)
     }
 
-    /// Returns the number of paths that were censored until each recorded time: that failed, or were stopped by another function, before they passed.
+    /// Returns the number of paths that were censored until each recorded time: that failed, or
+    /// were stopped by another function, before they passed.
     pub fn censored(&self) -> Vec<u64> {
         self.cumulative(|ends| ends.censored + ends.censored_at_end)
     }
 
-    /// Returns the number of paths that are still at risk at each recorded time. Those at the last one are censored by the end of the run.
+    /// Returns the number of paths that are still at risk at each recorded time. Those at the last
+    /// one are censored by the end of the run.
     pub fn at_risk(&self) -> Vec<u64> {
         let ended = self.passed().into_iter().zip(self.censored());
         ended
@@ -83,21 +92,29 @@ impl Passages {
             .collect()
     }
 
-    /// Returns the estimate of P(τ > t) of Kaplan and Meier at each recorded time t: the fraction of paths that have not passed, as it would be without censoring. `None` where it is unknown: after the last
-    /// path at risk was censored.
+    /// Returns the estimate of P(τ > t) of Kaplan and Meier at each recorded time t: the fraction
+    /// of paths that have not passed, as it would be without censoring. `None` where it is unknown:
+    /// after the last path at risk was censored.
     ///
-    /// The estimate does not depend on how many times are recorded. Ends of paths are counted in bins, some 2,000 to 4,096 in the run, or a bin for each recorded time if there are more. If paths pass and paths are censored in one
-    /// bin, they are taken to do so in random order. That is exact where the two rates have a constant ratio within the bin, and off by an error of the second order in its length otherwise. If no path
-    /// is censored, the estimate is the fraction of the paths that have not passed.
+    /// The estimate does not depend on how many times are recorded. Ends of paths are counted in
+    /// bins, some 2,000 to 4,096 in the run, or a bin for each recorded time if there are more. If
+    /// paths pass and paths are censored in one bin, they are taken to do so in random order. That
+    /// is exact where the two rates have a constant ratio within the bin, and off by an error of
+    /// the second order in its length otherwise. If no path is censored, the estimate is the
+    /// fraction of the paths that have not passed.
     ///
-    /// Paths have to be censored by what does not tell how soon they would have passed: for functions that stop paths in competition, `passed` over `paths` is the probability of each end.
+    /// Paths have to be censored by what does not tell how soon they would have passed: for
+    /// functions that stop paths in competition, `passed` over `paths` is the probability of each
+    /// end.
     pub fn survival(&self) -> Vec<Option<f64>> {
         let points = self.points().into_iter();
         points.map(|point| Some(point?.survival)).collect()
     }
 
-    /// Returns the standard error of [`survival`](Self::survival) by Greenwood's formula, S √Σ d/(n m) for d passages in a bin with n paths at risk before and m after it, where m = n − d without censoring. `None`
-    /// where the survival is unknown, and where no path survives: an estimate of 0 has no error by this formula.
+    /// Returns the standard error of [`survival`](Self::survival) by Greenwood's formula, S √Σ d/(n
+    /// m) for d passages in a bin with n paths at risk before and m after it, where m = n − d
+    /// without censoring. `None` where the survival is unknown, and where no path survives: an
+    /// estimate of 0 has no error by this formula.
     pub fn survival_error(&self) -> Vec<Option<f64>> {
         let points = self.points().into_iter();
         let error = |point: Point| point.survival * point.sum.sqrt();
@@ -111,7 +128,8 @@ impl Passages {
         Some(self.times[first])
     }
 
-    /// Returns the point of the curve of survival at each recorded time; `None` where the curve is unknown.
+    /// Returns the point of the curve of survival at each recorded time; `None` where the curve is
+    /// unknown.
     fn points(&self) -> Vec<Option<Point>> {
         let mut curve = Curve::new(self.paths);
         let mut bins = self.counts.bins.iter().peekable();
@@ -145,8 +163,10 @@ impl Passages {
         sums
     }
 
-    /// Returns the number of passages after recorded time number `from`, divided by the time that paths were at risk: the maximum-likelihood estimate of a constant rate λ, with P(τ > t) ∝ e^(−λt), and its
-    /// standard error λ/√events. Number 0 is the start; take a later one to leave out the time in which the paths forget their start.
+    /// Returns the number of passages after recorded time number `from`, divided by the time that
+    /// paths were at risk: the maximum-likelihood estimate of a constant rate λ, with P(τ > t) ∝
+    /// e^(−λt), and its standard error λ/√events. Number 0 is the start; take a later one to leave
+    /// out the time in which the paths forget their start.
     ///
     /// # Panics
     /// Unless there is a recorded time of that number.
@@ -208,7 +228,8 @@ impl Point {
 struct Curve {
     /// Where a path was censored last.
     last: Point,
-    /// Passages since. Their factors have a product without rounding errors: a fraction of two counts.
+    /// Passages since. Their factors have a product without rounding errors: a fraction of two
+    /// counts.
     passed: u64,
 }
 

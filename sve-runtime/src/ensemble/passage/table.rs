@@ -1,6 +1,7 @@
 //! First passages as a table: the columns of every format.
 //!
-//! Input: [`Passages`]. Output: a row for each recorded time. Invariant: in each row `passed`, `censored` and `at_risk` sum up to all paths; a number that is unknown is NaN.
+//! Input: [`Passages`]. Output: a row for each recorded time. Invariant: in each row `passed`,
+//! `censored` and `at_risk` sum up to all paths; a number that is unknown is NaN.
 
 use super::Passages;
 use crate::table::{Table, Values, table_writers};

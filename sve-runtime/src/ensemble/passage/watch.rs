@@ -1,6 +1,7 @@
 //! The watch for passages: the signs of functions after each step, in the lanes of the tiles.
 //!
-//! Input: the tiles after a step. Output: the passages within the step, and the lanes that stop. Invariant: a function counts once for each path.
+//! Input: the tiles after a step. Output: the passages within the step, and the lanes that stop.
+//! Invariant: a function counts once for each path.
 
 use super::counts::{End, Passage};
 use super::search::{Crossing, Zero};
@@ -18,7 +19,7 @@ use super::super::observer::LastStep;
 use super::super::path_block::PathBlock;
 use super::super::tile::{Place, lanes};
 
-/// What is known of each function in the tiles of a block.
+/// The last values of each function in the tiles of a block, and the passages found.
 pub(in super::super) struct PassageWatch {
     functions: Vec<Watched>,
     pub(in super::super) passages: Vec<Passage>,
@@ -72,7 +73,8 @@ impl PassageWatch {
 }
 
 impl<I: Method> PathBlock<'_, I> {
-    /// Records the passages of the paths of a tile within their last step. Returns the lanes that stop; their states are those at the zeros, and `last` has the lengths of their last steps.
+    /// Records the passages of the paths of a tile within their last step. Returns the lanes that
+    /// stop; their states are those at the zeros, and `last` has the lengths of their last steps.
     pub(in super::super) fn find_passages(&mut self, tile: usize, last: &mut LastStep) -> Mask {
         let ensemble = self.settings.ensemble;
         let mut crossed = 0;
@@ -106,7 +108,8 @@ impl<I: Method> PathBlock<'_, I> {
         stopped
     }
 
-    /// Returns the first zeros of the functions that change their sign in the last step of a path and have not done so before, with the numbers of the functions, in the order of time.
+    /// Returns the first zeros of the functions that change their sign in the last step of a path
+    /// and have not done so before, with the numbers of the functions, in the order of time.
     #[cold]
     fn zeros(&self, tile: usize, lane: usize) -> Result<Vec<Found<I::System>>, StepError> {
         let settings = &self.settings;
@@ -136,7 +139,8 @@ impl<I: Method> PathBlock<'_, I> {
         Ok(zeros)
     }
 
-    /// Records the passages of a path within its last step, until the first one that stops it. Returns the part of the step that the path then has made.
+    /// Records the passages of a path within its last step, until the first one that stops it.
+    /// Returns the part of the step that the path then has made.
     fn pass(
         &mut self,
         Place { tile, lane }: Place,

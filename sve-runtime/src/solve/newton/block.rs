@@ -10,8 +10,7 @@ use super::{Evaluation, Newton};
 use crate::solve::SolveError;
 use crate::solve::dense::{DeterminantSign, Matrix};
 
-/// Solves the blocks of a step. [`StepEquations::increment`](crate::StepEquations::increment) takes
-/// it as an argument.
+/// Solves the blocks of a step. `StepEquations::increment` takes it as an argument.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockSolver<'a> {
     newton: &'a Newton,

@@ -1,7 +1,7 @@
 //! Functions of a state whose zeros are events.
 //!
-//! Input: the system and a state. Output: a finite value and the side of the zero on which it is. Invariant: a value that is not finite is an error, so
-//! that every stored value can be compared.
+//! Input: the system and a state. Output: a finite value and the side of the zero on which it is.
+//! Invariant: a value that is not finite is an error, so that every stored value can be compared.
 
 use core::f64::consts::{PI, TAU};
 
@@ -14,7 +14,7 @@ pub(super) type Function<'a, S> = Box<dyn Fn(&S, &StateOf<S>) -> Result<f64, Ste
 /// A change of the state at an event.
 pub(super) type Change<'a, S> = Box<dyn FnMut(&S, &mut StateOf<S>) + 'a>;
 
-/// What happens at an event.
+/// The action at an event.
 pub(super) enum Action<'a, S: System> {
     /// The state is yielded.
     Yield,
@@ -57,11 +57,12 @@ pub(super) struct EventFunction<'a, S: System> {
     function: Function<'a, S>,
     pub(super) action: Action<'a, S>,
     pub(super) direction: Direction,
-    /// Whether the function is an angle, which has a zero at every multiple of 2π.
+    /// The function is an angle, which has a zero at every multiple of 2π.
     pub(super) is_angle: bool,
     /// The value at the last point at which the function was evaluated.
     pub(super) value: f64,
-    /// The side of the motion after that point. It differs from that of the value right after an event.
+    /// The side of the motion after that point. It differs from the side of the value right after
+    /// an event.
     pub(super) side: Side,
     /// The fraction of the step at that point.
     pub(super) at: f64,
@@ -107,8 +108,8 @@ impl<'a, S: System> EventFunction<'a, S> {
         self.side = Side::of(value);
     }
 
-    /// Returns whether the motion from the stored value to `next` crosses zero in a direction that counts. Arriving at exactly 0 is a crossing; leaving
-    /// from there is none.
+    /// Returns whether the motion from the stored value to `next` crosses zero in a direction that
+    /// counts. Arriving at exactly 0 is a crossing; leaving from there is none.
     pub(super) fn crosses_before(&self, next: f64) -> bool {
         let is_new_side = match self.side {
             Side::None => return false,

@@ -1,19 +1,20 @@
 //! Sections and events: the states along a trajectory at which a function of the state is zero.
 //!
-//! Input: a trajectory and functions of the system and a state. Output: the states at which a function changes its sign, or the states of a trajectory that
-//! ends or is changed there. Invariant: a state within a step is the step solved anew with a part of its length, on the same path of the noise; the states
-//! after whole steps keep their bits until a change.
+//! Input: a trajectory and functions of the system and a state. Output: the states at which a
+//! function changes its sign, or the states of a trajectory that ends or is changed there.
+//! Invariant: a state within a step is the step solved anew with a part of its length, on the same
+//! path of the noise; the states after whole steps keep their bits until a change.
 //!
-//! Source: the idea of M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5 (1982) 412–414, with the step itself in place of a
-//! second method: the state has the accuracy of the rule, and the part of the step is symplectic as the whole.
+//! Source: the idea of M. Hénon, *On the numerical computation of Poincaré maps*, Physica D 5
+//! (1982) 412–414, with the step itself in place of a second method: the state has the accuracy of
+//! the rule, and the part of the step is symplectic as the whole.
 
 mod function;
 mod rest;
 mod root;
 mod search;
+mod states;
 
-use core::fmt;
-use core::ops::Deref;
 use std::collections::VecDeque;
 
 use self::function::{Action, Direction, EventFunction, Function};
@@ -25,11 +26,14 @@ use crate::noise::{Halves, Noise};
 use crate::system::StateOf;
 use crate::trajectory::Method;
 
-/// The events along a trajectory, from [`Trajectory::crossings`], [`Trajectory::stop_at`] and [`Trajectory::change_at`].
+/// The events along a trajectory, from [`Trajectory::crossings`], [`Trajectory::stop_at`] and
+/// [`Trajectory::change_at`].
 ///
-/// An iterator over states. After [`crossings`](Self::crossings) they are the states at the zeros of these functions, else the states after each step and the
-/// one at a stop. Several functions are added one after another; [`rising`](Self::rising), [`falling`](Self::falling) and [`angle`](Self::angle) are about the one
-/// that was added last, and [`event`](Self::event) tells which of them the last state belongs to.
+/// An iterator over states. After [`crossings`](Self::crossings) they are the states at the zeros
+/// of these functions, else the states after each step and the one at a stop. Several functions are
+/// added one after another; [`rising`](Self::rising), [`falling`](Self::falling) and
+/// [`angle`](Self::angle) are about the one that was added last, and [`event`](Self::event) tells
+/// which of them the last state belongs to.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -58,27 +62,39 @@ use crate::trajectory::Method;
 /// # }
 /// ```
 ///
-/// **What is seen.** A function is evaluated after each step, or at more points of each step with [`samples`](Self::samples). A zero between two of these points is
-/// found if the function has different signs there. Two zeros between them are not seen, and of three one is found: take smaller steps or more samples if a function
-/// returns so fast. A function that is 0 at the start is not at a crossing there; a value of exactly 0 after a step is a crossing at that step.
+/// **What is seen.** A function is evaluated after each step, or at more points of each step with
+/// [`samples`](Self::samples). A zero between two of these points is found if the function has
+/// different signs there. Two zeros between them are not seen, and of three one is found: take
+/// smaller steps or more samples if a function returns so fast. A function that is 0 at the start
+/// is not at a crossing there; a value of exactly 0 after a step is a crossing at that step.
 ///
-/// **How accurate.** The step is solved anew with a part θh of its length until the function is zero to rounding. So the state is as accurate as a step of the rule: its
-/// error at an event in the first step is of order 3 for `midpoint` and `stormer_verlet`, of order 2s + 1 for `gauss(s)`. An event costs about five steps.
+/// **How accurate.** The step is solved anew with a part θh of its length until the function is
+/// zero to rounding. So the state is as accurate as a step of the rule: its error at an event in
+/// the first step is of order 3 for `midpoint` and `stormer_verlet`, of order 2s + 1 for
+/// `gauss(s)`. An event costs about five steps.
 ///
-/// **With noise** the increment of the part is that of the Brownian bridge: the path within a step is a function of seed, path and step, the same whatever is looked
-/// for, down to 2⁻³² of the step. A function whose value moves with the noise itself, such as a momentum that the noise pushes, has infinitely many zeros near each of its zeros.
-/// One of them is found. The source has to know its path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise) do; a rule with
-/// [stage noise](crate::StageNoise) is a compile error. A [refined](Trajectory::refine) trajectory has no events: of a step that fails there is no part.
+/// **With noise** the increment of the part comes from the Brownian bridge: the path within a step
+/// is a function of seed, path and step, the same whatever is looked for, down to 2⁻³² of the step.
+/// A function whose value moves with the noise itself, such as a momentum that the noise pushes,
+/// has infinitely many zeros near each of its zeros. One of them is found. The source has to know
+/// its path within steps, as [`Wiener`](crate::noise::Wiener) and
+/// [`NoNoise`](crate::noise::NoNoise) do; a rule with [stage noise](crate::StageNoise) is a compile
+/// error. A [refined](Trajectory::refine) trajectory has no events: of a step that fails there is
+/// no part.
 ///
-/// **After a change** the trajectory makes the rest of the step from the changed state, with the rest of the increment, and then whole steps at the times that it would have had. What the method
-/// carries from step to step is dropped, and so are the low parts of [compensated](Trajectory::compensated) sums. The side on which the motion goes on is that of the function a little later, after
-/// 2⁻²⁴ of the step. Changes by one function within 2⁻¹² of a step are an error: a ball that comes to rest on a floor has to be stopped before.
+/// **After a change** the trajectory makes the rest of the step from the changed state, with the
+/// rest of the increment, and then whole steps at the times that it would have had. What the method
+/// carries from step to step is dropped, and so are the low parts of
+/// [compensated](Trajectory::compensated) sums. The side on which the motion goes on is the sign of
+/// the function a little later, after 2⁻²⁴ of the step. Changes by one function within 2⁻¹² of a
+/// step are an error: a ball that comes to rest on a floor has to be stopped before.
 ///
-/// It dereferences to the [`Trajectory`], which is after the last whole step. A [snapshot](Trajectory::snapshot) knows nothing of the functions: give them again.
+/// It dereferences to the [`Trajectory`], which is after the last whole step. A
+/// [snapshot](Trajectory::snapshot) knows nothing of the functions: give them again.
 pub struct Events<'a, I: OneStepMethod, W> {
     trajectory: Trajectory<'a, I, W>,
     functions: Vec<EventFunction<'a, I::System>>,
-    /// Whether the states after whole steps are yielded, and not those at crossings alone.
+    /// The states after whole steps are yielded too, and not the states at crossings alone.
     yields_steps: bool,
     /// Parts of a step at whose ends the functions are evaluated.
     samples: u32,
@@ -92,9 +108,11 @@ pub struct Events<'a, I: OneStepMethod, W> {
 }
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
-    /// Returns the states at which a function of the system and a state changes its sign, in place of the states after each step: a Poincaré section, for example.
+    /// Returns the states at which a function of the system and a state changes its sign, in place
+    /// of the states after each step: a Poincaré section, for example.
     ///
-    /// The function returns `f64` or `Result<f64, StepError>`. A value that is not finite is an error.
+    /// The function returns `f64` or `Result<f64, StepError>`. A value that is not finite is an
+    /// error.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -134,7 +152,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         Events::new(self).crossings(function)
     }
 
-    /// Ends the trajectory at the first zero of a function, with the state there as its last one; see [`Events`].
+    /// Ends the trajectory at the first zero of a function, with the state there as its last one;
+    /// see [`Events`].
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -168,9 +187,11 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         Events::new(self).stop_at(function)
     }
 
-    /// Changes the state at each zero of a function: a ball that bounces, a kick at a place. The trajectory goes on from the changed state; see [`Events`].
+    /// Changes the state at each zero of a function: a ball that bounces, a kick at a place. The
+    /// trajectory goes on from the changed state; see [`Events`].
     ///
-    /// The time of the state stays as it is. The change may lead back to the side from which the motion came, as a bounce, or let it pass, as a kick.
+    /// The time of the state stays as it is. The change may lead back to the side from which the
+    /// motion came, as a bounce, or let it pass, as a kick.
     ///
     #[doc = include_str!("../../example.md")]
     /// // a kick wherever the pendulum hangs down
@@ -216,7 +237,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self
     }
 
-    /// Yields the states at the zeros of one more function, and no more those after whole steps; see [`Trajectory::crossings`].
+    /// Yields the states at the zeros of one more function, and no more those after whole steps;
+    /// see [`Trajectory::crossings`].
     ///
     #[doc = include_str!("../../example.md")]
     /// let path = pendulum.trajectory(start, 0.01, NoNoise);
@@ -234,7 +256,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self.with(function, Action::Yield)
     }
 
-    /// Ends at the first zero of one more function; see [`Trajectory::stop_at`]. Beside [`crossings`](Self::crossings) the state at the end is not yielded.
+    /// Ends at the first zero of one more function; see [`Trajectory::stop_at`]. Beside
+    /// [`crossings`](Self::crossings) the state at the end is not yielded.
     ///
     #[doc = include_str!("../../example.md")]
     /// let path = pendulum.trajectory(start, 0.01, NoNoise).crossings(|_, s| s.q[0]).stop_at(|_, s| s.t - 5.0);
@@ -267,7 +290,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self.with(function, Action::Change(Box::new(change)))
     }
 
-    /// Counts only zeros at which the last function goes from negative to positive along the trajectory.
+    /// Counts only zeros at which the last function goes from negative to positive along the
+    /// trajectory.
     ///
     #[doc = include_str!("../../example.md")]
     /// let mut path = pendulum.trajectory(start, 0.01, NoNoise).crossings(|_, s| s.q[0]).rising();
@@ -279,7 +303,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self
     }
 
-    /// Counts only zeros at which the last function goes from positive to negative along the trajectory.
+    /// Counts only zeros at which the last function goes from positive to negative along the
+    /// trajectory.
     ///
     #[doc = include_str!("../../example.md")]
     /// let mut path = pendulum.trajectory(start, 0.01, NoNoise).crossings(|_, s| s.q[0]).falling();
@@ -291,10 +316,11 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self
     }
 
-    /// Takes the last function for an angle in radians: it is zero at every multiple of 2π, and a jump from near π to near −π is no zero.
+    /// Takes the last function for an angle in radians: it is zero at every multiple of 2π, and a
+    /// jump from near π to near −π is no zero.
     ///
-    /// The angle may be reduced to a turn or count turns. It has to change by less than π between two points at which it is evaluated. Without this,
-    /// a function that jumps is an error.
+    /// The angle may be reduced to a turn or count turns. It has to change by less than π between
+    /// two points at which it is evaluated. Without this, a function that jumps is an error.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -321,7 +347,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self
     }
 
-    /// Evaluates the functions at the ends of so many equal parts of each step, to see zeros that lie close together. Each further part costs a step.
+    /// Evaluates the functions at the ends of so many equal parts of each step, to see zeros that
+    /// lie close together. Each further part costs a step.
     ///
     #[doc = include_str!("../../example.md")]
     /// // the pendulum is below 0.99 for a large part of each step: without samples that is not seen
@@ -340,56 +367,9 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
             .expect("events begin with a function")
     }
 
-    /// The number of the function, in the order in which they were given, at whose zero the last state is; `None` if it is the state after a whole step.
+    /// The number of the function, in the order in which they were given, at whose zero the last
+    /// state is; `None` if it is the state after a whole step.
     pub fn event(&self) -> Option<usize> {
         self.event
-    }
-}
-
-impl<'a, I: OneStepMethod, W> Deref for Events<'a, I, W> {
-    type Target = Trajectory<'a, I, W>;
-
-    fn deref(&self) -> &Trajectory<'a, I, W> {
-        &self.trajectory
-    }
-}
-
-impl<'a, I: OneStepMethod, W> fmt::Debug for Events<'a, I, W>
-where
-    Trajectory<'a, I, W>: fmt::Debug,
-{
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Events")
-            .field("trajectory", &self.trajectory)
-            .field("functions", &self.functions.len())
-            .field("event", &self.event)
-            .finish_non_exhaustive()
-    }
-}
-
-impl<I: Method, W: Halves> Iterator for Events<'_, I, W> {
-    type Item = Result<StateOf<I::System>, StepError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            if let Some((state, event)) = self.found.pop_front() {
-                self.event = event;
-                return Some(Ok(state));
-            }
-            // what was found before an error comes before it
-            if let Some(error) = self.failure.take() {
-                return Some(Err(error));
-            }
-            if self.has_ended {
-                return None;
-            }
-            match self.advance() {
-                Ok(goes_on) => self.has_ended |= !goes_on,
-                Err(error) => {
-                    self.has_ended = true;
-                    self.failure = Some(error);
-                }
-            }
-        }
     }
 }

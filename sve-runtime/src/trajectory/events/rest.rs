@@ -1,7 +1,8 @@
 //! A step, or what an event left of it, and the states within.
 //!
-//! Input: the state at the beginning, and the path of the noise within the step. Output: the state at any fraction of the step. Invariant: a state is a function of
-//! the state at the beginning, the fraction and the path, so the same fraction gives the same bits.
+//! Input: the state at the beginning, and the path of the noise within the step. Output: the state
+//! at any fraction of the step. Invariant: a state is a function of the state at the beginning, the
+//! fraction and the path, so the same fraction gives the same bits.
 
 use crate::error::StepError;
 use crate::noise::{Halves, WithinSteps, increments_until};
@@ -9,7 +10,8 @@ use crate::system::{IncrementsOf, StateOf, System};
 use crate::time::is_next_time;
 use crate::trajectory::Method;
 
-/// The fraction of a step after an event at which the function says on which side the motion goes on.
+/// The fraction of a step after an event at which the function says on which side the motion goes
+/// on.
 pub(super) const PROBE: f64 = 1.0 / (1_u64 << 24) as f64;
 
 /// The part of a step from a fraction to its end.
@@ -61,7 +63,8 @@ impl<S: System> Rest<S> {
         }
     }
 
-    /// Solves the step anew from the beginning of this part to a fraction of the whole step. Returns the state there.
+    /// Solves the step anew from the beginning of this part to a fraction of the whole step.
+    /// Returns the state there.
     pub(super) fn state_at<I, W>(
         &self,
         method: &I,

@@ -1,15 +1,18 @@
 //! The zero of a function between two points at which it has different signs.
 //!
-//! Input: a function that can fail, a bracket and the values at its ends. Output: a point at which the function is zero or changes its sign to the
-//! next numbers. Invariant: the bracket always contains a change of sign, so continuity is all that the function needs.
+//! Input: a function that can fail, a bracket and the values at its ends. Output: a point at which
+//! the function is zero or changes its sign to the next numbers. Invariant: the bracket always
+//! contains a change of sign, so continuity is all that the function needs.
 //!
-//! Source: T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a nonlinear function without using derivatives*,
-//! Advances in Engineering Software 28 (1997) 145–149. The first point here is that of the secant.
+//! Source: T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of
+//! a nonlinear function without using derivatives*, Advances in Engineering Software 28 (1997)
+//! 145–149. The first point here is the point of the secant.
 
 /// Width of the last bracket, for brackets within [0, 1].
 const WIDTH: f64 = f64::EPSILON;
 
-/// Largest number of evaluations. Bisection alone takes 52; the interpolation takes at most about twice as many.
+/// Largest number of evaluations. Bisection alone takes 52; the interpolation takes at most about
+/// twice as many.
 const EVALUATIONS: u32 = 200;
 
 /// A point with its value.
@@ -64,7 +67,8 @@ pub(super) fn zero_between<E>(
     })
 }
 
-/// Returns the next point as a fraction of the way from `new` to `other`: by inverse quadratic interpolation where that is monotone, else the middle.
+/// Returns the next point as a fraction of the way from `new` to `other`: by inverse quadratic
+/// interpolation where that is monotone, else the middle.
 fn next_fraction(new: Point, other: Point, before: Point) -> f64 {
     let x = (new.0 - other.0) / (before.0 - other.0);
     let y = (new.1 - other.1) / (before.1 - other.1);

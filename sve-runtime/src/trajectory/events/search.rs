@@ -1,7 +1,8 @@
 //! The search for events within a step.
 //!
-//! Input: a step that was made, and the values of the functions at its start. Output: the states at their zeros, in order; after a change of the state, the rest of the step made
-//! anew. Invariant: every function has its value and its side at the last point up to which the search has come.
+//! Input: a step that was made, and the values of the functions at its start. Output: the states at
+//! their zeros, in order; after a change of the state, the rest of the step made anew. Invariant:
+//! every function has its value and its side at the last point up to which the search has come.
 
 use super::Events;
 use super::function::{Action, Side};
@@ -15,13 +16,15 @@ use crate::phase::state::State;
 use crate::system::{ConfigurationOf, Increments, IncrementsOf, StateOf};
 use crate::trajectory::Method;
 
-/// Least time between two changes that a function causes, in steps. Changes that follow one another faster accumulate.
+/// Least time between two changes that a function causes, in steps. Changes that follow one another
+/// faster accumulate.
 const LEAST_INTERVAL: f64 = 1.0 / (1_u64 << 12) as f64;
 
 /// Difference of two fractions of a step below which two functions are zero at the same state.
 const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Largest value at a zero, as a fraction of the change of the function within the step. A continuous function is far below.
+/// Largest value at a zero, as a fraction of the change of the function within the step. A
+/// continuous function is far below.
 const JUMP: f64 = 1.0 / 1024.0;
 
 /// A zero of a function within a step.
@@ -74,7 +77,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(true)
     }
 
-    /// Searches the rest of a step for events. Returns what is left of the step after a change of the state.
+    /// Searches the rest of a step for events. Returns what is left of the step after a change of
+    /// the state.
     fn search(&mut self, rest: &Rest<I::System>) -> Result<Option<Rest<I::System>>, StepError> {
         self.find_sides(rest)?;
         for sample in 1..=self.samples {
@@ -108,7 +112,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(None)
     }
 
-    /// Evaluates the functions that are zero at the beginning a little later, where they say on which side the motion goes on.
+    /// Evaluates the functions that are zero at the beginning a little later, where they say on
+    /// which side the motion goes on.
     fn find_sides(&mut self, rest: &Rest<I::System>) -> Result<(), StepError> {
         for number in 0..self.functions.len() {
             self.functions[number].at = rest.from;
@@ -124,7 +129,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(())
     }
 
-    /// Returns the zeros between the last point and the next one at a fraction of the step, in order.
+    /// Returns the zeros between the last point and the next one at a fraction of the step, in
+    /// order.
     fn hits(
         &self,
         rest: &Rest<I::System>,
@@ -156,7 +162,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(hits)
     }
 
-    /// Returns the fraction of the step at which a function is zero. The function has different signs at the last point and at the next one.
+    /// Returns the fraction of the step at which a function is zero. The function has different
+    /// signs at the last point and at the next one.
     fn zero(&self, rest: &Rest<I::System>, number: usize, next: f64) -> Result<f64, StepError> {
         let function = &self.functions[number];
         let bracket = [(function.at, function.value), (next, function.next)];
@@ -187,7 +194,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         self.has_ended = true;
     }
 
-    /// Changes the state at a hit, and makes the rest of the step. Returns that rest; `None` if the hit is at its end, or a stop is at the same state.
+    /// Changes the state at a hit, and makes the rest of the step. Returns that rest; `None` if the
+    /// hit is at its end, or a stop is at the same state.
     fn change(
         &mut self,
         rest: &Rest<I::System>,
@@ -277,7 +285,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(())
     }
 
-    /// Makes the values that were evaluated last those of the last point.
+    /// Takes the values that were evaluated last for the values at the last point.
     fn arrive(&mut self) {
         for function in &mut self.functions {
             function.arrive(function.next);

@@ -1,7 +1,9 @@
 //! The states of a trajectory that are saved: every n-th, those at given times, those up to a time.
 //!
-//! Input: a trajectory, plain or refined, and what to save. Output: an iterator over the saved states. Invariant: the trajectory makes its own steps, with its own bits; a state within
-//! a step is computed apart, by a step of a part of the length, and the trajectory goes on as if there were none.
+//! Input: a trajectory, plain or refined, and what to save. Output: an iterator over the saved
+//! states. Invariant: the trajectory makes its own steps, with its own bits; a state within a step
+//! is computed apart, by a step of a part of the length, and the trajectory goes on as if there
+//! were none.
 
 mod search;
 mod write;
@@ -17,17 +19,24 @@ use crate::noise::{Halves, Noise};
 use crate::time::WrittenTimes;
 use crate::trajectory::Method;
 
-/// Saved states of a trajectory, from [`Trajectory::every`], [`Trajectory::at`] and [`Trajectory::until`].
+/// Saved states of a trajectory, from [`Trajectory::every`], [`Trajectory::at`] and
+/// [`Trajectory::until`].
 ///
-/// An iterator over states, as the trajectory is. Times come out as one writes them: with h = 0.1 the third state is at 0.3, not at 0.30000000000000004. In detail, the time
-/// after `k` steps is t₀ + k h with both as the decimal numbers that print them, if the sum has at most 15 digits, and the rounded sum of the numbers themselves otherwise; a time that was asked for
-/// comes out with its bits. A Lagrangian that depends on time sees t₀ + k h rounded once, as in a trajectory that is not saved: `q` and `p` have the same bits.
+/// An iterator over states, as the trajectory is. Times come out as one writes them: with h = 0.1
+/// the third state is at 0.3, not at 0.30000000000000004. In detail, the time after `k` steps is
+/// `t₀ + k h` with both as the decimal numbers that print them, if the sum has at most 15 digits,
+/// and the rounded sum of the numbers themselves otherwise; a time that was asked for comes out
+/// with its bits. A Lagrangian that depends on time sees t₀ + k h rounded once, as in a trajectory
+/// that is not saved: `q` and `p` have the same bits.
 ///
-/// **A time within a step** is reached by a step of a part of the length, from the last whole step, on the same path of the noise. The trajectory does not notice it. The source has
-/// to know its path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise) do ([`Halves`]); for other sources, and for a rule with [stage noise](crate::StageNoise), the item is an error that says
-/// so. A time that is that of a whole step up to rounding is one.
+/// **A time within a step** is reached by a step of a part of the length, from the last whole step,
+/// on the same path of the noise. The trajectory does not notice it. The source has to know its
+/// path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise) do
+/// ([`Halves`]); for other sources, and for a rule with [stage noise](crate::StageNoise), the item
+/// is an error that says so. A time that is the end of a whole step up to rounding counts as one.
 ///
-/// [`to_csv`](Self::to_csv), `to_npy` and `to_parquet` write the states, with the names of the coordinates; [`table`](Self::table) returns them.
+/// [`to_csv`](Self::to_csv), `to_npy` and `to_parquet` write the states, with the names of the
+/// coordinates; [`table`](Self::table) returns them.
 ///
 /// It dereferences to the trajectory, which is after the last whole step.
 #[derive(Debug)]
@@ -40,7 +49,7 @@ pub struct Saved<T> {
     has_ended: bool,
 }
 
-/// What is saved.
+/// The states that are saved.
 #[derive(Debug)]
 enum Wanted {
     /// From a step on, every so many.
@@ -74,15 +83,18 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// # }
     /// ```
     ///
-    /// [`until`](Saved::until) ends it. If `n` is 0, the first item is the error [`StepError::SavedInterval`](crate::StepError::SavedInterval).
+    /// [`until`](Saved::until) ends it. If `n` is 0, the first item is the error
+    /// [`StepError::SavedInterval`](crate::StepError::SavedInterval).
     #[must_use]
     pub fn every(self, n: u64) -> Saved<Self> {
         Saved::every(self, n)
     }
 
-    /// Saves the states at these times, in the order in which the trajectory reaches them, and ends.
+    /// Saves the states at these times, in the order in which the trajectory reaches them, and
+    /// ends.
     ///
-    /// A time between two steps is reached by a step of a part of the length, on the same path of the noise; see [`Saved`]. The time of the start is allowed.
+    /// A time between two steps is reached by a step of a part of the length, on the same path of
+    /// the noise; see [`Saved`]. The time of the start is allowed.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -143,19 +155,22 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
 }
 
 impl<I: Method, W: Halves> RefinedTrajectory<'_, I, W> {
-    /// Saves the state that the trajectory is at, and every `n`-th state after it; see [`Trajectory::every`], which has an example.
+    /// Saves the state that the trajectory is at, and every `n`-th state after it; see
+    /// [`Trajectory::every`], which has an example.
     #[must_use]
     pub fn every(self, n: u64) -> Saved<Self> {
         Saved::every(self, n)
     }
 
-    /// Saves the states at these times; see [`Trajectory::at`], which has an example. A part of a step is not refined.
+    /// Saves the states at these times; see [`Trajectory::at`], which has an example. A part of a
+    /// step is not refined.
     #[must_use]
     pub fn at<T: Borrow<f64>>(self, times: impl IntoIterator<Item = T>) -> Saved<Self> {
         Saved::at(self, times)
     }
 
-    /// Ends the trajectory at a time; see [`Trajectory::until`], which has an example. A part of a step is not refined.
+    /// Ends the trajectory at a time; see [`Trajectory::until`], which has an example. A part of a
+    /// step is not refined.
     #[must_use]
     pub fn until(self, t: f64) -> Saved<Self> {
         Saved::after_each_step(self).until(t)
@@ -189,7 +204,8 @@ impl<T: Steps> Saved<T> {
         Self::new(path, Wanted::Times(times))
     }
 
-    /// Ends at a time: the last state is there, also if it is not one that would be saved otherwise.
+    /// Ends at a time: the last state is there, also if it is not one that would be saved
+    /// otherwise.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -1,6 +1,7 @@
 //! The way to the next saved state.
 //!
-//! Input: a trajectory and a point on it, a number of steps or a time. Output: the state there. Invariant: steps of the trajectory are made in order, and no further than the last whole step
+//! Input: a trajectory and a point on it, a number of steps or a time. Output: the state there.
+//! Invariant: steps of the trajectory are made in order, and no further than the last whole step
 //! before the point.
 
 use super::{Saved, Wanted};
@@ -130,7 +131,8 @@ impl<T: Steps> Saved<T> {
         Ok(Some(Point::Time(end)))
     }
 
-    /// Returns the number of whole steps before a time, and whether the time is that after these steps.
+    /// Returns the number of whole steps before a time, and whether the time is that after these
+    /// steps.
     fn place_of(&self, t: f64) -> Result<(u64, bool), StepError> {
         let position = self.times.position(t);
         let step = self.path.steps_made();
@@ -143,7 +145,8 @@ impl<T: Steps> Saved<T> {
             })
     }
 
-    /// Goes to a point. Returns the state there; `None` where a trajectory without an end is over, as at the end of a recorded path.
+    /// Goes to a point. Returns the state there; `None` where a trajectory without an end is over,
+    /// as at the end of a recorded path.
     fn go_to(&mut self, point: &Point) -> Result<Option<StateOf<T::System>>, StepError> {
         let (steps, t, is_whole) = match *point {
             Point::Step(step) => (step, self.times.after(step), true),

@@ -8,7 +8,8 @@ use crate::table::{SaveError, StateTable};
 
 #[allow(private_bounds)] // trajectories, plain and refined
 impl<T: Steps> Saved<T> {
-    /// Makes the steps and returns the saved states as a table, to which columns can be [added](StateTable::with).
+    /// Makes the steps and returns the saved states as a table, to which columns can be
+    /// [added](StateTable::with).
     ///
     #[doc = include_str!("../../example.md")]
     /// let table = pendulum.trajectory(start, 0.1, NoNoise).every(2).until(1.0).table()?;
@@ -16,7 +17,8 @@ impl<T: Steps> Saved<T> {
     #[doc = include_str!("../../example_end.md")]
     ///
     /// # Errors
-    /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the error of a step.
+    /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the
+    /// error of a step.
     pub fn table(mut self) -> Result<StateTable, SaveError> {
         if matches!(self.wanted, Wanted::Steps { .. }) && self.end.is_none() {
             return Err(SaveError::NoEnd);
@@ -28,7 +30,8 @@ impl<T: Steps> Saved<T> {
         Ok(table)
     }
 
-    /// Makes the steps and writes the saved states as CSV into a file: a line of names, then one for each state.
+    /// Makes the steps and writes the saved states as CSV into a file: a line of names, then one
+    /// for each state.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -53,12 +56,13 @@ impl<T: Steps> Saved<T> {
     /// ```
     ///
     /// # Errors
-    /// As [`table`](Self::table); those of the file, which is complete or not written at all.
+    /// As [`table`](Self::table), and errors of the file, which is complete or not written at all.
     pub fn to_csv(self, path: impl AsRef<Path>) -> Result<(), SaveError> {
         Ok(self.table()?.to_csv(path)?)
     }
 
-    /// Makes the steps and writes the saved states as a structured array of `NumPy` into a file; see [`StateTable::write_npy`].
+    /// Makes the steps and writes the saved states as a structured array of `NumPy` into a file;
+    /// see [`StateTable::write_npy`].
     ///
     #[doc = include_str!("../../example.md")]
     /// let path = std::env::temp_dir().join(format!("saved-{}.npy", std::process::id()));
@@ -74,7 +78,8 @@ impl<T: Steps> Saved<T> {
         Ok(self.table()?.to_npy(path)?)
     }
 
-    /// Makes the steps and writes the saved states as Parquet into a file; see [`StateTable::write_parquet`].
+    /// Makes the steps and writes the saved states as Parquet into a file; see
+    /// [`StateTable::write_parquet`].
     ///
     #[doc = include_str!("../../example.md")]
     /// let path = std::env::temp_dir().join(format!("saved-{}.parquet", std::process::id()));

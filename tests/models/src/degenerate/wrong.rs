@@ -1,7 +1,7 @@
 //! Steps of degenerate systems that integrate another equation, or are unstable. Tests have to
 //! notice it.
 
-use sve_runtime::{Dims, System};
+use sve_runtime::system::{Dims, System};
 
 /// The treatment of p = α(q) by a plain midpoint step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

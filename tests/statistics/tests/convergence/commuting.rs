@@ -2,8 +2,9 @@
 //! S.
 
 use sve_models::orders::{Row, end, total};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use super::strong_order::{EXACT, rotated};
 

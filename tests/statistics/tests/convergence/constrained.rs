@@ -2,8 +2,10 @@
 
 use sve_models::models::{Curved, Ellipsoid, OnSphere, TurnedSphere, TwoRods};
 use sve_models::orders::{Paths, Row, Tolerance, end, total};
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 /// Steps with which an error of order ½ is far below its next term.
 const SMALL: Paths = Paths {

@@ -5,8 +5,10 @@ use sve_models::degenerate::{
     InternalLotkaVolterra, Kubo, Spin, StormyLotkaVolterra, TumblingSpin, VortexPair,
 };
 use sve_models::orders::{Path, Paths, Row, Tolerance, end, numbers, total};
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 /// Against the midpoint rule with small steps.
 const FINE: Paths = Paths {

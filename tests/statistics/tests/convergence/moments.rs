@@ -5,8 +5,9 @@
 //! exactly.
 
 use sve_models::models::Oscillator;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 const H: f64 = 0.1;
 

@@ -4,8 +4,11 @@
 //! solution is needed: both have an error of the same order.
 
 use sve_models::orders::{Order, Path, Paths, Row, Tolerance, distance2, numbers};
+use sve_runtime::__private::Coordinates;
+use sve_runtime::Variational;
+use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
-use sve_runtime::{Coordinates, Dims, StrongOrder, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 /// Steps 2⁻⁷ … 2⁻¹¹, the smallest against 2⁻¹².
 const PATHS: Paths = Paths {

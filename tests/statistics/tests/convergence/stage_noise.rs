@@ -1,8 +1,10 @@
 //! Strong orders with stage noise: min(S, 3) where the noise is additive, otherwise 1, and 1.5 with
 //! the option `weak2`. The reference is a finer step on the same path.
 
+use sve_runtime::Rule;
+use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, StrongOrder, System};
+use sve_runtime::system::{Dims, System};
 
 macro_rules! systems {
     ($($(#[$doc:meta])* $name:ident, $q:ident, $v:ident, $lagrangian:expr, $gamma:expr;)*) => {$(

@@ -12,8 +12,10 @@ use sve_models::oracle::{
 };
 use sve_models::orders::{Order, Path, Paths, Row, Tolerance, distance2, end, numbers, total};
 use sve_runtime::baseline::RungeKutta4;
+use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, StrongOrder, System, Variational};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Rule, Variational};
 
 /// Against exact paths: steps 2⁻⁶ … 2⁻¹⁰.
 pub(crate) const EXACT: Paths = Paths {

@@ -5,8 +5,10 @@
 //! has the magnitude |H|. A drift of a hundredth of a unit of rounding in a step is 20 of them
 //! after a million steps, and 60 after ten million.
 
+use sve_runtime::__private::VectorCoordinates;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational, VectorCoordinates};
+use sve_runtime::system::{Dims, System};
 
 struct Pendulum {
     g: f64,

@@ -1,8 +1,10 @@
 //! Energies of long runs by every rule where its steps are iterated: they walk at random, by the
 //! rounding of the state, and do not drift.
 
+use sve_runtime::__private::{LANES, StateLanes};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, LANES, StateLanes, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 struct CurvedMass;
 

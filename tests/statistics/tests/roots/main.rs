@@ -4,8 +4,9 @@
 mod continuation;
 
 use sve_models::random::Random;
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use continuation::{Branch, Coefficients, Fields, Step};
 

@@ -10,8 +10,10 @@ use sve_models::potential::{
 use sve_models::random::Random;
 use sve_models::steps::{check_return, check_tangent};
 use sve_runtime::__private::Unstructured;
+use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, StrongOrder, System, Variational};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Rule, Variational};
 
 use systems::{Moved, Quadratic, Stretched};
 

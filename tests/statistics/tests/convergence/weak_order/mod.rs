@@ -13,8 +13,9 @@ mod systems;
 
 use sve_models::models::Oscillator;
 use sve_models::orders::{Order, Tolerance, distance2};
+use sve_runtime::Variational;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, System, Variational};
+use sve_runtime::system::{Dims, System};
 
 use moments::{Matrix, distance, exact, matrix, moments, plus};
 use quadrature::{expectations, gauss_hermite, tensor};

@@ -2,7 +2,8 @@
 //! exact.
 
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, System, Variational};
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Rule, Variational};
 
 use super::quadrature::{gauss_hermite, tensor};
 

@@ -1,8 +1,9 @@
 //! Gauss–Hermite quadrature over normal variables, and expectations of paths by following all nodes
 //! of all steps.
 
+use sve_runtime::Rule;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, System};
+use sve_runtime::system::{Dims, System};
 
 /// Nodes and weights of the quadrature over a normal variable: zeros of the Hermite polynomial of
 /// degree n by Newton's method, from starts between those of the zeros of the polynomial of degree

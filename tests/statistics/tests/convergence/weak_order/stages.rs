@@ -1,8 +1,9 @@
 //! Weak orders with stage noise.
 
 use sve_models::orders::Order;
+use sve_runtime::Rule;
 use sve_runtime::prelude::*;
-use sve_runtime::{Dims, Rule, System};
+use sve_runtime::system::{Dims, System};
 
 use super::moments::{Matrix, distance, exact, matrix, moments_with};
 use super::quadrature::{expectations, gauss_hermite, tensor};

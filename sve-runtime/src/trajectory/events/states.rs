@@ -1,0 +1,59 @@
+//! The states of [`Events`], one after the other, and the trajectory behind them.
+
+use core::fmt;
+use core::ops::Deref;
+
+use super::Events;
+use crate::error::StepError;
+use crate::method::OneStepMethod;
+use crate::noise::Halves;
+use crate::system::StateOf;
+use crate::trajectory::{Method, Trajectory};
+
+impl<'a, I: OneStepMethod, W> Deref for Events<'a, I, W> {
+    type Target = Trajectory<'a, I, W>;
+
+    fn deref(&self) -> &Trajectory<'a, I, W> {
+        &self.trajectory
+    }
+}
+
+impl<'a, I: OneStepMethod, W> fmt::Debug for Events<'a, I, W>
+where
+    Trajectory<'a, I, W>: fmt::Debug,
+{
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Events")
+            .field("trajectory", &self.trajectory)
+            .field("functions", &self.functions.len())
+            .field("event", &self.event)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<I: Method, W: Halves> Iterator for Events<'_, I, W> {
+    type Item = Result<StateOf<I::System>, StepError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some((state, event)) = self.found.pop_front() {
+                self.event = event;
+                return Some(Ok(state));
+            }
+            // what was found before an error comes before it
+            if let Some(error) = self.failure.take() {
+                return Some(Err(error));
+            }
+            if self.has_ended {
+                return None;
+            }
+            match self.advance() {
+                Ok(goes_on) => self.has_ended |= !goes_on,
+                Err(error) => {
+                    self.has_ended = true;
+                    self.failure = Some(error);
+                }
+            }
+        }
+    }
+}
