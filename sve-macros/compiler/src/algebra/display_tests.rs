@@ -8,8 +8,10 @@ use proptest::test_runner::RngSeed;
 
 use super::display::Notation;
 use super::reader::read;
+use super::tests::formula::Formula;
 use super::tests::{SYMBOLS, build, close, moderate, recipe};
 use super::{Arena, Expr, Function, Sum, Symbol};
+use crate::tests::rows;
 
 const NAMES: [&str; SYMBOLS] = ["x", "y", "z"];
 
@@ -110,38 +112,22 @@ proptest! {
 /// Formulas are printed in the usual notation.
 #[test]
 fn the_usual_way_of_writing() {
-    let mut arena = Arena::new();
-    let [x, y, z] = [0, 1, 2].map(|i| arena.symbol(Symbol(i)));
-    let kinetic = arena.product(&[(x, 2), (y, -1)]);
-    let both = arena.product(&[(y, -1), (z, -1)]);
-    let sine = arena.call(Function::Sin, x);
-    let sum = arena.sum(1.0, &[(1.0, y), (-3.0, z)]);
-    let root = arena.call(Function::Sqrt, x);
-    let long = arena.call(Function::Sqrt, sum);
-    let cases = [
-        (
-            arena.sum(0.0, &[(0.5, kinetic), (-0.5, z)]),
-            "x²/(2·y) − z/2",
-        ),
-        (arena.sum(0.0, &[(-1.0, x), (2.0, y)]), "2·y − x"),
-        (arena.scale(-1.0, both), "−1/(y·z)"),
-        (arena.sum(-1.0, &[(1.5, x)]), "1.5·x − 1"),
-        (
-            arena.product(&[(x, 1), (sum, -2), (sine, 3)]),
-            "x·sin(x)³/(1 + y − 3·z)²",
-        ),
-        (
-            arena.product(&[(root, 1), (x, 1), (long, -1)]),
-            "x·√x/√(1 + y − 3·z)",
-        ),
-        (arena.scale(std::f64::consts::TAU, x), "2·π·x"),
-        (arena.scale(2.0 / 3.0, x), "2·x/3"),
-        (arena.scale(1.38e-23, x), "1.38·10⁻²³·x"),
-        (arena.constant(0.0), "0"),
-    ];
-    for (expr, expected) in cases {
+    for [formula, expected] in rows(
+        "0.5 * (x.powi(2) / y) - 0.5 * z → x²/(2·y) − z/2
+        -x + 2.0 * y → 2·y − x
+        -1.0 * (1.0 / y / z) → −1/(y·z)
+        1.5 * x - 1.0 → 1.5·x − 1
+        x / (1.0 + y - 3.0 * z).powi(2) * x.sin().powi(3) → x·sin(x)³/(1 + y − 3·z)²
+        x.sqrt() * x / (1.0 + y - 3.0 * z).sqrt() → x·√x/√(1 + y − 3·z)
+        6.283185307179586 * x → 2·π·x
+        0.6666666666666666 * x → 2·x/3
+        1.38e-23 * x → 1.38·10⁻²³·x
+        0.0 → 0",
+    ) {
+        let mut arena = Arena::new();
+        let expr = Formula::new(formula).build(&mut arena);
         let found = arena.display(expr, 100, &Letters(None)).unwrap().text;
-        assert_eq!(found, expected);
+        assert_eq!(found, expected, "{formula}");
     }
 }
 

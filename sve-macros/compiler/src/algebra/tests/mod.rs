@@ -3,13 +3,13 @@
 mod derivatives;
 mod elementary;
 mod entries;
+pub(crate) mod formula;
 mod identities;
 pub(crate) mod number;
 pub(crate) mod recipe;
 mod removable;
 mod rules;
 mod stable;
-mod stable_rules;
 
 use std::collections::HashMap;
 

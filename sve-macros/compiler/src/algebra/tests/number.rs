@@ -5,6 +5,7 @@
 //! order. [`Bounded`] is a value with a first-order bound of its rounding error, underflow
 //! included.
 
+use crate::algebra::elementary::Double;
 use crate::algebra::{Binary, Function};
 
 /// The types of numbers in which expressions can be evaluated.
@@ -27,10 +28,10 @@ pub(crate) trait Number: Copy {
     }
 
     fn power(self, k: i32) -> Self {
-        let mut product = Self::of(1.0);
-        for _ in 0..k.abs() {
-            product = product.times(self);
+        if k == 0 {
+            return Self::of(1.0);
         }
+        let product = (1..k.abs()).fold(self, |product, _| product.times(self));
         if k < 0 {
             Self::of(1.0).over(product)
         } else {
@@ -60,6 +61,30 @@ impl Number for f64 {
     }
     fn call2(self, function: Binary, other: Self) -> Self {
         function.evaluate(self, other)
+    }
+}
+
+impl Number for Double {
+    fn of(value: f64) -> Self {
+        value.into()
+    }
+    fn value(self) -> f64 {
+        self.nearest()
+    }
+    fn plus(self, other: Self) -> Self {
+        self + other
+    }
+    fn times(self, other: Self) -> Self {
+        self * other
+    }
+    fn over(self, other: Self) -> Self {
+        self / other
+    }
+    fn call(self, function: Function) -> Self {
+        function.evaluate_double(self)
+    }
+    fn call2(self, function: Binary, other: Self) -> Self {
+        function.evaluate_double(self, other)
     }
 }
 

@@ -30,12 +30,21 @@ impl Make {
         match self {
             Self::Constant(c) => T::of(*c),
             Self::Symbol(i) | Self::Opaque(i) => pick(*i),
-            Self::Sum(constant, terms) => terms
-                .iter()
-                .fold(T::of(*constant), |sum, &(c, i)| sum.plus(pick(i).scale(c))),
-            Self::Product(factors) => factors.iter().fold(T::of(1.0), |product, &(i, k)| {
-                product.times(pick(i).power(k))
-            }),
+            Self::Sum(constant, terms) => {
+                let term = |&(c, i): &(f64, usize)| match c {
+                    1.0 => pick(i),
+                    _ => pick(i).scale(c),
+                };
+                let terms = terms.iter().map(term);
+                match *constant {
+                    0.0 => terms.reduce(T::plus).unwrap_or(T::of(0.0)),
+                    constant => terms.fold(T::of(constant), T::plus),
+                }
+            }
+            Self::Product(factors) => {
+                let factors = factors.iter().map(|&(i, k)| pick(i).power(k));
+                factors.reduce(T::times).unwrap_or(T::of(1.0))
+            }
             Self::Call(f, i) => pick(*i).call(*f),
             Self::Call2(f, i, j) => pick(*i).call2(*f, pick(*j)),
         }
