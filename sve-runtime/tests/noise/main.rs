@@ -5,3 +5,16 @@ mod recorded;
 mod refined;
 mod sources;
 mod statistics;
+
+use sve_runtime::noise::{Noise, NoiseError};
+
+/// Returns the increments of a step.
+pub(crate) fn draw<const M: usize>(
+    noise: &mut (impl Noise + ?Sized),
+    step: u64,
+    h: f64,
+) -> Result<[f64; M], NoiseError> {
+    let mut dw = [f64::NAN; M];
+    noise.increments(step, h, &mut dw)?;
+    Ok(dw)
+}

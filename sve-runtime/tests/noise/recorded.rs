@@ -2,15 +2,7 @@
 
 use sve_runtime::noise::{NoNoise, Noise, NoiseError, Recorded, Wiener};
 
-fn draw<const M: usize>(
-    noise: &mut (impl Noise + ?Sized),
-    step: u64,
-    h: f64,
-) -> Result<[f64; M], NoiseError> {
-    let mut dw = [f64::NAN; M];
-    noise.increments(step, h, &mut dw)?;
-    Ok(dw)
-}
+use crate::draw;
 
 #[test]
 fn recording_keeps_the_path() -> Result<(), NoiseError> {

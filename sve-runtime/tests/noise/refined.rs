@@ -5,6 +5,8 @@ use sve_runtime::noise::{
     Truncated, Wiener,
 };
 
+use crate::draw;
+
 const H: f64 = 0.3;
 
 fn refined(seed: u64, depth: u32) -> Refined {
@@ -242,12 +244,6 @@ fn halves_have_the_conditional_law() {
     let [a, _] = path.halves(part, 0, H, 0.0);
     let [b, _] = path.halves(part, 0, H, 1.0);
     assert!((b - a - 0.5).abs() < 1e-15);
-}
-
-fn draw<const M: usize>(noise: &mut impl Noise, step: u64, h: f64) -> Result<[f64; M], NoiseError> {
-    let mut dw = [f64::NAN; M];
-    noise.increments(step, h, &mut dw)?;
-    Ok(dw)
 }
 
 /// Every source whose increments are a function of the step, entered at steps that share a block of the generator and that do not.

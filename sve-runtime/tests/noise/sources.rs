@@ -7,15 +7,7 @@ use sve_runtime::noise::{
     DyadicInterval, FromRng, NoNoise, Noise, NoiseError, Recorded, ThreePoint, Truncated, Wiener,
 };
 
-fn draw<const M: usize>(
-    noise: &mut (impl Noise + ?Sized),
-    step: u64,
-    h: f64,
-) -> Result<[f64; M], NoiseError> {
-    let mut dw = [f64::NAN; M];
-    noise.increments(step, h, &mut dw)?;
-    Ok(dw)
-}
+use crate::draw;
 
 #[test]
 fn any_order_gives_the_same_bits() -> Result<(), NoiseError> {

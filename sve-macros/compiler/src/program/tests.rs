@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::algebra::tests::number::Number;
-use crate::algebra::{Arena, Expr, Function, Symbol};
+use crate::algebra::tests::recipe::{Make, build};
+use crate::algebra::{Arena, Function, Symbol};
 use crate::model::{Family, Meaning, Quantity, Symbols, Unknown};
 use crate::program::{Operation, Program, Scheduler, Tier, Value, operands};
 
@@ -77,14 +78,6 @@ pub(crate) fn symbols() -> (Symbols, Vec<Symbol>) {
     (symbols, all)
 }
 
-#[derive(Clone, Debug)]
-enum Make {
-    Sum(f64, Vec<(f64, usize)>),
-    Product(Vec<(usize, i32)>),
-    Call(Function, usize),
-    Opaque(usize),
-}
-
 fn make() -> impl Strategy<Value = Make> {
     let any = 0..1000usize;
     let coefficient = prop::sample::select(vec![1.0, -1.0, 0.5, 2.0, -3.0, 0.0]);
@@ -113,23 +106,7 @@ proptest! {
     ) {
         let mut arena = Arena::new();
         let (table, inputs) = symbols();
-        let mut made: Vec<Expr> = inputs.iter().map(|&s| arena.symbol(s)).collect();
-        for make in &recipe {
-            let pick = |i: &usize| made[i % made.len()];
-            let new = match make {
-                Make::Sum(c, terms) => {
-                    let terms: Vec<_> = terms.iter().map(|(c, i)| (*c, pick(i))).collect();
-                    arena.sum(*c, &terms)
-                }
-                Make::Product(factors) => {
-                    let factors: Vec<_> = factors.iter().map(|(i, k)| (pick(i), *k)).collect();
-                    arena.product(&factors)
-                }
-                Make::Call(f, i) => arena.call(*f, pick(i)),
-                Make::Opaque(i) => arena.opaque(pick(i)),
-            };
-            made.push(new);
-        }
+        let made = build(&recipe, &inputs, &mut arena);
         let value = |s: Symbol| at[s.0 as usize];
         let expected: Vec<f64> = made.iter().map(|&e| arena.evaluate(e, value)).collect();
         let tame = |x: &f64| x.is_finite() && x.abs() < 1e3 && (*x == 0.0 || x.abs() > 1e-3);

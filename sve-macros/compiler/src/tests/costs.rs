@@ -14,7 +14,7 @@ use syn::{Expr, ImplItem, ItemImpl, Lit, Member, Pat, Stmt};
 
 use super::growth::scenes::Scene;
 use super::models::models;
-use crate::tests::{expand, expand_compared, items};
+use crate::tests::{expand, expand_compared, items, tokens};
 
 /// Arithmetic operations, calls of functions, and angle additions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -325,12 +325,8 @@ fn plans_tell_the_operations_of_scenes_of_any_size() {
         for n in [1, 2, 3, 4, 5, 7, 12] {
             let taylor = if n > 5 { "" } else { "taylor2," };
             let rules = format!("initial_point, endpoint, midpoint, {taylor}");
-            let attribute = rules.parse().expect("rules");
-            let block = scene.block(n).parse().expect("a block");
-            compare(
-                &format!("{} of {n}", scene.name()),
-                &expand_compared(&attribute, &block),
-            );
+            let expansion = expand_compared(&tokens(&rules), &tokens(&scene.block(n)));
+            compare(&format!("{} of {n}", scene.name()), &expansion);
         }
     }
 }
@@ -347,10 +343,7 @@ fn a_diagonal_mass_matrix_costs_a_division_per_unknown() {
             l
         }
     }";
-    let expansion = expand(
-        &"midpoint".parse().expect("a rule"),
-        &block.parse().expect("a block"),
-    );
+    let expansion = expand(&tokens("midpoint"), &tokens(block));
     let (_, [_, step, iteration]) = compare("chain", &expansion);
     let solve = 12;
     let sums = step.0[ARITHMETIC] - 2 * solve;

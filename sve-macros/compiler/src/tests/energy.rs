@@ -1,25 +1,22 @@
 //! Energies in lanes: the systems that have the loop, and that the loop has neither branches nor
 //! calls of the library.
 
-use proc_macro2::TokenStream;
-
 use crate::Settings;
+use crate::tests::{items, tokens};
 
 /// Returns the function `energy_lanes` of a system, if there is one.
 fn energy_lanes(lagrangian: &str, settings: Settings) -> Option<String> {
-    let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
-    let block = parse(&format!("impl P {{ {lagrangian} }}"));
-    let expansion = crate::expand(&parse("midpoint"), &block, settings);
-    let file: syn::File = syn::parse2(expansion).expect("items");
-    let items = file.items.iter().filter_map(|item| match item {
-        syn::Item::Impl(item) => Some(&item.items),
+    let block = tokens(&format!("impl P {{ {lagrangian} }}"));
+    let expansion = crate::expand(&tokens("midpoint"), &block, settings);
+    let parts = items(expansion).into_iter().filter_map(|item| match item {
+        syn::Item::Impl(item) => Some(item.items),
         _ => None,
     });
-    let function = items.flatten().find_map(|item| match item {
+    let function = parts.flatten().find_map(|item| match item {
         syn::ImplItem::Fn(function) if function.sig.ident == "energy_lanes" => Some(function),
         _ => None,
     });
-    function.map(|function| quote::ToTokens::to_token_stream(function).to_string())
+    function.map(|function| quote::ToTokens::to_token_stream(&function).to_string())
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use proc_macro2::TokenStream;
 
 use super::costs::compare;
-use crate::tests::expand;
+use crate::tests::{expand, tokens};
 
 /// A full mass matrix of parameters with a quartic potential: `prepare` factors it, and the step
 /// has only substitutions before its iteration.
@@ -23,10 +23,7 @@ fn a_constant_mass_matrix_is_factored_in_prepare() {
             }}"
         )
     };
-    let expand = |mass: &str| {
-        let rule = "initial_point, midpoint".parse().expect("rules");
-        expand(&rule, &block(mass).parse().expect("a block"))
-    };
+    let expand = |mass: &str| expand(&tokens("initial_point, midpoint"), &tokens(&block(mass)));
     let constant = expand("self.c");
     compare("constant", &constant);
     let calls = |expansion: &TokenStream, name: &str| {

@@ -11,16 +11,12 @@ pub(super) mod scenes;
 use proc_macro2::{TokenStream, TokenTree};
 
 use crate::Operations;
-use crate::tests::expand;
+use crate::tests::{expand, tokens};
 use scenes::Scene;
 
-fn parse(text: &str) -> TokenStream {
-    text.parse().expect("tokens")
-}
-
 /// Returns the number of tokens of the expansion, including tokens within groups.
-fn tokens(rule: &str, scene: Scene, n: usize) -> f64 {
-    let mut open = vec![expand(&parse(rule), &parse(&scene.block(n)))];
+fn length(rule: &str, scene: Scene, n: usize) -> f64 {
+    let mut open = vec![expand(&tokens(rule), &tokens(&scene.block(n)))];
     let mut sum = 0;
     while let Some(stream) = open.pop() {
         for tree in stream {
@@ -35,7 +31,7 @@ fn tokens(rule: &str, scene: Scene, n: usize) -> f64 {
 
 /// Returns the exponent of growth from one size to its double.
 fn exponent(rule: &str, scene: Scene, n: usize) -> f64 {
-    (tokens(rule, scene, 2 * n) / tokens(rule, scene, n)).log2()
+    (length(rule, scene, 2 * n) / length(rule, scene, n)).log2()
 }
 
 #[test]
@@ -58,7 +54,7 @@ fn code_of_coupled_systems_grows_quadratically() {
 fn residuals_and_jacobians_cost_a_few_times_the_function() {
     for scene in Scene::ALL {
         for n in [1, 2, 3, 6, 12] {
-            let count = Operations::count(&parse(Scene::RULE), &parse(&scene.block(n)));
+            let count = Operations::count(&tokens(Scene::RULE), &tokens(&scene.block(n)));
             let count = count.expect("a system");
             let ratio = count.residual as f64 / count.lagrangian as f64;
             assert!(ratio > 0.0 && ratio < 4.0, "{} {n}: {ratio}", scene.name());
@@ -101,7 +97,7 @@ fn limits_are_those_of_the_documentation() {
         (Scene::Bodies, "stormer_verlet", 48, None),
         (Scene::Bodies, "initial_point, endpoint, gauss(2)", 48, None),
     ] {
-        let expanded = |n| expand(&parse(rule), &parse(&scene.block(n)));
+        let expanded = |n| expand(&tokens(rule), &tokens(&scene.block(n)));
         let accepted = expanded(largest);
         let deepest = scopes(accepted.clone());
         assert!(deepest < SCOPES, "{rule} {largest}: {deepest}");
@@ -127,7 +123,7 @@ fn explicit_steps_of_coupled_systems_grow_quadratically() {
 #[test]
 fn scopes_do_not_nest_in_long_chains() {
     for rule in ["midpoint", "endpoint", "stormer_verlet"] {
-        let expansion = expand(&parse(rule), &parse(&Scene::Chain.block(240)));
+        let expansion = expand(&tokens(rule), &tokens(&Scene::Chain.block(240)));
         let deepest = scopes(expansion);
         assert!(deepest < SCOPES, "{rule}: {deepest}");
     }

@@ -2,7 +2,8 @@
 
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 
-use super::robustness::{expand_body, expanded, tokens};
+use crate::tests::robustness::{expand_body, expanded};
+use crate::tests::tokens;
 
 /// Returns `open (open (… inner …))`.
 fn nested(delimiter: Delimiter, depth: usize, inner: &str) -> TokenStream {

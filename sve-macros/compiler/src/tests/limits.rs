@@ -3,7 +3,8 @@
 
 use crate::Settings;
 use crate::driver::expand_within;
-use crate::tests::robustness::{SYSTEMS, expanded, tokens};
+use crate::tests::robustness::{SYSTEMS, expanded};
+use crate::tests::{expand_members, rows, tokens};
 
 /// Returns a block of particles with a term in L.
 fn system(n: usize, body: &str) -> String {
@@ -33,106 +34,58 @@ fn noises(n: usize, m: usize) -> String {
 /// Returns systems whose derivatives are far larger than the systems: helpers that double, dense
 /// couplings, products of long sums, high powers, many noises.
 fn large_systems() -> Vec<(&'static str, String)> {
-    let doubling = doubling();
-    vec![
-        (
-            "midpoint",
-            system(512, "for i in 1..512 { s -= (q[i] - q[i - 1]).cos(); } s"),
-        ),
-        ("midpoint", system(512, "s - q.iter().sum::<f64>().sin()")),
-        (
-            "midpoint",
-            system(
-                6,
-                "let mut p = 1.0; for k in 0..100 { let mut t = 1.0; for i in 0..6 { t += self.a[6 * k + i] * q[i]; } p *= t; } s - p",
-            ),
-        ),
-        (
-            "midpoint",
-            system(
-                40,
-                "let mut p = 1.0; for k in 0..40 { p *= (1.0 + q[k] * v[k]).sin(); } s - p",
-            ),
-        ),
-        (
-            "midpoint",
-            system(
-                2,
-                "let mut x = q[0]; for i in 0..3000 { x = x.sin() * x + v[0]; } s + x",
-            ),
-        ),
-        (
-            "midpoint",
-            system(
-                8,
-                "let mut x = q; for k in 0..200 { for i in 0..8 { x[i] = x[i].sin() + x[(i + 1) % 8] * x[(i + 3) % 8]; } } s - x[0]",
-            ),
-        ),
-        (
-            "midpoint",
-            format!("{} {doubling}", system(2, "s - self.f39(q[0])")),
-        ),
-        (
-            "midpoint",
-            format!("{} {doubling}", system(2, "s - self.f8(q[0] + q[1])")),
-        ),
-        ("endpoint", noises(4, 64)),
-        ("endpoint", noises(64, 64)),
-        (
-            "taylor2",
-            system(
-                24,
-                "let x: f64 = q.iter().zip(v).map(|(a, b)| a * b).sum(); s - x.sin()",
-            ),
-        ),
-        (
-            "midpoint",
-            system(
-                3,
-                "for i in 0..3 { for j in 0..1_000_000_000 { s += q[i]; } } s",
-            ),
-        ),
-    ]
+    let of_row = |[rule, n, body]: [&'static str; 3]| (rule, system(n.parse().expect("n"), body));
+    let mut systems: Vec<_> = rows(LARGE).into_iter().map(of_row).collect();
+    for body in ["s - self.f39(q[0])", "s - self.f8(q[0] + q[1])"] {
+        systems.push(("midpoint", format!("{} {}", system(2, body), doubling())));
+    }
+    systems.extend([("endpoint", noises(4, 64)), ("endpoint", noises(64, 64))]);
+    systems
 }
+
+/// Rules, numbers of coordinates, and terms.
+const LARGE: &str = "
+midpoint → 512 → for i in 1..512 { s -= (q[i] - q[i - 1]).cos(); } s
+midpoint → 512 → s - q.iter().sum::<f64>().sin()
+midpoint → 6 → let mut p = 1.0; for k in 0..100 { let mut t = 1.0; for i in 0..6 { t += self.a[6 * k + i] * q[i]; } p *= t; } s - p
+midpoint → 40 → let mut p = 1.0; for k in 0..40 { p *= (1.0 + q[k] * v[k]).sin(); } s - p
+midpoint → 2 → let mut x = q[0]; for i in 0..3000 { x = x.sin() * x + v[0]; } s + x
+midpoint → 8 → let mut x = q; for k in 0..200 { for i in 0..8 { x[i] = x[i].sin() + x[(i + 1) % 8] * x[(i + 3) % 8]; } } s - x[0]
+taylor2 → 24 → let x: f64 = q.iter().zip(v).map(|(a, b)| a * b).sum(); s - x.sin()
+midpoint → 3 → for i in 0..3 { for j in 0..1_000_000_000 { s += q[i]; } } s
+";
 
 #[test]
 fn large_systems_are_one_error_with_a_limit() {
     for (attribute, members) in large_systems() {
-        let item = tokens(&format!("impl P {{ {members} }}"));
-        let output = expanded(&tokens(attribute), &item);
+        let output = expand_members(attribute, &members).to_string();
         assert_eq!(output.matches("compile_error").count(), 1, "{members}");
         assert!(output.contains("limit"), "{members}");
     }
 }
 
+const RULES: [&str; 5] = [
+    "initial_point",
+    "endpoint",
+    "midpoint",
+    "stormer_verlet",
+    "gauss(2)",
+];
+
 /// Returns the rules that an error of size says to be within the limit.
 fn named(error: &str) -> Vec<String> {
-    let rules = [
-        "initial_point",
-        "endpoint",
-        "midpoint",
-        "stormer_verlet",
-        "gauss(2)",
-    ];
     let Some((_, after)) = error.split_once("which is the limit; ") else {
         return Vec::new();
     };
     let names = after.split(';').next().unwrap_or_default();
     let is_named = |rule: &&str| names.contains(&format!("`{rule}`"));
-    let rules = rules.into_iter().filter(is_named);
+    let rules = RULES.into_iter().filter(is_named);
     rules.map(ToOwned::to_owned).collect()
 }
 
 /// An error of size names exactly the rules that a system of this size may have.
 #[test]
 fn an_error_of_size_names_the_rules_that_fit() {
-    let rules = [
-        "initial_point",
-        "endpoint",
-        "midpoint",
-        "stormer_verlet",
-        "gauss(2)",
-    ];
     let bodies = system(
         6,
         "for i in 0..6 { for j in 0..i { s -= 1.0 / (1.0 + (q[i] - q[j]).powi(2)).sqrt(); } } s",
@@ -148,11 +101,11 @@ fn an_error_of_size_names_the_rules_that_fit() {
             let output =
                 |rule| expand_within(&tokens(rule), &item, Settings::default(), work).to_string();
             let is_refused = |text: &str| text.contains("compile_error");
-            let fit: Vec<&str> = rules
+            let fit: Vec<&str> = RULES
                 .into_iter()
                 .filter(|rule| !is_refused(&output(rule)))
                 .collect();
-            for rule in rules {
+            for rule in RULES {
                 let text = output(rule);
                 if is_refused(&text) {
                     assert_eq!(named(&text), fit, "{rule} {work}");
@@ -164,22 +117,12 @@ fn an_error_of_size_names_the_rules_that_fit() {
     assert!(claims > 4, "{claims}");
 }
 
+/// Bodies in the plane are a case of `growth::limits_are_those_of_the_documentation`.
 #[test]
 fn systems_of_48_coordinates_are_accepted() {
     let chain = "fn lagrangian(&self, q: [f64; 48], v: [f64; 48]) -> f64 {
         let mut s: f64 = v.iter().zip(&self.m).map(|(v, m)| 0.5 * m * v * v).sum();
         for i in 1..48 { s -= self.k * (q[i] - q[i - 1]).powi(4) + (q[i] - q[i - 1]).cos(); }
-        s
-    }";
-    let bodies = "fn lagrangian(&self, q: [[f64; 2]; 24], v: [[f64; 2]; 24]) -> f64 {
-        let mut s = 0.0;
-        for i in 0..24 {
-            s += 0.5 * self.m[i] * (v[i][0].powi(2) + v[i][1].powi(2));
-            for j in 0..i {
-                let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
-                s += self.m[i] * self.m[j] / (x * x + y * y).sqrt();
-            }
-        }
         s
     }";
     let in_space = "fn lagrangian(&self, q: [[f64; 3]; 16], v: [[f64; 3]; 16]) -> f64 {
@@ -196,11 +139,9 @@ fn systems_of_48_coordinates_are_accepted() {
     }";
     for (attribute, members) in [
         ("initial_point, endpoint, midpoint, taylor2", chain),
-        ("midpoint", bodies),
         ("stormer_verlet", in_space),
     ] {
-        let item = tokens(&format!("impl P {{ {members} }}"));
-        let output = expanded(&tokens(attribute), &item);
+        let output = expand_members(attribute, members).to_string();
         assert!(!output.contains("compile_error"), "{members}");
     }
 }
@@ -229,8 +170,9 @@ fn work_may_end_anywhere() {
                 "{work}: {output}"
             );
             refused += 1;
-            work += 1 + work / 100;
+            // every number at first, then steps of a thirtieth
+            work += 1 + work / 30;
         }
-        assert!(refused > 500, "{refused}");
+        assert!(refused > 150, "{refused}");
     }
 }

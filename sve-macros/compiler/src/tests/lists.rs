@@ -8,7 +8,7 @@ use syn::punctuated::Punctuated;
 use syn::{Meta, Token};
 
 use super::models::models;
-use crate::tests::expand;
+use crate::tests::{expand, tokens};
 
 /// Returns the rules of an attribute.
 fn rules(attribute: TokenStream) -> Vec<String> {
@@ -21,8 +21,7 @@ fn rules(attribute: TokenStream) -> Vec<String> {
 
 /// Returns the items of an expansion.
 fn items(rules: &[String], block: &str) -> BTreeSet<String> {
-    let attribute = rules.join(", ").parse().expect("rules");
-    let expansion = expand(&attribute, &block.parse().expect("a block"));
+    let expansion = expand(&tokens(&rules.join(", ")), &tokens(block));
     let file: syn::File = syn::parse2(expansion).expect("items");
     let items = file.items.iter();
     items

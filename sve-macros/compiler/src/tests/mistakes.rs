@@ -1,17 +1,10 @@
 //! One error for each mistake: the number of errors of an expansion, and the replacement of wrong
 //! functions, about which the compiler of Rust would report a second error.
 
-use proc_macro2::TokenStream;
-
-use crate::tests::{expand, rows};
-
-fn tokens(text: &str) -> TokenStream {
-    text.parse().expect("tokens")
-}
+use crate::tests::{expand_members, rows};
 
 fn errors(attribute: &str, members: &str) -> usize {
-    let item = tokens(&format!("impl P {{ {members} }}"));
-    let output = expand(&tokens(attribute), &item).to_string();
+    let output = expand_members(attribute, members).to_string();
     output.matches("compile_error").count()
 }
 
@@ -120,8 +113,7 @@ fn one_error_a_mistake_elsewhere() {
 
 /// Returns the expansion after its errors.
 fn rest(members: &str) -> String {
-    let item = tokens(&format!("impl P {{ {members} }}"));
-    let output = expand(&tokens("midpoint"), &item).to_string();
+    let output = expand_members("midpoint", members).to_string();
     let at = output.find("impl P").expect("the block");
     output[at..].to_owned()
 }

@@ -41,6 +41,17 @@ pub(crate) fn expand_compared(attribute: &TokenStream, item: &TokenStream) -> To
     crate::expand(attribute, item, settings)
 }
 
+/// Returns the expansion of a block with these members.
+pub(crate) fn expand_members(attribute: &str, members: &str) -> TokenStream {
+    let block = format!("impl P {{ {members} }}");
+    expand(&tokens(attribute), &tokens(&block))
+}
+
+/// Reads a text as tokens.
+pub(crate) fn tokens(text: &str) -> TokenStream {
+    text.parse().expect("tokens")
+}
+
 /// Returns the items of an expansion. The items of a step with additional functions stand in a
 /// block, which is opened.
 pub(crate) fn items(expansion: TokenStream) -> Vec<syn::Item> {

@@ -5,11 +5,7 @@ use std::fmt::Write;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::ToTokens;
 
-use crate::tests::{expand, items};
-
-fn tokens(text: &str) -> TokenStream {
-    text.parse().expect("tokens")
-}
+use crate::tests::{expand, items, tokens};
 
 /// Returns a block of anharmonic springs between `n` masses.
 fn chain(n: usize) -> String {

@@ -4,7 +4,8 @@
 use proc_macro2::{Group, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
 
 use super::large_input::{with_body, with_coordinates};
-use crate::tests::expand;
+use crate::algebra::tests::recipe::Random;
+use crate::tests::{expand, expand_members, tokens};
 
 pub(super) const SYSTEMS: &[(&str, &str)] = &[
     (
@@ -62,18 +63,13 @@ pub(super) const SYSTEMS: &[(&str, &str)] = &[
     ),
 ];
 
-pub(super) fn tokens(text: &str) -> TokenStream {
-    text.parse().expect("tokens")
-}
-
 pub(super) fn expanded(attribute: &TokenStream, item: &TokenStream) -> String {
     expand(attribute, item).to_string()
 }
 
 pub(super) fn expand_body(body: &str) -> String {
-    let item =
-        format!("impl P {{ fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {{ {body} }} }}");
-    expanded(&tokens("midpoint"), &tokens(&item))
+    let lagrangian = "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64";
+    expand_members("midpoint", &format!("{lagrangian} {{ {body} }}")).to_string()
 }
 
 #[test]
@@ -84,19 +80,6 @@ fn same_input_gives_same_output() {
         for _ in 0..3 {
             assert_eq!(first, expanded(&tokens(attribute), &tokens(item)));
         }
-    }
-}
-
-/// Splitmix64: a fixed sequence.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % n as u64) as usize
     }
 }
 

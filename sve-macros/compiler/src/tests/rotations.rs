@@ -1,10 +1,9 @@
 //! The solution of the equations of rotations.
 
-use crate::tests::expand;
+use crate::tests::{expand, tokens};
 
 fn expansion(block: &str) -> String {
-    let rule = "midpoint".parse().expect("a rule");
-    expand(&rule, &block.parse().expect("a block")).to_string()
+    expand(&tokens("midpoint"), &tokens(block)).to_string()
 }
 
 /// Returns the body of `increment`.

@@ -1,16 +1,13 @@
 //! A step tests exactly those properties of its start that can fail.
 
-use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::Item;
 
-use crate::tests::{expand, items};
+use crate::tests::{expand_members, items};
 
 /// Returns the items of the expansion that implement a trait for a system.
 fn implementations(attribute: &str, members: &str, of: &str) -> Vec<String> {
-    let item = format!("impl P {{ {members} }}");
-    let parse = |text: &str| text.parse::<TokenStream>().expect("tokens");
-    let expansion = expand(&parse(attribute), &parse(&item));
+    let expansion = expand_members(attribute, members);
     let implementations = items(expansion).into_iter().filter_map(|item| match item {
         Item::Impl(item) => Some(item),
         _ => None,

@@ -2,18 +2,7 @@
 //! matrices. Terms that break an identity have all sizes. True identities are written in forms that
 //! the algebra does not reduce to 0.
 
-use proc_macro2::TokenStream;
-
-use crate::tests::expand;
-
-fn expansion(members: &str) -> String {
-    let parse = |text: &str| -> TokenStream { text.parse().expect("tokens") };
-    expand(
-        &parse("midpoint"),
-        &parse(&format!("impl P {{ {members} }}")),
-    )
-    .to_string()
-}
+use crate::tests::expand_members;
 
 /// The decision about a symmetry or about the commutation of noises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,13 +15,13 @@ enum Known {
 
 /// Returns the decision of a block about a symmetry of a potential.
 fn symmetry(potential: &str, generator: &str) -> Known {
-    let output = expansion(&format!(
+    let output = expand_members("midpoint", &format!(
         "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {{
             let (x, y) = (q[0], q[1]);
             0.5 * self.m * (v[0] * v[0] + v[1] * v[1]) - ({potential})
         }}
         #[symmetry] fn along(&self, q: [f64; 2]) -> [f64; 2] {{ let (x, y) = (q[0], q[1]); {generator} }}"
-    ));
+    )).to_string();
     if output.contains("is not a symmetry of the Lagrangian") {
         return Known::No;
     }
@@ -186,11 +175,15 @@ fn constants_lost_in_others_leave_it_open() {
 
 /// Returns the decision whether two noises commute.
 fn noises(first: &str, second: &str) -> Known {
-    let output = expansion(&format!(
-        "fn lagrangian(&self, q: f64, v: f64) -> f64 {{ 0.5 * v * v }}
+    let output = expand_members(
+        "midpoint",
+        &format!(
+            "fn lagrangian(&self, q: f64, v: f64) -> f64 {{ 0.5 * v * v }}
         #[h1] fn one(&self, q: f64, p: f64) -> f64 {{ {first} }}
         #[h1] fn two(&self, q: f64, p: f64) -> f64 {{ {second} }}"
-    ));
+        ),
+    )
+    .to_string();
     assert!(!output.contains("compile_error"), "{output}");
     if output.contains("Half") {
         return Known::No;
@@ -226,9 +219,9 @@ fn noises_of_any_size_commute_or_do_not() {
 
 /// Returns the error of a Lagrangian with these kinetic terms.
 fn kinetic(terms: &str) -> Option<String> {
-    let output = expansion(&format!(
+    let output = expand_members("midpoint", &format!(
         "fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {{ let (v, w) = (v[0], v[1]); {terms} - q[0] * q[1] }}"
-    ));
+    )).to_string();
     output
         .split_once("Lagrangian is degenerate")
         .map(|(_, rest)| rest.chars().take(400).collect())

@@ -1,7 +1,43 @@
 //! Iterations in lanes against the scalar method.
 
-use super::{ContractingLanes, Evaluation, LANES, Lane, Newton, NewtonLanes, SingleLanes};
+use super::{
+    Acceptance, ContractingLanes, Evaluation, LANES, Lane, Newton, NewtonLanes, SingleLanes,
+};
 use crate::lanes::solve::{Solved, solved};
+
+/// Iterates all lanes until they have ended.
+fn iterate<const K: usize, A: Acceptance<K>>(
+    mut iterations: NewtonLanes<K, A>,
+    at: impl Fn(usize, [f64; K]) -> Evaluation<K, A::Jacobian>,
+) -> NewtonLanes<K, A> {
+    while iterations.next_iteration() {
+        for lane in 0..LANES {
+            let point = iterations.point(lane);
+            iterations.update(lane, &at(lane, point));
+        }
+    }
+    iterations
+}
+
+/// The equation `x³ + x = a`.
+fn cube(x: f64, a: f64) -> Evaluation<1> {
+    Evaluation {
+        residual: [x * x * x + x - a],
+        magnitude: [(x * x * x).abs() + x.abs() + a.abs()],
+        jacobian: [[3.0 * x * x + 1.0]],
+        curvature: 6.0 * x,
+    }
+}
+
+/// The intersection of the circle of radius √2 and the diagonal.
+fn circle([x, y]: [f64; 2]) -> Evaluation<2> {
+    Evaluation {
+        residual: [x * x + y * y - 2.0, x - y],
+        magnitude: [x * x + y * y + 2.0, x.abs() + y.abs()],
+        jacobian: [[2.0 * x, 2.0 * y], [1.0, -1.0]],
+        curvature: f64::NAN,
+    }
+}
 
 /// Solves `x³ + x = a` from `x = a` with Chebyshev's update in all lanes.
 fn cubic(a: &Lane, newton: &Newton) -> NewtonLanes<1> {
@@ -9,19 +45,7 @@ fn cubic(a: &Lane, newton: &Newton) -> NewtonLanes<1> {
     for lane in 0..LANES {
         iterations.start(lane, [a[lane]], [0.0]);
     }
-    while iterations.next_iteration() {
-        for lane in 0..LANES {
-            let [x] = iterations.point(lane);
-            let at = Evaluation {
-                residual: [x * x * x + x - a[lane]],
-                magnitude: [(x * x * x).abs() + x.abs() + a[lane].abs()],
-                jacobian: [[3.0 * x * x + 1.0]],
-                curvature: 6.0 * x,
-            };
-            iterations.update(lane, &at);
-        }
-    }
-    iterations
+    iterate(iterations, |lane, [x]| cube(x, a[lane]))
 }
 
 fn values() -> Lane {
@@ -35,14 +59,7 @@ fn roots_are_those_of_the_scalar_method() {
     for lane in 0..LANES {
         assert!(iterations.has_converged(lane));
         let x = iterations.point(lane)[0];
-        let [expected] = newton
-            .solve([a[lane]], |&[x]| Evaluation {
-                residual: [x * x * x + x - a[lane]],
-                magnitude: [(x * x * x).abs() + x.abs() + a[lane].abs()],
-                jacobian: [[3.0 * x * x + 1.0]],
-                curvature: 6.0 * x,
-            })
-            .unwrap();
+        let [expected] = newton.solve([a[lane]], |&[x]| cube(x, a[lane])).unwrap();
         assert!(
             (x - expected).abs() <= 2.0 * f64::EPSILON * x.abs(),
             "{x} {expected}"
@@ -100,20 +117,13 @@ fn a_lane_whose_root_is_not_accepted_fails() {
 
 #[test]
 fn a_lane_with_a_singular_jacobian_fails() {
-    let mut iterations = NewtonLanes::<1>::new(&Newton::default());
-    while iterations.next_iteration() {
-        for lane in 0..LANES {
-            iterations.update(
-                lane,
-                &Evaluation {
-                    residual: [1.0],
-                    magnitude: [1.0],
-                    jacobian: [[0.0]],
-                    curvature: 1.0,
-                },
-            );
-        }
-    }
+    let iterations = NewtonLanes::<1>::new(&Newton::default());
+    let iterations = iterate(iterations, |_, _| Evaluation {
+        residual: [1.0],
+        magnitude: [1.0],
+        jacobian: [[0.0]],
+        curvature: 1.0,
+    });
     assert!(
         (0..LANES)
             .all(|lane| !iterations.has_converged(lane) || !iterations.point(lane)[0].is_finite())
@@ -122,25 +132,11 @@ fn a_lane_with_a_singular_jacobian_fails() {
 
 #[test]
 fn several_unknowns_converge() {
-    // the intersection of a circle and a diagonal
     let mut iterations = NewtonLanes::<2>::new(&Newton::default());
     for lane in 0..LANES {
         iterations.start(lane, [1.0 + 0.01 * lane as f64, 1.1], [0.0; 2]);
     }
-    while iterations.next_iteration() {
-        for lane in 0..LANES {
-            let [x, y] = iterations.point(lane);
-            iterations.update(
-                lane,
-                &Evaluation {
-                    residual: [x * x + y * y - 2.0, x - y],
-                    magnitude: [x * x + y * y + 2.0, x.abs() + y.abs()],
-                    jacobian: [[2.0 * x, 2.0 * y], [1.0, -1.0]],
-                    curvature: f64::NAN,
-                },
-            );
-        }
-    }
+    let iterations = iterate(iterations, |_, point| circle(point));
     for lane in 0..LANES {
         assert!(iterations.has_converged(lane));
         for x in iterations.point(lane) {
@@ -156,23 +152,15 @@ fn intersection(sign: f64) -> ContractingLanes<2> {
     for lane in 0..LANES {
         iterations.start(lane, [1.0 + 0.006 * lane as f64, 1.0], sign);
     }
-    while iterations.next_iteration() {
-        for lane in 0..LANES {
-            let [x, y] = iterations.point(lane);
-            let residual = [x * x + y * y - 2.0, x - y];
-            let jacobian = solved(&[[2.0 * x, 2.0 * y], [1.0, -1.0]], &residual);
-            iterations.update(
-                lane,
-                &Evaluation {
-                    residual,
-                    magnitude: [x * x + y * y + 2.0, x.abs() + y.abs()],
-                    jacobian,
-                    curvature: f64::NAN,
-                },
-            );
+    iterate(iterations, |_, point| {
+        let at = circle(point);
+        Evaluation {
+            jacobian: solved(&at.jacobian, &at.residual),
+            residual: at.residual,
+            magnitude: at.magnitude,
+            curvature: at.curvature,
         }
-    }
-    iterations
+    })
 }
 
 #[test]
@@ -202,23 +190,15 @@ fn a_single_unknown_contracts_by_its_second_derivative() {
     for lane in 0..LANES {
         iterations.start(lane, [guess(lane)], 1.0);
     }
-    while iterations.next_iteration() {
-        for lane in 0..LANES {
-            let [x] = iterations.point(lane);
-            iterations.update(
-                lane,
-                &Evaluation {
-                    residual: [x * x - 4.0],
-                    magnitude: [x * x + 4.0],
-                    jacobian: Solved {
-                        by: [f64::NAN],
-                        determinant: 2.0 * x,
-                    },
-                    curvature: 2.0,
-                },
-            );
-        }
-    }
+    let iterations = iterate(iterations, |_, [x]| Evaluation {
+        residual: [x * x - 4.0],
+        magnitude: [x * x + 4.0],
+        jacobian: Solved {
+            by: [f64::NAN],
+            determinant: 2.0 * x,
+        },
+        curvature: 2.0,
+    });
     for lane in 0..LANES {
         let x = guess(lane);
         let (residual, slope) = (x * x - 4.0, 2.0 * x);
@@ -234,21 +214,15 @@ fn a_single_unknown_contracts_by_its_second_derivative() {
 /// Solves `x³ + x = a` from `x = a` in all lanes. Returns the iterations and the number of
 /// evaluations.
 fn single_cubic(a: &Lane, newton: &Newton) -> (SingleLanes, u32) {
-    let at = |x: f64, a: f64| Evaluation {
-        residual: [x * x * x + x - a],
-        magnitude: [(x * x * x).abs() + x.abs() + a.abs()],
-        jacobian: [[3.0 * x * x + 1.0]],
-        curvature: 6.0 * x,
-    };
     let mut iterations = SingleLanes::new(newton);
     for lane in 0..LANES {
-        iterations.start(lane, [a[lane]], [0.0], &at(a[lane], a[lane]));
+        iterations.start(lane, [a[lane]], [0.0], &cube(a[lane], a[lane]));
     }
     let mut evaluations = 1;
     while iterations.next_iteration() {
         for lane in 0..LANES {
             let [x] = iterations.point(lane);
-            iterations.update(lane, &at(x, a[lane]));
+            iterations.update(lane, &cube(x, a[lane]));
         }
         evaluations += 1;
     }
@@ -263,14 +237,7 @@ fn single_roots_are_those_of_the_scalar_method_in_any_units() {
         let (iterations, evaluations) = single_cubic(&a, &newton);
         assert!(scale > 0.1 || evaluations <= 3, "{scale:e}: {evaluations}");
         for lane in 0..LANES {
-            let [expected] = newton
-                .solve([a[lane]], |&[x]| Evaluation {
-                    residual: [x * x * x + x - a[lane]],
-                    magnitude: [(x * x * x).abs() + x.abs() + a[lane].abs()],
-                    jacobian: [[3.0 * x * x + 1.0]],
-                    curvature: 6.0 * x,
-                })
-                .unwrap();
+            let [expected] = newton.solve([a[lane]], |&[x]| cube(x, a[lane])).unwrap();
             let x = iterations.point(lane)[0];
             assert!(iterations.has_converged(lane), "{scale:e} {x:e}");
             assert!(

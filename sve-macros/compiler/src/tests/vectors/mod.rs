@@ -6,17 +6,12 @@ mod operations;
 mod parameters;
 mod signatures;
 
-use proc_macro2::TokenStream;
-
 use crate::algebra::Arena;
 use crate::errors::Errors;
 use crate::interpret;
 use crate::model::Model;
 use crate::syntax::parse;
-
-fn tokens(text: &str) -> TokenStream {
-    text.parse().expect("tokens")
-}
+use crate::tests::tokens;
 
 /// Returns the model of a block, or its mistakes: the source text at which each is reported, and
 /// the message.
