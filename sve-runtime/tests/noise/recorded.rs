@@ -1,6 +1,6 @@
 //! Recorded paths: what they keep, what coarsening makes of them, and what they refuse.
 
-use sve_runtime::noise::{NoNoise, Noise, NoiseError, Recorded, Wiener};
+use sve_runtime::noise::{NoNoise, NoiseError, Recorded, Wiener};
 
 use crate::draw;
 
