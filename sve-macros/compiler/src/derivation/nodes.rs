@@ -55,13 +55,16 @@ impl Source<'_> {
             }
             stages(&model, &mechanics, arena)
         });
-        let mut stages = at_node
-            .map_err(|Exhausted| self.rule_too_large(group[0].listed.rule, &group[0].arena))?;
+        let too_large = |Exhausted| self.rule_too_large(group[0].listed.rule, &group[0].arena);
+        let mut stages = at_node.map_err(too_large)?;
         let listed: Vec<&ListedRule> = group.iter().map(|start| start.listed).collect();
         check(&listed, &model, &stages)?;
-        let mut weak_order = |rule| weak2::weak_order(rule, self.system, &mut arena);
-        let rules = listed.iter().map(|listed| listed.rule);
-        let rules = rules.map(|rule| (rule, weak_order(rule))).collect();
+        let rules = within_budget(&mut arena, |arena| {
+            let mut weak_order = |rule| weak2::weak_order(rule, self.system, arena);
+            let rules = listed.iter().map(|listed| listed.rule);
+            rules.map(|rule| (rule, weak_order(rule))).collect()
+        });
+        let rules = rules.map_err(too_large)?;
         // the remaining work is proportional to the size of the expressions built so far
         arena.grant(usize::MAX);
         let stable = mechanics.stabilised(&mut arena);

@@ -95,10 +95,13 @@ impl Source<'_> {
             Ok(scheme) => scheme,
             Err(degenerate) => return Err(Obstacle::Degenerate(degenerate, symbols)),
         };
-        let linearisation = within_budget(&mut arena, |arena| {
-            linearise(&scheme, &action, &symbols, arena)
+        let (linearisation, weak_order) = within_budget(&mut arena, |arena| {
+            let linearisation = linearise(&scheme, &action, &symbols, arena);
+            let weak_order = weak2::weak_order(rule, self.system, arena);
+            (linearisation, weak_order)
         })?;
-        let weak_order = weak2::weak_order(rule, self.system, &mut arena);
+        // printing takes work in proportion to the size of the expressions built so far
+        arena.grant(usize::MAX);
         Ok(Derived {
             rule,
             is_unstructured,
