@@ -1,9 +1,9 @@
 //! Antithetic pairs of paths: the second path of a pair has the increments of the first one with
 //! the other sign.
 //!
-//! Input: the observables of tiles. Output: statistics of the means of pairs, which are independent
-//! of one another where the paths of a pair are not. Invariant: a pair of which one path has failed
-//! does not count.
+//! Input: the observables of tiles. Output: statistics of the means of pairs. The means are
+//! independent of one another, while the two paths of a pair are not. Invariant: if one path of a
+//! pair has failed, the pair does not count.
 
 use super::difference::Difference;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic};
@@ -80,7 +80,7 @@ pub(super) fn are_pairs(requests: &[AnyRequest]) -> bool {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct PairsRequest;
 
-/// The moments of the means over antithetic pairs of paths, of which neither has failed.
+/// The moments of the means over antithetic pairs of paths in which neither path has failed.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Pairs {

@@ -1,4 +1,4 @@
-//! The attempts to write a checkpoint: when the next one is due, and what became of them.
+//! The attempts to write a checkpoint: the time of the next one, and their outcomes.
 //!
 //! Input: the interval, and the outcome of each attempt. Output: whether the file is due, and a
 //! warning. Invariant: no failed attempt is forgotten.
@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use super::Warning;
 
-/// Longest time from a failed attempt to the next one. Room on a disk is made by hand, which takes
-/// minutes.
+/// Longest time from a failed attempt to the next one. Freeing room on a disk is manual work, which
+/// takes minutes.
 const RETRY: Duration = Duration::from_secs(10);
 
 /// The attempts to write a checkpoint.
@@ -29,7 +29,7 @@ pub(super) struct Attempts {
 }
 
 impl Attempts {
-    /// No attempt yet, in a run that starts now.
+    /// Returns the attempts of a run that starts now, before the first attempt.
     pub(super) fn new(interval: Duration) -> Self {
         Self {
             interval,

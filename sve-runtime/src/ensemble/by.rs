@@ -43,7 +43,9 @@ impl Varied {
 ///
 /// # fn main() -> Result<(), EnsembleError> {
 /// let oscillator = Integrator::new(Oscillator { k: 1.0 }, Midpoint);
-/// let by = [By::parameter("k"), By::during("k", 0..50), By::during("k", 50..100), By::q(0), By::p(0)];
+/// let halves = [By::during("k", 0..50), By::during("k", 50..100)];
+/// let [first, second] = halves;
+/// let by = [By::parameter("k"), first, second, By::q(0), By::p(0)];
 /// let summary = Ensemble::new(&oscillator)
 ///     .paths(1).steps(0.01, 100)
 ///     .start(State::new([1.0], [0.0]))
@@ -93,8 +95,8 @@ impl By {
         Self(Quantity::P(number))
     }
 
-    /// Returns the parameter that varies, and the steps in which it does, of which `parts` are one
-    /// step of the ensemble.
+    /// Returns the parameter that varies, and the steps in which it varies. Each step of the
+    /// ensemble is `parts` of these steps.
     pub(super) fn varied<S: System>(&self, parts: u64) -> Varied {
         let step = |number: u64| number.saturating_mul(parts);
         let (name, steps) = match &self.0 {
@@ -119,8 +121,8 @@ impl By {
         field
     }
 
-    /// Returns why there is no such quantity in a system with so many coordinates; `None` if there
-    /// is.
+    /// Returns the reason why a system with so many coordinates has no such quantity; `None` if it
+    /// has the quantity.
     pub(super) fn problem<S: System>(&self, coordinates: usize) -> Option<String> {
         match &self.0 {
             Quantity::Parameter(name) | Quantity::During(name, _) => {

@@ -44,12 +44,12 @@ impl<I: Method> Ensemble<'_, I> {
     /// A run without `resume` replaces an existing file once a block of paths has ended.
     ///
     /// A file that cannot be written is an error before the first path is computed: the run tries
-    /// the write. If a later write fails, for example since the disk is full, the run goes on. It
-    /// says so on standard error, tries again after the interval, or after 10 s if the interval is
-    /// longer, and at the end. The summary then has a [`Warning::Checkpoint`]. Temporary files that
-    /// killed runs have left beside this file are removed; the files of runs that still write are
-    /// locked, and stay. On a file system without locks all of them stay:
-    /// `.checkpoint.sve.1234-0.new` is one of `checkpoint.sve`.
+    /// the write. If a later write fails, for example since the disk is full, the run continues. It
+    /// prints a message on standard error, tries again after the interval, or after 10 s if the
+    /// interval is longer, and at the end. The summary then has a [`Warning::Checkpoint`].
+    /// Temporary files that killed runs have left beside this file are removed; the files of runs
+    /// that still write are locked, and stay. On a file system without locks all of them stay:
+    /// `.checkpoint.sve.1234-0.new` is a temporary file of `checkpoint.sve`.
     ///
     #[doc = include_str!("example.md")]
     /// # let folder = std::env::temp_dir().join(format!("sve-checkpoint-{}", std::process::id()));
@@ -70,10 +70,9 @@ impl<I: Method> Ensemble<'_, I> {
     /// run that was not stopped.
     ///
     /// The file has to be undamaged, which its length and a checksum show, and of the same run:
-    /// settings, formulas and parameters of the system, method and starts. [`run`](Self::run)
-    /// returns an error otherwise, which says whether the file is damaged or in what the runs
-    /// differ. Closures are compared by samples only, see
-    /// [`Summary::merge`](super::Summary::merge).
+    /// settings, formulas and parameters of the system, method and starts. Otherwise
+    /// [`run`](Self::run) returns an error that names the damage or the difference between the
+    /// runs. Closures are compared by samples only, see [`Summary::merge`](super::Summary::merge).
     ///
     #[doc = include_str!("example.md")]
     /// # let folder = std::env::temp_dir().join(format!("sve-resume-{}", std::process::id()));
@@ -97,8 +96,8 @@ impl<I: Method> Ensemble<'_, I> {
     /// killed runs have left. [`run`](Self::run) begins with this check.
     ///
     /// # Errors
-    /// [`EnsembleError::Checkpoint`] if the file cannot be read or written, and errors that say
-    /// what is wrong with its content.
+    /// [`EnsembleError::Checkpoint`] if the file cannot be read or written, and errors that
+    /// describe its content if the content is wrong.
     pub fn try_checkpoint(&self) -> Result<(), EnsembleError> {
         let Some((path, _)) = &self.execution.checkpoint else {
             return Ok(());
@@ -126,14 +125,14 @@ impl<I: Method> Settings<'_, I> {
     }
 }
 
-/// The content of a file, as it is written.
+/// The content of a file in the form in which it is written.
 #[derive(Serialize)]
 struct Contents<'a> {
     shard: [u64; 2],
     summary: StoredSummary<'a>,
 }
 
-/// The content of a file, as it is read.
+/// The content of a file in the form in which it is read.
 #[derive(Deserialize)]
 struct LoadedContents {
     shard: [u64; 2],
@@ -181,8 +180,8 @@ impl CheckpointFile {
         locked(&self.attempts).is_due(Instant::now())
     }
 
-    /// Writes the file, if there are results. If that fails, says so on standard error, unless the
-    /// attempt before has failed too; the next attempt comes soon.
+    /// Writes the file, if there are results. If writing fails, prints a message on standard error,
+    /// unless the attempt before has failed too; the next attempt comes soon.
     pub(super) fn save(&self, tree: &MergeTree) {
         if tree.nodes.is_empty() {
             return;
@@ -220,7 +219,7 @@ impl CheckpointFile {
 /// Reads a file, if it exists, and checks its length, checksum and version.
 fn read(path: &Path) -> Result<Option<Vec<u8>>, EnsembleError> {
     let bytes = match fs::metadata(path).map(|old| old.is_file()) {
-        // a device has no results, and may have no end
+        // A device has no results, and may have no end.
         Ok(false) => return Ok(None),
         Ok(true) => fs::read(path),
         Err(error) => Err(error),

@@ -249,8 +249,8 @@ impl Covariance {
         self.rows(JointMoments::covariance)
     }
 
-    /// Correlation coefficients: covariances over the products of the standard deviations; NaN
-    /// where one of these is 0.
+    /// Correlation coefficients: covariances over the products of the standard deviations; NaN if a
+    /// standard deviation is 0.
     pub fn correlation(&self) -> Vec<f64> {
         self.rows(JointMoments::correlation)
     }

@@ -14,8 +14,9 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// Takes statistics of the number of times that a function has changed its sign from one step
     /// to the next, along each path.
     ///
-    /// A value of exactly 0 after a step is a change, leaving from there is none. Two changes
-    /// within a step are not seen. [`integral`](Self::integral) has an example.
+    /// A value of exactly 0 after a step counts as a change; the motion that leaves this zero is
+    /// not counted again. Two changes within a step are not detected. [`integral`](Self::integral)
+    /// has an example.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().crossings("zeros", |_, state| state.q[0]).run()?;
@@ -44,8 +45,8 @@ impl Accumulate for Crossings {
     }
 }
 
-/// Returns whether a function changes its sign from one value to the next. Arriving at 0 is a
-/// change, leaving from there is none.
+/// Returns whether a function changes its sign from one value to the next. A motion that arrives at
+/// 0 changes the sign, a motion that leaves from 0 does not.
 #[inline(always)]
 pub(super) fn crosses(last: f64, now: f64) -> bool {
     let (rises, falls) = (last < 0.0 && now >= 0.0, last > 0.0 && now <= 0.0);

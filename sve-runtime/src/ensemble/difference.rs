@@ -1,29 +1,30 @@
-//! In what two runs differ, and how a checkpoint is damaged.
+//! The differences between two runs, and the damage of a checkpoint.
 
 use crate::readable::debug_is_display;
 
-/// How a checkpoint is damaged.
+/// The damage of a checkpoint.
 #[cfg(feature = "checkpoint")]
 #[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Damage {
-    /// It has another length than it says.
+    /// The length of the file differs from the length in its header.
     #[error("it has {found} bytes where {expected} were written")]
     Length {
-        /// Bytes that were written; at least so many where the file does not say.
+        /// Number of bytes that were written. If the header is incomplete, the least possible
+        /// number.
         expected: u64,
-        /// Bytes there are.
+        /// Number of bytes in the file.
         found: u64,
     },
-    /// Its content has another checksum than it says.
+    /// The checksum of the content differs from the checksum in the header.
     #[error("its content has the checksum {found:016x} where {expected:016x} was written")]
     Checksum {
         /// Checksum that was written.
         expected: u64,
-        /// Checksum of what is there.
+        /// Checksum of the content of the file.
         found: u64,
     },
-    /// The checksum is right, and the content is not the results of a run.
+    /// The checksum is right, but the content is not the results of a run.
     #[error("its content does not fit together, though its checksum is right")]
     Content,
 }

@@ -155,7 +155,7 @@ impl<I: Method + Sync> Distribution<'_, I> {
         rest.is_empty().then_some(PartialResults { tree, warnings })
     }
 
-    /// Returns the file of [`checkpoint`](Ensemble::checkpoint), if one was asked for.
+    /// Returns the file of [`checkpoint`](Ensemble::checkpoint), if the ensemble has one.
     pub fn checkpoint(&self) -> Option<Checkpoint> {
         Some(Checkpoint {
             file: self.settings.checkpoint(&self.info)?,
@@ -256,7 +256,7 @@ impl SharedResults {
 }
 
 /// The file of [`Ensemble::checkpoint`]. [`Ensemble::run`] and distributed runs of the same
-/// ensemble read one another's files.
+/// ensemble can read the files of each other.
 pub struct Checkpoint {
     file: CheckpointFile,
     is_resumed: bool,
@@ -282,8 +282,9 @@ impl Checkpoint {
         self.file.is_due()
     }
 
-    /// Replaces the file, if there are results. If this fails, says so on standard error and in
-    /// [`warning`](Self::warning), and the file is [due](Self::is_due) again soon.
+    /// Replaces the file, if there are results. If this fails, prints a message on standard error,
+    /// [`warning`](Self::warning) returns a warning, and the file is [due](Self::is_due) again
+    /// soon.
     pub fn save(&self, results: &PartialResults) {
         self.file.save(&results.tree);
     }
@@ -303,6 +304,7 @@ impl fmt::Debug for Checkpoint {
 
 /// Returns the stored form of a value.
 fn bytes(value: &impl Serialize) -> Vec<u8> {
-    // Numbers, strings and lists of known length always have one. No reader accepts an empty form.
+    // Numbers, strings and lists of known length always have a stored form. No reader accepts an
+    // empty form.
     postcard::to_stdvec(value).unwrap_or_default()
 }

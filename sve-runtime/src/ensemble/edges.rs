@@ -1,11 +1,11 @@
 //! Edges of the bins of a histogram, correctly rounded.
 //!
-//! Input: a range, the number of its equal parts and of an edge. Output: the `f64` nearest to
-//! `low + k (high − low)/n`, so that −0.5 is an edge of −3..3 in 12 bins. Invariant: the first edge
-//! is `low`, the last one `high`, and edges ascend.
+//! Input: a range, the number of its equal parts, and the number of an edge. Output: the `f64`
+//! nearest to `low + k (high − low)/n`, so that −0.5 is an edge of −3..3 in 12 bins. Invariant: the
+//! first edge is `low`, the last one `high`, and edges ascend.
 //!
-//! Formed as `(low (n − k) + high k)/n` in pairs of numbers, of 106 bits together: each operation
-//! has a relative error below 2⁻¹⁰⁰.
+//! The edge is formed as `(low (n − k) + high k)/n` in pairs of numbers, with 106 bits together:
+//! each operation has a relative error below 2⁻¹⁰⁰.
 //!
 //! Source: M. Joldes, J.-M. Muller, V. Popescu, *Tight and rigorous error bounds for basic building
 //! blocks of double-word arithmetic*, ACM Trans. Math. Softw. 44 (2017), algorithms 2 (sum), 6
@@ -115,7 +115,7 @@ mod tests {
                 for parts in 1..60_i64 {
                     for k in 0..=parts {
                         let numerator = low * (parts - k) + high * k;
-                        // numbers below 2⁵³: their quotient is rounded once
+                        // The numbers are below 2⁵³, so their quotient is rounded once.
                         let expected = numerator as f64 / parts as f64 * scale;
                         let range = [low as f64 * scale, high as f64 * scale];
                         let found = edge(range, count(k), count(parts));

@@ -14,12 +14,12 @@ use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Takes statistics of the energy, as
-    /// `observe(name, |system, state| system.hamiltonian(state))` does, in the lanes of vector
-    /// registers: many times as fast where the macro knows H(q, p) as a formula, that is for
-    /// Lagrangians that are quadratic in the velocities with up to six coordinates that the mass
-    /// matrix couples. The energies agree with [`hamiltonian`](crate::Mechanics::hamiltonian) to
-    /// rounding. Of other systems it is the energy of one state after the other.
+    /// Takes statistics of the energy, as `observe(name, |system, state|
+    /// system.hamiltonian(state))` does, in the lanes of vector registers. This is many times as
+    /// fast if the macro has H(q, p) as a formula, that is for Lagrangians that are quadratic in
+    /// the velocities, with up to six coordinates that the mass matrix couples. The energies agree
+    /// with [`hamiltonian`](crate::Mechanics::hamiltonian) to rounding. For other systems the
+    /// energy is computed for one state after the other.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -8,7 +8,7 @@ use crate::error::StepError;
 use crate::noise::NoiseError;
 use crate::readable::debug_is_display;
 
-/// Why an ensemble could not be run, or summaries could not be merged.
+/// The reason why an ensemble could not be run, or summaries could not be merged.
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum EnsembleError {
@@ -99,7 +99,7 @@ pub enum EnsembleError {
         /// Steps of a path.
         steps: u64,
     },
-    /// Two observables have one name.
+    /// Two observables have the same name.
     #[error("two observables are called `{name}`: give each a name of its own")]
     TwiceNamed {
         /// The name.
@@ -114,7 +114,7 @@ pub enum EnsembleError {
         name: String,
         /// The purpose for which it was named.
         purpose: &'static str,
-        /// The names there are.
+        /// The names of the observables.
         known: Vec<String>,
     },
     /// A histogram without room.
@@ -154,9 +154,9 @@ pub enum EnsembleError {
     /// The function of a gradient cannot be evaluated at the start of the first path.
     #[error("the function of the gradient `{name}`: {error}")]
     GradientFunction {
-        /// Its name.
+        /// Name of the function.
         name: String,
-        /// Why.
+        /// The reason.
         #[source]
         error: Box<StepError>,
     },
@@ -209,9 +209,9 @@ pub enum EnsembleError {
         "the sweeps have {rows} and {others} rows, so they are of different tables; merge shards of one sweep alone"
     )]
     OtherTable {
-        /// Rows of the one.
+        /// Number of rows of one sweep.
         rows: usize,
-        /// Rows of the other.
+        /// Number of rows of the other sweep.
         others: usize,
     },
     /// A multilevel estimate of a part of a run.
@@ -251,7 +251,7 @@ pub enum EnsembleError {
         /// Paths that were run.
         paths: u64,
     },
-    /// A multilevel estimate of what is the same on all paths that were run.
+    /// A multilevel estimate of an observable that has the same value on all paths that were run.
     #[error(
         "`multilevel`: all of the first {paths} paths of each level have one value of `{name}`, {value:e} on the longest steps, so nothing tells its error: it is a constant, whose mean `run` gives, \
          or what changes it happens on fewer than one path in {}; begin with more `paths`, several times as many as it needs to happen once", paths / 3
@@ -313,7 +313,7 @@ pub enum EnsembleError {
     Shard {
         /// Shard asked for.
         index: u64,
-        /// How many there are.
+        /// Number of shards.
         of: u64,
     },
     /// A shard without a path.
@@ -323,7 +323,7 @@ pub enum EnsembleError {
     EmptyShard {
         /// Shard asked for.
         index: u64,
-        /// How many there are.
+        /// Number of shards.
         of: u64,
         /// Paths of the ensemble.
         paths: u64,

@@ -1,7 +1,7 @@
 //! The result of the multilevel method.
 //!
-//! Input: the numbers of all levels. Output: the mean with its errors, and what each level
-//! contributes.
+//! Input: the numbers of all levels. Output: the mean with its errors, and the contribution of each
+//! level.
 
 use core::fmt;
 
@@ -99,8 +99,9 @@ pub(super) fn paths_of_levels(levels: &[Level], standard_error: f64) -> Vec<f64>
     levels.iter().map(each).collect()
 }
 
-/// Returns the bias of the last level if errors fall like hʷ: each of the last three differences
-/// gives an estimate, and the largest counts, since one of them may be small by chance.
+/// Returns the bias of the last level if errors fall like hʷ. Each of the last three differences
+/// gives an estimate, and the largest estimate is returned, since a single difference may be small
+/// by chance.
 pub(super) fn bias(levels: &[Level], weak_order: f64) -> f64 {
     let factor = weak_order.exp2();
     let differences = levels[1..].iter().rev().take(3).zip(0..);

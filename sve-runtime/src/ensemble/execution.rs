@@ -116,7 +116,7 @@ impl<I: Method + Sync> Settings<'_, I> {
         }
     }
 
-    /// Returns the number of blocks that are run together. Where paths stop, more of them keep the
+    /// Returns the number of blocks that are run together. If paths stop, more blocks keep the
     /// lanes full; the results are the same.
     fn group(&self, threads: usize) -> u64 {
         if !self.ensemble.has_stops() {
@@ -262,7 +262,8 @@ impl Shared {
 
 #[cfg(feature = "checkpoint")]
 impl Shared {
-    /// Loads the results of a checkpoint, if there are some and the ensemble is to continue them.
+    /// Loads the results of a checkpoint, if there are results and the ensemble has to continue
+    /// them.
     fn with_checkpoint<I: Method>(
         mut self,
         settings: &Settings<'_, I>,

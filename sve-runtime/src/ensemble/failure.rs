@@ -16,18 +16,18 @@ pub const FAILURES_KEPT: usize = 256;
 pub struct Failure {
     /// Number of the path, from 0; [`replay`](super::Ensemble::replay) repeats it.
     pub path: u64,
-    /// Number of steps before the failure. Where a path was to stop, the last one is a part of a
-    /// step.
+    /// Number of steps before the failure. If the path was about to stop, the last step is a part
+    /// of a step.
     pub step: u64,
     /// Time of the failure.
     #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
     pub t: f64,
-    /// Why it failed.
+    /// The cause of the failure.
     #[source]
     pub cause: Cause,
 }
 
-/// Why a path failed.
+/// The cause of the failure of a path.
 #[derive(Clone, thiserror::Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -40,7 +40,7 @@ pub enum Cause {
         "it starts at t = {t}, and path 0 at t = {expected}: the paths of an ensemble start together"
     )]
     StartTime {
-        /// Its own time.
+        /// Its start time.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
         /// The time of path 0.
@@ -92,8 +92,8 @@ debug_is_display!(Failure, Cause);
 /// Causes are equal if all numbers are equal; NaN equals NaN.
 impl PartialEq for Cause {
     fn eq(&self, other: &Self) -> bool {
-        // a message has all digits of its numbers, except the message of a step, which rounds
-        // fractions
+        // A message has all digits of its numbers, except the message of a step, which rounds
+        // fractions.
         let text = self.to_string();
         let same_step = match (self, other) {
             (Self::Step(a), Self::Step(b))

@@ -17,8 +17,8 @@ pub struct FinalState<'a> {
 }
 
 impl FinalState<'_> {
-    /// The same as a [`State`]; `None` where configurations of the type `Q` have another number of
-    /// stored values.
+    /// Returns the state as a [`State`]; `None` if configurations of the type `Q` have another
+    /// number of stored values.
     pub fn state<Q: FixedSize>(&self) -> Option<State<Q>> {
         let lengths = [Q::STORED_VALUES, Q::DEGREES_OF_FREEDOM];
         if [self.q.len(), self.p.len()] != lengths {

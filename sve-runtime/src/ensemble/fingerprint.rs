@@ -1,13 +1,13 @@
-//! Fingerprints: hashes by which shards and checkpoints of the same run are recognised.
+//! Fingerprints: hashes that identify shards and checkpoints of the same run.
 //!
 //! Input: the settings, the system's formulas and parameters, the method, starts, and values along
-//! some paths. Output: a 64-bit hash of each, so that a message can say which one differs.
-//! Invariant: equal runs have equal numbers; every value enters with all its bits.
+//! some paths. Output: a 64-bit hash of each of them, so that a message can name the one that
+//! differs. Invariant: equal runs have equal hashes; every value enters with all its bits.
 //!
 //! Closures cannot be read, so they are sampled: starts of up to 33 paths; observables along path 0
-//! at its recorded times, and along three others for a few steps; memories of
-//! [`fold`](super::Ensemble::fold) along the first steps of these paths. What a closure does
-//! elsewhere is not seen.
+//! at its recorded times, and along three other paths for a few steps; memories of
+//! [`fold`](super::Ensemble::fold) along the first steps of these paths. The behaviour of a closure
+//! elsewhere does not enter.
 
 use std::collections::BTreeSet;
 
@@ -26,16 +26,16 @@ use crate::trajectory::Method;
 /// Smallest number of steps of path 0 that are compared.
 const STEPS: u64 = 4096;
 
-/// One step in so many of the run is made for the fingerprint, if that is more than [`STEPS`]. A
-/// scalar step costs up to nine steps in lanes, so the fingerprint takes at most a hundredth of the
-/// time.
+/// For the fingerprint, one step is made for each `SHARE` steps of the run, if that gives more than
+/// [`STEPS`]. A scalar step costs up to nine steps in lanes, so the fingerprint takes at most a
+/// hundredth of the time.
 const SHARE: u128 = 1024;
 
 /// Number of steps of three other paths that are compared.
 const OTHER_STEPS: u64 = 64;
 
-/// Number of first paths whose starts are compared. As many evenly distributed paths are compared,
-/// and the last one.
+/// Number of first paths whose starts are compared. The starts of as many evenly distributed paths
+/// are compared too, and the start of the last path.
 const STARTS: u64 = 16;
 
 /// The fingerprint of a run.
@@ -112,7 +112,7 @@ impl<I: Method> Settings<'_, I> {
                 hash.add_number(self.h);
                 hash.add(self.steps);
                 hash.add(u64::from(ensemble.keep_final_states));
-                // runs without integrals have the hashes that they always had
+                // Runs without integrals keep the hashes of earlier versions.
                 let kinds = observed.observables.iter().map(|of| of.kind());
                 if kinds.clone().any(|kind| kind != Kind::Plain) || observed.weight.is_some() {
                     for kind in kinds {

@@ -1,7 +1,7 @@
 //! Memories of any type along each path.
 //!
-//! Input: functions that begin, update and read a memory. Output: an observable of what is read.
-//! Invariant: a memory sees the start and the state after each step, in order.
+//! Input: functions that begin, update and read a memory. Output: an observable of the values that
+//! are read. Invariant: a memory sees the start and the state after each step, in order.
 
 use core::marker::PhantomData;
 
@@ -18,7 +18,7 @@ use crate::trajectory::Method;
 impl<'a, I: Method> Ensemble<'a, I> {
     /// Takes statistics of a memory of any type: `begin` makes it from the start of a path,
     /// `update` is called with the state after each step (and with the state at which a path
-    /// [stops](Self::stop_at)), and `value` is what is recorded.
+    /// [stops](Self::stop_at)), and `value` returns the recorded number.
     ///
     /// A path on which the value at a recorded time is not finite fails.
     ///
@@ -130,7 +130,7 @@ where
     }
 }
 
-/// The memories of a [`Fold`]: for each tile one for each lane, from the start on.
+/// The memories of a [`Fold`]: for each tile and each lane one memory, from the start on.
 struct FoldMemory<'f, T, B, U, V> {
     fold: &'f Fold<T, B, U, V>,
     tiles: Vec<Vec<T>>,

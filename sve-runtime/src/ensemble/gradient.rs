@@ -164,9 +164,9 @@ pub(super) type PushForward<I> = fn(
 
 /// The steps of a method that carry tangent vectors.
 pub(super) struct TangentSteps<I: Method> {
-    /// Those of a single state.
+    /// The steps of a single state.
     pub(super) alone: PushForward<I>,
-    /// Those in lanes.
+    /// The steps in lanes.
     pub(super) in_lanes: fn(CarryTiles<'_, I>) -> u64,
 }
 
@@ -198,12 +198,12 @@ impl<I: Method> Default for Gradients<'_, I> {
     }
 }
 
-/// Why paths that stop have no gradients.
+/// The reason why paths that stop have no gradients.
 const STOPS: &str = "the mean over paths that end at an event depends on the times of the events, which the derivatives along the paths leave out; run without `stop_at`, or take differences with common noise by `sweep`";
 
 impl<I: Method> Gradients<'_, I> {
-    /// Checks that the system has what its means are differentiated by and what their functions ask
-    /// for, and that no path stops. `first` is the start of the first path.
+    /// Checks that each quantity of a gradient exists in the system, that the functions ask for
+    /// existing parameters, and that no path stops. `first` is the start of the first path.
     pub(super) fn check(
         &self,
         system: &I::System,
@@ -270,25 +270,26 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// # }
     /// ```
     ///
-    /// Each path is differentiated with its increments held fixed. Their mean is the derivative of
-    /// the mean only for smooth functions of the state at a fixed time, and nothing else can be
-    /// written: dual numbers do not compare, and have no `abs`. For the probability of an event
-    /// replace the jump by a smooth step, `0.5 + 0.5 * ((q - a) / w).tanh()`, with a width w that
-    /// is small beside the law of q, and see that the result does not depend on w; or use
-    /// likelihood ratios, as the [guide](crate::guide::derivatives) does. The gradient of a
-    /// quantile is minus the gradient of the probability to be below it, over the density there.
-    /// [Averages](Self::average), [weighted](Self::weight) means and paths that
-    /// [stop](Self::stop_at) have no gradients: take differences with common noise by
-    /// [`sweep`](Self::sweep). A path on which a step had to be [refined](Self::refine) fails.
+    /// Each path is differentiated with its increments held fixed. The mean of these derivatives is
+    /// the derivative of the mean only for smooth functions of the state at a fixed time. Other
+    /// functions cannot be written: dual numbers do not compare, and have no `abs`. For the
+    /// probability of an event replace the jump by a smooth step,
+    /// `0.5 + 0.5 * ((q - a) / w).tanh()`, with a width w that is small compared with the spread of
+    /// q, and check that the result does not depend on w; or use likelihood ratios, as the
+    /// [guide](crate::guide::derivatives) does. The gradient of a quantile is minus the gradient of
+    /// the probability to be below it, over the density at the quantile. [Averages](Self::average),
+    /// [weighted](Self::weight) means and paths that [stop](Self::stop_at) have no gradients: take
+    /// differences with common noise by [`sweep`](Self::sweep). A path on which a step had to be
+    /// [refined](Self::refine) fails.
     ///
-    /// A start that depends on a parameter does not follow it; its part is the sum of the
-    /// derivatives by [`By::q`] and [`By::p`] times the derivatives of the start.
+    /// The derivatives do not include the dependence of a start on a parameter. Its contribution is
+    /// the sum of the derivatives by [`By::q`] and [`By::p`] times the derivatives of the start.
     ///
     /// The tangent vectors are carried in lanes, as the states are: a run with gradients by one to
-    /// four quantities takes 1.3 to 3 times as long as without. Where the step is not in lanes
-    /// ([`Plan::in_lanes`](crate::Plan::in_lanes)), has constraints or large derivatives, a step
-    /// with tangent vectors is made for one path after the other, which takes 10 to 30 times as
-    /// long as a step in lanes. The other statistics of a run keep their bits.
+    /// four quantities takes 1.3 to 3 times as long as without gradients. If the step is not in
+    /// lanes ([`Plan::in_lanes`](crate::Plan::in_lanes)), has constraints or large derivatives, a
+    /// step with tangent vectors is made for one path after the other, which takes 10 to 30 times
+    /// as long as a step in lanes. The other statistics of a run keep their bits.
     ///
     /// # Errors
     /// [`run`](Self::run) returns [`EnsembleError::Gradient`] for a quantity that the system does
@@ -342,7 +343,7 @@ fn derivative(name: &str, by: &By) -> String {
 
 impl Summary {
     /// The statistics of the derivative of an observable of [`Ensemble::gradient`] by a quantity,
-    /// at each recorded time. `None` if it was not asked for.
+    /// at each recorded time. `None` if the ensemble did not take this derivative.
     pub fn derivative(&self, name: &str, by: impl Into<By>) -> Option<&Statistics> {
         self.get(&derivative(name, &by.into()))
     }

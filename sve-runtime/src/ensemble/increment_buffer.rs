@@ -192,8 +192,8 @@ impl<D: Dimensions> IncrementBuffer<D> {
         increments
     }
 
-    /// Returns the increments of a tile for a step of the batch in the buffer where there is a
-    /// single process: those need not be copied.
+    /// Returns the increments of a tile for a step of the batch in the buffer, if there is a single
+    /// process: its increments need not be copied.
     #[inline(always)]
     pub(super) fn only(&self, tile: usize, step: u64) -> Option<&D::IncrementLanes> {
         if Self::PROCESSES != 1 {
@@ -228,7 +228,7 @@ mod tests {
     use crate::noise::{ManyPaths as _, Noise as _, Wiener};
     use crate::system::Dims;
 
-    /// Any paths in the lanes: consecutive ones, and others.
+    /// Returns any paths in the lanes: consecutive and other numbers.
     fn tiles() -> [[u64; LANES]; BLOCK_TILES] {
         let path = |tile: usize, lane: usize| match tile {
             0 => lane as u64,

@@ -68,7 +68,7 @@ impl Info {
 }
 
 impl<I: Method> Settings<'_, I> {
-    /// Returns what pages show of the run.
+    /// Returns the description of the run for pages.
     pub(super) fn description(&self) -> RunDescription {
         let has_noise = <IncrementsOf<I::System>>::PROCESSES > 0;
         RunDescription {

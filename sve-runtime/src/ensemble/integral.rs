@@ -58,9 +58,9 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// over all steps.
     ///
     /// The averages of different paths are independent, so the [standard
-    /// error](super::Statistics::standard_error) between them is right however long a path
-    /// remembers its past. Where no time has passed yet the average is the value itself. For one
-    /// long path see [`Blocking`](crate::Blocking).
+    /// error](super::Statistics::standard_error) between them is right for every length of a path's
+    /// memory. At the time from which it is taken, the average is the value itself. For one long
+    /// path see [`Blocking`](crate::Blocking).
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -104,7 +104,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
     ///
     #[doc = include_str!("example.md")]
     /// // the average from t = 0.5 on; before there is none
-    /// let summary = ensemble().every(5).settle(5).average("mean of q", |_, state| state.q[0]).run()?;
+    /// let ensemble = ensemble().every(5).settle(5).average("mean of q", |_, state| state.q[0]);
+    /// let summary = ensemble.run()?;
     /// assert_eq!(summary["mean of q"].mean()[1], summary["q"].mean()[1]);
     /// assert_ne!(summary["mean of q"].mean()[2], summary["q"].mean()[2]);
     #[doc = include_str!("../example_end.md")]
@@ -161,7 +162,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
     ///
     /// Without the line of the noise all points have the same paths. Means at points that lie close
     /// together then have nearly the same sampling error, so that their differences have a small
-    /// one, as a gradient needs; a mean over the points has a larger error.
+    /// error, as a gradient needs; a mean over the points has a larger error.
     ///
     #[doc = include_str!("example.md")]
     /// // a constant V = 2 discounts: u(t, x) = exp(−2t) for f = 1

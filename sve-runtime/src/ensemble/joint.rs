@@ -96,7 +96,7 @@ impl JointColumn {
     pub(super) fn merge(&mut self, counts: &[u64], other: &Self, others: &[u64]) {
         let records = counts.len();
         for row in 0..self.numbers.len() / NUMBERS {
-            // a pair of times has the paths of the later one
+            // A pair of times has the paths of the later time.
             let record = if self.is_two_time {
                 (row / records).max(row % records)
             } else {
@@ -212,8 +212,8 @@ impl JointMoments {
         self.for_two(self.m11 / (self.count - 1.0))
     }
 
-    /// Returns the covariance over the product of the standard deviations; NaN if one of these is
-    /// 0.
+    /// Returns the covariance over the product of the standard deviations; NaN if a standard
+    /// deviation is 0.
     pub(super) fn correlation(&self) -> f64 {
         self.for_two(self.m11 / (self.m20.sqrt() * self.m02.sqrt()))
     }

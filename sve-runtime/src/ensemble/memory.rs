@@ -9,7 +9,7 @@ use super::tile::Place;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::system::System;
 
-/// How a number is made from the values of a function along a path.
+/// The method by which a number is made from the values of a function along a path.
 pub(super) trait Accumulate: Copy + Send + Sync {
     /// What becomes of the values.
     const KIND: Kind;
@@ -31,7 +31,7 @@ pub(super) trait Accumulate: Copy + Send + Sync {
     /// after it.
     fn after(self, number: f64, ends: [f64; 2], step: &LastStep, lane: usize) -> f64;
 
-    /// Returns what is recorded of a path after its last step with this number and value of the
+    /// Returns the recorded number of a path after its last step, from this number and value of the
     /// function.
     fn read(self, number: f64, now: f64, step: &LastStep, lane: usize) -> f64 {
         let _ = (now, step, lane);

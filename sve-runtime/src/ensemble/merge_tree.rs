@@ -2,9 +2,9 @@
 //!
 //! Input: results of blocks, in any order. Output: partial results, each of consecutive blocks.
 //! Invariant: the node of level `l` over the blocks `i 2ˡ … (i + 1) 2ˡ − 1`, as far as they exist,
-//! is the merge of the two of level `l − 1`, the lower one first. So the root does not depend on
-//! the order of the blocks, on threads or on shards. For consecutive blocks without gaps, at most
-//! twice as many nodes are kept as the tree has levels.
+//! is the merge of its two nodes of level `l − 1`, the lower one first. So the root does not depend
+//! on the order of the blocks, on threads or on shards. For consecutive blocks without gaps, the
+//! number of nodes that are kept is at most twice the number of levels of the tree.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -64,8 +64,8 @@ impl PartialResult {
         self
     }
 
-    /// Adds the observables of a tile at a recorded time, with those at the recorded times before
-    /// if a statistic needs them.
+    /// Adds the observables of a tile at a recorded time, with the observables at the recorded
+    /// times before if a statistic needs them.
     pub(super) fn add(&mut self, record: usize, values: &[Lane], lanes: Mask, history: &[&[Lane]]) {
         let at = Recorded {
             record,

@@ -108,8 +108,8 @@ use crate::system::StateOf;
 use crate::trajectory::Method;
 
 /// Number of paths of a block. One thread runs a block, and the statistics of all blocks are merged
-/// in a fixed order. The number is part of the contract: another one would change the last bits of
-/// statistics. It is small, so that a thousand paths occupy several threads.
+/// in a fixed order. The number is part of the contract: another number would change the last bits
+/// of statistics. It is small, so that a thousand paths occupy several threads.
 pub const BLOCK_PATHS: u64 = 64;
 
 /// Returns the first path of a block, or the number of paths if there is no such block.
@@ -149,7 +149,8 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 ///     .observe("energy", |system, state| system.hamiltonian(state))
 ///     .run()?;
 /// let energy = &summary["energy"];
-/// for (t, (mean, error)) in summary.times().iter().zip(energy.mean().iter().zip(energy.standard_error())) {
+/// let means = energy.mean().iter().zip(energy.standard_error());
+/// for (t, (mean, error)) in summary.times().iter().zip(means) {
 ///     // the exact mean is 1/2 + σ²t/2
 ///     assert!((mean - 0.5 - 0.5 * t).abs() < 0.1 + 4.0 * error);
 /// }
@@ -190,7 +191,7 @@ struct Observations<'a, I: Method> {
     bounds: Vec<(String, [f64; 2])>,
 }
 
-/// How the run is executed, which changes no result.
+/// The options of the execution, which do not change the results.
 #[derive(Default)]
 struct Execution<'a> {
     shard: Option<(u64, u64)>,
@@ -254,7 +255,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// [`fold`](Self::fold) remember the path until the recorded time.
     ///
     #[doc = include_str!("example.md")]
-    /// let summary = ensemble().observe("energy", |system, state| system.hamiltonian(state)).run()?;
+    /// let ensemble = ensemble().observe("energy", |system, state| system.hamiltonian(state));
+    /// let summary = ensemble.run()?;
     /// assert_eq!(summary["energy"].mean()[0], 0.5);
     #[doc = include_str!("../example_end.md")]
     #[must_use]

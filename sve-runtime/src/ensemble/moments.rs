@@ -2,10 +2,10 @@
 //! recorded time, in one pass.
 //!
 //! Input: the values of tiles with the mask of lanes that count. Output: columns that can be
-//! merged. Invariant: what is stored is finite or, where a deviation overflowed, infinite, never
-//! NaN; a mean is within its least and greatest value, and equal values have a sum of squares of
-//! exactly 0; without values the mean and the squares are 0 and the extremes ±∞. Sums over the
-//! lanes of a tile are formed by halves, so they have the same bits for vectors of any width.
+//! merged. Invariant: stored numbers are finite or, if a deviation overflowed, infinite, never NaN;
+//! a mean is within its least and greatest value, and equal values have a sum of squares of exactly
+//! 0; without values the mean and the squares are 0 and the extremes ±∞. Sums over the lanes of a
+//! tile are formed by halves, so they have the same bits for vectors of any width.
 //!
 //! Source: T. F. Chan, G. H. Golub, R. J. `LeVeque`, *Updating formulae and a pairwise algorithm
 //! for computing sample variances*, COMPSTAT (1982).
@@ -128,7 +128,7 @@ impl Squares {
     const SMALL: f64 = f64::from_bits((1023 - 600) << 52);
     /// Largest deviation of unit 0, 2^450: the sum of 2^64 such squares is below 2^1024.
     const LARGEST: f64 = f64::from_bits((1023 + 450) << 52);
-    /// Least deviation of unit 0, 2^−450: its square keeps all its digits, also where another one
+    /// Least deviation of unit 0, 2^−450: its square keeps all its digits, even if another square
     /// of the sum is far smaller.
     const LEAST: f64 = f64::from_bits((1023 - 450) << 52);
 
@@ -258,8 +258,8 @@ impl Moments {
         }
         let mean = within(mean, min, max);
         let deviations: Lane = core::array::from_fn(|lane| select(lane, values[lane] - mean, 0.0));
-        // The mean is between the least and the greatest value, so one of these deviations is the
-        // largest.
+        // The mean is between the least and the greatest value, so the deviation of one of them is
+        // the largest.
         let unit = Squares::unit((max - mean).max(mean - min));
         let squared = if unit == 0 {
             deviations.map(|deviation| deviation * deviation)
@@ -329,7 +329,7 @@ fn within(mean: f64, min: f64, max: f64) -> f64 {
     }
 }
 
-/// Reduces the lanes to one value, by combining the upper half with the lower one repeatedly.
+/// Reduces the lanes to one value, by combining the upper half with the lower half repeatedly.
 #[inline]
 pub(super) fn by_halves(mut values: Lane, join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut half = LANES / 2;

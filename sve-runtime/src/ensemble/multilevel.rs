@@ -49,26 +49,27 @@ const GROWTH: f64 = 16.0;
 const DOUBLINGS: u32 = 10;
 
 impl<I: Method + Sync> Ensemble<'_, I> {
-    /// Computes the mean of an observable at the end by the multilevel method: the
-    /// [`steps`](Self::steps) of the ensemble are the steps of the coarsest level, its
-    /// [`paths`](Self::paths) the first ones of each level.
+    /// Computes the mean of an observable at the end by the multilevel method. The
+    /// [`steps`](Self::steps) of the ensemble are the steps of the coarsest level, and its
+    /// [`paths`](Self::paths) are the number of first paths of each level.
     ///
-    /// For an error ε it needs about ε⁻² path-steps where the differences between levels have a
-    /// variance that falls faster than h, as with rules of strong order 1. Plain Monte Carlo needs
+    /// For an error ε it needs about ε⁻² path-steps if the variance of the differences between
+    /// levels falls faster than h, as with rules of strong order 1. Plain Monte Carlo needs
     /// ε^(−2−1/w), where w is the weak order of the rule.
     ///
-    /// **Where it does not win.** The gain over plain Monte Carlo with the same rule is about the
-    /// number of plain steps that a bias of ε needs, divided by what the coarse levels cost. Where
-    /// a few steps suffice, for large ε or with a rule of weak order 2, plain Monte Carlo is as
-    /// fast or faster. It does not help for indicators and other observables with jumps, whose
-    /// differences between levels have a large variance; nor where the coarse steps are unstable,
-    /// or lose the features of the motion.
+    /// **Limits of the gain.** The gain over plain Monte Carlo with the same rule is about the
+    /// number of plain steps that a bias of ε needs, divided by the cost of the coarse levels. If a
+    /// few steps suffice, for large ε or with a rule of weak order 2, plain Monte Carlo is as fast
+    /// or faster. The method does not help for indicators and other observables with jumps, whose
+    /// differences between levels have a large variance; nor if the coarse steps are unstable, or
+    /// lose the features of the motion.
     ///
     /// **Rare events.** A level on which fewer than 8 paths carry the variance gets twice the
-    /// paths, until 8 do, or until 8 more would change the mean by less than its error. Events that
-    /// no path of any level shows are an error, [`EnsembleError::OneValue`]. What changes few of
-    /// otherwise different values, and is not seen among the first [`paths`](Self::paths), cannot
-    /// be known: let these be many times the paths that it needs to happen once.
+    /// paths, until 8 paths carry it, or until 8 more paths would change the mean by less than its
+    /// error. If an event occurs on no path of any level, the result is an error,
+    /// [`EnsembleError::OneValue`]. An event that changes few of otherwise different values, and
+    /// that does not occur among the first [`paths`](Self::paths), cannot be detected: let their
+    /// number be many times the number of paths in which the event occurs once.
     ///
     /// Settings that count steps, such as [`settle`](Self::settle), count steps of the coarsest
     /// level. Histograms, covariances and quantiles are not taken. A path that fails on either of
@@ -174,13 +175,12 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
     /// # Errors
     /// As [`Ensemble::run`]; [`EnsembleError::Bias`] if the deepest level is not deep enough;
     /// [`EnsembleError::NoLimit`] if the differences between levels do not fall;
-    /// [`EnsembleError::OneValue`] if no path differs from another one;
-    /// [`EnsembleError::HeavyTails`] if a few paths have the whole variance of a level, however
-    /// many are run; [`EnsembleError::NoLevel`] if the paths of a level fail;
-    /// [`EnsembleError::NoSums`] with [`ThreePoint`](crate::noise::ThreePoint) increments;
-    /// [`EnsembleError::MultilevelInParts`] with a shard, a checkpoint or `stop_when`;
-    /// [`EnsembleError::NotTogether`] with refined noise, `refine`, stops, passages or kept final
-    /// states.
+    /// [`EnsembleError::OneValue`] if all paths have the same value; [`EnsembleError::HeavyTails`]
+    /// if a few paths have the whole variance of a level, for every number of paths;
+    /// [`EnsembleError::NoLevel`] if the paths of a level fail; [`EnsembleError::NoSums`] with
+    /// [`ThreePoint`](crate::noise::ThreePoint) increments; [`EnsembleError::MultilevelInParts`]
+    /// with a shard, a checkpoint or `stop_when`; [`EnsembleError::NotTogether`] with refined
+    /// noise, `refine`, stops, passages or kept final states.
     pub fn run(&self, error: f64) -> Result<MultilevelEstimate, EnsembleError> {
         let first_blocks = self.checked(error)?;
         let wanted = error / f64::sqrt(2.0);
@@ -216,7 +216,7 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
     }
 
     /// Adds paths to the levels that need more for a standard error of the mean, or before their
-    /// variances are trusted. Returns whether there were any.
+    /// variances are trusted. Returns whether any paths were added.
     fn extend_all(&self, runs: &mut [Run<'a, I>], error: f64) -> Result<bool, EnsembleError> {
         let largest = largest_range(runs);
         let wanted = paths_of_levels(&levels(runs), error);
@@ -225,7 +225,8 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
             let counted = (run.level.paths - run.level.failed) as f64;
             let least = run.spread.least_paths(largest, error);
             if least > counted {
-                // its variance is not known, so it cannot say how many paths are wanted
+                // The variance of the level is not known, so it does not determine the number of
+                // paths.
                 paths = least.min(2.0 * counted);
                 run.doublings += u32::from(run.spread.range > 0.0);
                 if run.doublings > DOUBLINGS {
@@ -250,7 +251,7 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
         Ok(are_more)
     }
 
-    /// Returns the number of the next level, or an error if there is none.
+    /// Returns the number of the next level, or an error if there is no next level.
     fn next_level(
         &self,
         runs: &[Run<'_, I>],

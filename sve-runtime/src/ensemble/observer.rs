@@ -1,4 +1,4 @@
-//! Observers: what becomes of the functions of an ensemble along each path.
+//! Observers: the numbers that an ensemble makes of its functions along each path.
 //!
 //! Input: the states of a tile after each step, or at recorded times only. Output: at a recorded
 //! time a number for each lane. Invariant: the number of a path depends on its states only, not on
@@ -34,7 +34,7 @@ pub(super) enum Kind {
     Gradient = 7,
 }
 
-/// A function with what becomes of its values along a path.
+/// A function, and the treatment of its values along a path.
 pub(super) trait Observable<S: System>: Sync {
     /// What becomes of the values.
     fn kind(&self) -> Kind;
@@ -68,10 +68,10 @@ pub(super) trait Observer<S: System>: Send {
         0
     }
 
-    /// Writes what is recorded after a step.
+    /// Writes the recorded numbers after a step.
     fn values(&self, seen: &Seen<'_, S>, values: &mut Lane);
 
-    /// Moves what is known of a path to another lane.
+    /// Moves the data of a path to another lane.
     fn move_lane(&mut self, from: Place, to: Place) {
         let _ = (from, to);
     }
@@ -127,7 +127,7 @@ impl LastStep {
         Self { number, h, lengths }
     }
 
-    /// Returns the time in a lane since so many steps, which are fewer than have been made.
+    /// Returns the time in a lane since step number `step`, which has been made.
     pub(super) fn time_since(&self, step: u64, lane: usize) -> f64 {
         let (length, steps) = (self.lengths[lane], self.number - step);
         if length == self.h {
@@ -179,7 +179,8 @@ impl<S: System, F: Function<S>> Observer<S> for &Plain<F> {
 }
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Returns what is observed: the exponent of the weight if there is one, then the observables.
+    /// Returns the observed functions: the exponent of the weight if there is a weight, then the
+    /// observables.
     fn observed(&self) -> impl Iterator<Item = (&str, &dyn Observable<I::System>)> {
         let observed = &self.observed;
         let weight = observed.weight.iter().map(|weight| (WEIGHT, &**weight));
@@ -217,7 +218,7 @@ impl<I: Method> PathBlock<'_, I> {
         }
     }
 
-    /// Lets the paths of some lanes fail, since a function is not finite there.
+    /// Lets the paths of some lanes fail, since a function is not finite in these lanes.
     #[cold]
     pub(super) fn fail_not_finite(
         &mut self,

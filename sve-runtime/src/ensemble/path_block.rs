@@ -25,7 +25,7 @@ use crate::system::{ConfigurationOf, Dimensions, IncrementLanesOf, StateLanesOf,
 use crate::time::time_after;
 use crate::trajectory::Method;
 
-/// Paths of some consecutive blocks. Where no path can stop it is one block.
+/// Paths of some consecutive blocks. If no path can stop, there is one block.
 pub(super) struct PathBlock<'a, I: Method> {
     pub(super) settings: Settings<'a, I>,
     pub(super) prepared: I::Prepared,
@@ -57,7 +57,7 @@ pub(super) struct Ends<T> {
 pub(super) struct Records {
     /// The observables of each [`LANES`] paths, at the last record or where a path stopped.
     pub(super) values: Vec<Vec<Lane>>,
-    /// The paths that count, of each [`LANES`]: those that have not failed.
+    /// The paths that count, in groups of [`LANES`]: the paths that have not failed.
     pub(super) counted: Vec<Mask>,
     /// The observables of each tile at all recorded times so far, if covariances of two times are
     /// taken.
@@ -67,7 +67,7 @@ pub(super) struct Records {
 }
 
 impl<'a, I: Method> PathBlock<'a, I> {
-    /// Starts the paths of some blocks, or only one of them.
+    /// Starts the paths of some blocks, or only one of these paths.
     pub(super) fn new(
         settings: Settings<'a, I>,
         blocks: Range<u64>,
@@ -156,8 +156,8 @@ impl<'a, I: Method> PathBlock<'a, I> {
 
     /// Returns why a path cannot start at a state; `None` if it can.
     fn start_error(&self, state: &StateOf<I::System>) -> Option<Cause> {
-        // Names are made for errors only: to make one for each number of each path takes as long as
-        // some ten steps.
+        // Names are made for errors only: making a name for each number of each path takes as long
+        // as about ten steps.
         let not_finite = |of: &str, i: usize, value: f64| {
             let t = state.t;
             (!value.is_finite()).then(|| {
@@ -307,8 +307,8 @@ impl<'a, I: Method> PathBlock<'a, I> {
         self.fail_at(self.settings.time(step), tile, lane, step, cause);
     }
 
-    /// Records the failure of a path at a time after so many steps, the last of which may be a part
-    /// of one, and deactivates its lane.
+    /// Records the failure of a path at a time after so many steps, and deactivates its lane. The
+    /// last step may be a part of a step.
     #[cold]
     pub(super) fn fail_at(&mut self, t: f64, tile: usize, lane: usize, step: u64, cause: Cause) {
         self.tiles[tile].active &= !(1 << lane);
@@ -322,7 +322,7 @@ impl<'a, I: Method> PathBlock<'a, I> {
             cause,
         });
         if self.settings.ensemble.stop_on_failure {
-            // Later paths cannot be the first one that fails.
+            // Later paths cannot be the first path that fails.
             for tile in &mut self.tiles {
                 let later = lanes(ALL).filter(|&lane| tile.paths[lane] > path);
                 let later = later.fold(0, |lanes, lane| lanes | 1 << lane);
@@ -341,7 +341,7 @@ impl<'a, I: Method> PathBlock<'a, I> {
         }
     }
 
-    /// Fills an unused lane with a copy of an active one, so that the step in it is solvable and
+    /// Fills an unused lane with a copy of an active lane, so that the step in it is solvable and
     /// takes the fast path.
     fn fill_unused_lane(&mut self, tile: usize, lane: usize) {
         let tile = &mut self.tiles[tile];

@@ -15,8 +15,8 @@ impl<I: Method> Ensemble<'_, I> {
     /// in the ensemble: to be written, or drawn.
     ///
     /// A path that [stops](Self::stop_at) has its last row at the stop. A path that fails has rows
-    /// up to its failure; [`failures`](Summary::failures) and [`replay`](Self::replay) tell why.
-    /// Only these paths are computed.
+    /// up to its failure; [`failures`](Summary::failures) and [`replay`](Self::replay) give the
+    /// reason. Only these paths are computed.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -201,9 +201,10 @@ impl Quantiles {
     }
 
     /// Returns an interval that contains the `p`-quantile of the distribution, at each recorded
-    /// time, so many standard deviations of its rank to each side, and beyond these the bound on
-    /// the error of the rank: 2 for 95 %, 3 for 99.7 %. It holds for every distribution. An end is
-    /// infinite where there are too few paths to tell; both are NaN if all paths have failed.
+    /// time. It extends by `deviations` standard deviations of the rank to each side, plus the
+    /// bound on the error of the rank: 2 for 95 %, 3 for 99.7 %. It holds for every distribution.
+    /// An end is infinite if there are too few paths to bound it; both are NaN if all paths have
+    /// failed.
     ///
     /// # Panics
     /// Unless `p` is from 0 to 1 and `deviations` is not negative.

@@ -2,7 +2,7 @@
 //! end.
 //!
 //! Input: the states of some blocks. Output: their partial results. Invariant: a path on which an
-//! observable fails is in none of the statistics of that time, so one count for each time serves
+//! observable fails is excluded from all statistics of this time, so one count for each time serves
 //! all observables.
 
 use super::failure::{Cause, FAILURES_KEPT};
@@ -52,7 +52,7 @@ impl<I: Method> PathBlock<'_, I> {
         if among == 0 {
             return;
         }
-        // where all paths are in their lanes, no value has to be moved
+        // If all paths are in their lanes, no value has to be moved.
         let is_at_home = self.tiles[tile].is_at_home && self.records.counted[tile] == among;
         let home = if is_at_home {
             &mut self.records.values[tile]

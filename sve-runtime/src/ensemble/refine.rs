@@ -13,9 +13,10 @@ use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
     /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides
-    /// such a step into two halves on the same path of the noise, and each half that fails
-    /// likewise, up to `depth` times. [`Summary::refined_steps`](super::Summary::refined_steps)
-    /// counts the refined steps. If the smallest parts fail too, the path fails.
+    /// such a step into two halves on the same path of the noise, and divides each half that fails
+    /// in the same way, up to `depth` times.
+    /// [`Summary::refined_steps`](super::Summary::refined_steps) counts the refined steps. If the
+    /// smallest parts fail too, the path fails.
     ///
     /// All steps are smaller, on the same paths, with the [`noise`](Self::noise)
     /// `Wiener::new(seed).refine(depth)?` and `steps(h / 2^depth, …)`.
@@ -26,7 +27,8 @@ impl<I: Method> Ensemble<'_, I> {
     /// ```
     /// use sve_runtime::prelude::*;
     ///
-    /// /// A pendulum with noise of fourth degree in the momentum: for a large ΔW the step has no solution.
+    /// /// A pendulum with noise of fourth degree in the momentum: for a large ΔW the step has no
+    /// /// solution.
     /// struct Rotor;
     ///
     /// #[variational(midpoint)]
@@ -38,7 +40,8 @@ impl<I: Method> Ensemble<'_, I> {
     ///
     /// # fn main() -> Result<(), EnsembleError> {
     /// let rotor = Integrator::new(Rotor, Midpoint);
-    /// let ensemble = || Ensemble::new(&rotor).paths(100).steps(0.5, 50).start(State::new([0.0], [2.0]));
+    /// let start = State::new([0.0], [2.0]);
+    /// let ensemble = || Ensemble::new(&rotor).paths(100).steps(0.5, 50).start(start);
     /// assert!(ensemble().run()?.failed() > 0);
     /// let summary = ensemble().refine(16).run()?;
     /// assert!(summary.failed() == 0 && summary.refined_steps() > 0);

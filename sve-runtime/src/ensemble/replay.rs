@@ -14,8 +14,8 @@ use crate::system::{Dimensions, StateOf};
 use crate::trajectory::Method;
 
 impl<I: Method> Ensemble<'_, I> {
-    /// Returns the states of a single path after each step, with the same bits as in the ensemble:
-    /// to see why it failed, or what it did.
+    /// Returns the states of a single path after each step, with the same bits as in the ensemble,
+    /// for example to find the reason of its failure.
     ///
     /// If the path is [stopped](Self::stop_at), the last item is the state where it stopped. If the
     /// path fails, in a step or in an observable at a recorded time, the last item is the

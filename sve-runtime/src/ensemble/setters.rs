@@ -24,9 +24,9 @@ impl<'a, I: Method> Ensemble<'a, I> {
     }
 
     /// Sets the seed of random starts, and of the increments unless [`noise`](Self::noise) is
-    /// given. Beside a noise, which has a seed of its own, it sets the random starts only: with one
-    /// start for all paths it then has no effect. Without it, random starts have the seed of the
-    /// noise, or 0.
+    /// given. If a noise is given, it has its own seed, and this function sets the seed of the
+    /// random starts only: with one start for all paths it then has no effect. Without it, random
+    /// starts have the seed of the noise, or 0.
     ///
     #[doc = include_str!("example.md")]
     /// let mean = |seed| ensemble().seed(seed).run().map(|summary| summary["q"].mean()[1]);
@@ -112,11 +112,11 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Bounds an observable, as `.bound("energy", ..=1e3)`. A path whose observable is outside of
-    /// the range at a recorded time, or where it [stops](Self::stop_at), fails there: a motion
-    /// without physical meaning then counts as a [`Failure`](super::Failure) and does not enter the
-    /// statistics, nor does its passage. The ends belong to the range, and several ranges can be
-    /// given.
+    /// Bounds an observable, as in `.bound("energy", ..=1e3)`. A path fails if the observable is
+    /// outside of the range at a recorded time, or at the place where the path
+    /// [stops](Self::stop_at): a motion without physical meaning then counts as a
+    /// [`Failure`](super::Failure) and does not enter the statistics, nor does its passage. The
+    /// ends belong to the range, and several ranges can be given.
     ///
     /// Without a bound, a path fails if its state or an observable is not finite.
     /// [`Summary::warnings`](super::Summary::warnings) reports observables that diverge.
@@ -181,8 +181,8 @@ impl<'a, I: Method> Ensemble<'a, I> {
         self
     }
 
-    /// Runs on so many threads of its own. The default is the surrounding `rayon` pool, usually
-    /// with one thread for each core.
+    /// Runs on the given number of threads, started for this run. The default is the surrounding
+    /// `rayon` pool, usually with one thread for each core.
     ///
     #[doc = include_str!("example.md")]
     /// let summary = ensemble().threads(1).run()?;

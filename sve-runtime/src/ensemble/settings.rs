@@ -1,6 +1,6 @@
 //! The settings of an ensemble, complete and checked.
 //!
-//! Input: an [`Ensemble`]. Output: [`Settings`], or an error that says what to write instead.
+//! Input: an [`Ensemble`]. Output: [`Settings`], or an error that contains the remedy.
 
 use core::ops::Range;
 
@@ -30,7 +30,7 @@ pub(super) struct Leg<'a, I: Method> {
     pub(super) is_coarsened: bool,
     /// The path of the noise that belongs to path 0.
     pub(super) first_path: u64,
-    /// The number of paths, if the ensemble has another one.
+    /// The number of paths, if it differs from the number of the ensemble.
     pub(super) paths: Option<u64>,
     /// The method that decides on the settings in the place of the ensemble's own run.
     pub(super) of: Option<&'static str>,
@@ -219,7 +219,7 @@ impl<'a, I: Method> Settings<'a, I> {
         step.is_multiple_of(self.every) || step == self.steps
     }
 
-    /// Returns the first record that is not before so many steps.
+    /// Returns the first record that is not before step number `step`.
     pub(super) fn record_after(&self, step: u64) -> usize {
         // records that fit into memory can be counted by a `usize`
         (step.div_ceil(self.every) as usize).min(self.records - 1)
@@ -268,7 +268,7 @@ impl<'a, I: Method> Settings<'a, I> {
     }
 }
 
-/// Checks the settings that divide steps against the noise, and against those that take other
+/// Checks the settings that divide steps against the noise, and against settings that take other
 /// increments.
 fn check_steps<I: Method>(
     ensemble: &Ensemble<'_, I>,
@@ -335,7 +335,7 @@ fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
     }
 }
 
-/// Checks what is observed in so many steps of the ensemble.
+/// Checks the observed functions in so many steps of the ensemble.
 fn check_observed<I: Method>(ensemble: &Ensemble<'_, I>, steps: u64) -> Result<(), EnsembleError> {
     let observed = &ensemble.observed;
     let names = &observed.names;

@@ -12,8 +12,8 @@ use crate::trajectory::Method;
 /// Bytes of a number.
 pub(super) const NUMBER: u128 = 8;
 
-/// Smallest number of results of blocks in memory at the same time: one that is filled, and one
-/// into which it is merged.
+/// Smallest number of results of blocks in memory at the same time: a result that is filled, and a
+/// result into which it is merged.
 pub(super) const AT_ONCE: u128 = 2;
 
 /// Checks that the statistics of an ensemble fit into memory and, if they are kept, the final

@@ -1,19 +1,19 @@
-//! Quantile sketches: the values of an observable, of which every other one is dropped whenever
-//! they are too many.
+//! Quantile sketches: the values of an observable. Whenever they are too many, every other value is
+//! dropped.
 //!
 //! Input: values. Output: values with weights, and a bound on the error of their ranks. Invariant:
 //! the sketch of a node of the merge tree depends on the values of its blocks only; it has all
 //! values as long as they are at most `size`.
 //!
 //! Values of weight 2ˡ are in level l. A level with more than `size` values is sorted, and every
-//! other one moves up with twice the weight: the first, third, … or the second, fourth, … one. That
-//! changes any rank by at most 2ˡ, so the sum of these weights bounds the error of all ranks. The
-//! first ones make a rank too large, the second ones too small, by the same amount and at the same
-//! places. A bit of a hash of all values below the node chooses between the two, so that the error
-//! of every rank has the mean 0 over the samples, for any shape of the tree.
+//! other value moves up with twice the weight: the values with odd numbers, or the values with even
+//! numbers. This changes any rank by at most 2ˡ, so the sum of these weights bounds the error of
+//! all ranks. Odd numbers make a rank too large, even numbers too small, by the same amount and at
+//! the same places. A bit of a hash of all values below the node chooses between the two, so that
+//! the error of every rank has the mean 0 over the samples, for any shape of the tree.
 //!
-//! For n values, a reduction of level l uses up `size` values of weight 2ˡ at least, so level l has
-//! at most n/(2ˡ `size`) reductions, and the last one has 2ˡ < n/`size`. So the bound is at most
+//! For n values, a reduction of level l uses up at least `size` values of weight 2ˡ, so level l has
+//! at most n/(2ˡ `size`) reductions, and the last level has 2ˡ < n/`size`. So the bound is at most
 //! n/`size` times ⌈log₂(n/`size`)⌉, and the standard deviation of the error at most √(Σ 4ˡ n/(2ˡ
 //! `size`)) < √2 n/`size`.
 //!
@@ -31,8 +31,8 @@ pub(super) struct Sketch {
     levels: Vec<Level>,
     /// Bound on the error of a rank.
     pub(super) rank_error: u64,
-    /// Hash of all values, also of those that were dropped. Bit l chooses the values of level l
-    /// that a merge keeps.
+    /// Hash of all values, including the dropped values. Bit l chooses the values of level l that a
+    /// merge keeps.
     choices: u64,
 }
 
@@ -144,8 +144,8 @@ mod tests {
         (i ^ i >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 20
     }
 
-    /// Every rank of every kept value, in orders that are sorted, reversed, periodic and scattered,
-    /// for all sizes up to three blocks and some larger ones.
+    /// Checks every rank of every kept value, in orders that are sorted, reversed, periodic and
+    /// scattered, for all sizes up to three blocks and some larger sizes.
     #[test]
     fn ranks_are_within_the_bound() {
         let n = 64 * 60 + 17;
@@ -179,8 +179,9 @@ mod tests {
         }
     }
 
-    /// Over samples, the errors of ranks have the mean 0 and at most the standard deviation √2
-    /// n/size, also at the ends of the distribution and for values of which many are equal.
+    /// Checks that over samples the errors of ranks have the mean 0 and at most the standard
+    /// deviation √2 n/size, also at the ends of the distribution and for values many of which are
+    /// equal.
     #[test]
     fn errors_of_ranks_have_the_mean_zero() {
         const PLACES: [f64; 7] = [0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99];
@@ -215,7 +216,8 @@ mod tests {
                         deviation < bound,
                         "{levels} {size} {at}: {deviation} {bound}"
                     );
-                    // 1000 values of Student's distribution: one above 4.8 in a hundred runs
+                    // Among 1000 values of Student's distribution, one exceeds 4.8 in a hundred
+                    // runs.
                     let limit = 4.8 * deviation / count.sqrt();
                     assert!(
                         sum.abs() / count <= limit,

@@ -1,5 +1,5 @@
-//! How the values of an observable are spread over the paths: whether many paths make a variance,
-//! or a few.
+//! The spread of the values of an observable over the paths: a variance comes from many paths, or
+//! from a few.
 //!
 //! Input: the moments of a level of the multilevel method. Output: the number of paths that the
 //! level needs before its variance is trusted. Invariant: a level is resolved at last, whatever its
@@ -10,8 +10,8 @@
 
 use super::moments::Column;
 
-/// Least number of paths that have to carry a variance: its estimate is then off by about one in
-/// √8.
+/// Least number of paths that have to carry a variance: the relative error of its estimate is then
+/// about 1/√8.
 pub(super) const CARRIERS: f64 = 8.0;
 
 /// The spread of the values of some paths.

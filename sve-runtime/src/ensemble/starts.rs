@@ -16,7 +16,7 @@ type Draw<'a, T> = Box<dyn Fn(u64, &mut StartRng) -> T + Sync + 'a>;
 
 /// The starts of the paths of an ensemble: one state for all of them, or a state for each.
 ///
-/// [`Ensemble::start`](super::Ensemble::start) takes a state as it is, and random starts as
+/// [`Ensemble::start`](super::Ensemble::start) takes a plain state, or random starts as
 /// [`Starts::each`].
 pub struct Starts<'a, T>(pub(super) Start<'a, T>);
 
@@ -29,8 +29,8 @@ pub(super) enum Start<'a, T> {
 }
 
 impl<'a, T> Starts<'a, T> {
-    /// Starts each path in a state of its own: a function of the number of the path and of a
-    /// generator of its own. All paths have to start at the same time.
+    /// Starts each path in its own state: a function of the number of the path and of a generator
+    /// for this path. All paths have to start at the same time.
     ///
     #[doc = include_str!("example.md")]
     /// // positions and momenta of the temperature kT = 4

@@ -1,10 +1,11 @@
-//! The statistics of an ensemble: what is collected of the observables of all paths, and merged.
+//! The statistics of an ensemble: results that are collected from the observables of all paths, and
+//! merged.
 //!
 //! Input: the observables of tiles at recorded times, and the ends of paths. Output: results that
-//! merge, and from them what users read. Invariant: a statistic is one file, with its request, its
-//! setting of [`Ensemble`], its results, and what users read with the functions of [`Summary`] that
-//! return it; and one line of the list in this file. All else (settings, sizes, blocks, merge tree,
-//! stored form) knows lists of statistics only.
+//! merge, and the public statistics made from them. Invariant: a statistic is one file, with its
+//! request, its setting of [`Ensemble`], its results, and its public form with the functions of
+//! [`Summary`] that return it; and one line of the list in this file. All other code (settings,
+//! sizes, blocks, merge tree, stored form) knows lists of statistics only.
 
 use core::any::Any;
 use core::panic::{RefUnwindSafe, UnwindSafe};
@@ -25,7 +26,7 @@ pub(super) trait Statistic: Sized {
     /// The request: the observables and the options of the statistic.
     type Request;
 
-    /// In what two runs differ whose requests of this statistic differ.
+    /// The difference between two runs whose requests of this statistic differ.
     const DIFFERENCE: Difference;
     /// The statistic is also taken of the differences of two runs with common noise.
     const IS_OF_DIFFERENCES: bool = false;
@@ -61,7 +62,7 @@ pub(super) trait Statistic: Sized {
     }
 
     /// Adds the results of the next blocks. `counts` and `others` are the numbers of paths at each
-    /// recorded time, here and there.
+    /// recorded time, in these results and in the other results.
     fn merge(&mut self, counts: &[u64], other: &Self, others: &[u64]);
 
     /// Returns whether results that were read from a file belong to a request, with so many paths
@@ -69,7 +70,7 @@ pub(super) trait Statistic: Sized {
     #[cfg(feature = "serde")]
     fn fits(&self, request: &Self::Request, extent: &Extent<'_>, counts: &[u64]) -> bool;
 
-    /// Adds what users read to a summary that has the data of the run and the counts.
+    /// Adds the public form to a summary that has the data of the run and the counts.
     fn show(self, summary: &mut Summary);
 }
 
@@ -103,7 +104,7 @@ pub(super) struct Size {
     pub(super) bytes: u128,
     /// The setting that needs the memory.
     pub(super) what: String,
-    /// How to need less.
+    /// The remedy that needs less memory.
     pub(super) remedy: &'static str,
 }
 
@@ -224,8 +225,8 @@ macro_rules! statistics {
         }
     };
 }
-// In the order in which runs are compared. A statistic that is read with the help of another one
-// stands after it.
+// The order is the order in which runs are compared. A statistic that is read with the help of
+// another statistic stands after it.
 statistics! {
     Moments(Moments),
     Passages(PassageCounts),
@@ -249,7 +250,7 @@ impl<I: Method> Ensemble<'_, I> {
     }
 }
 
-/// Returns in what two runs with these requests differ.
+/// Returns the difference between two runs with these requests.
 pub(super) fn difference(own: &[AnyRequest], other: &[AnyRequest]) -> Option<Difference> {
     let first = (0..own.len().max(other.len())).find(|&i| own.get(i) != other.get(i))?;
     let requests = [own.get(first), other.get(first)].into_iter().flatten();

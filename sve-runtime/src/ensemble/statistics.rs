@@ -37,7 +37,7 @@ impl Moments {
         self.0
     }
 
-    /// Adds the values of a tile, where so many were added before.
+    /// Adds the values of a tile to `count` earlier values.
     pub(super) fn add_to(
         &mut self,
         record: usize,
@@ -98,8 +98,7 @@ impl Statistic for Moments {
 }
 
 impl Summary {
-    /// The statistics of an observable; `summary["name"]` is the same for a name that is known to
-    /// be there.
+    /// The statistics of an observable; `summary["name"]` is the same for a name that exists.
     pub fn get(&self, name: &str) -> Option<&Statistics> {
         self.statistics().iter().find(|s| s.name() == name)
     }
@@ -116,7 +115,7 @@ impl Index<&str> for Summary {
     /// The statistics of an observable.
     ///
     /// # Panics
-    /// If there is no observable of that name; [`get`](Summary::get) returns `None` then.
+    /// If there is no observable of this name; [`get`](Summary::get) returns `None` in this case.
     fn index(&self, name: &str) -> &Statistics {
         match self.get(name) {
             Some(statistics) => statistics,
@@ -176,9 +175,9 @@ impl Statistics {
     /// Variances, the sums of squared deviations over the number of paths less one; NaN for fewer
     /// than two paths.
     ///
-    /// A variance outside of the range of `f64`, as of deviations of 1e-200, is 0 or ∞;
+    /// A variance outside of the range of `f64`, for example of deviations of 1e-200, is 0 or ∞;
     /// [`standard_deviation`](Self::standard_deviation) and
-    /// [`standard_error`](Self::standard_error) are right there too.
+    /// [`standard_error`](Self::standard_error) are right in this case too.
     pub fn variance(&self) -> Vec<f64> {
         self.of_squares(|squares, paths| squares.over(paths - 1.0).get())
     }
@@ -189,8 +188,8 @@ impl Statistics {
     }
 
     /// Standard errors of the means: √(variance / paths). With
-    /// [antithetic](super::Ensemble::antithetic) paths the standard errors of the means over pairs
-    /// of which no path has failed.
+    /// [antithetic](super::Ensemble::antithetic) paths, the standard errors of the means over pairs
+    /// in which no path has failed.
     pub fn standard_error(&self) -> Vec<f64> {
         let of = |squares: Squares, n: f64| squares.over(n - 1.0).over(n).sqrt();
         match &self.pairs {

@@ -1,8 +1,8 @@
 //! The stored form of summaries, for serde.
 //!
 //! Input: the stored data of a summary. Output: the summary, or an error if the data are
-//! inconsistent. Invariant: consistent data give a summary whose functions do not panic, whoever
-//! wrote them. Data of another format are an error that says so.
+//! inconsistent. Invariant: consistent data from any source give a summary whose functions do not
+//! panic. Data of another format give an error that names the format.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -98,7 +98,7 @@ impl Summary {
         &self.info.times
     }
 
-    /// Returns the number of paths that were run, including those that failed.
+    /// Returns the number of paths that were run, including the paths that failed.
     pub fn paths(&self) -> u64 {
         let at = |block| path_at(block, self.info.paths);
         let of = |node: &PartialResult| at(node.first + node.blocks) - at(node.first);
@@ -111,8 +111,8 @@ impl Summary {
         self.paths() == self.info.paths
     }
 
-    /// Returns the number of paths in the statistics, at each recorded time: those that have not
-    /// failed before.
+    /// Returns the number of paths in the statistics, at each recorded time: the paths that have
+    /// not failed before.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
@@ -147,7 +147,9 @@ impl Summary {
     ///
     /// #[variational(endpoint)]
     /// impl Oscillator {
-    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v - 0.5 * (self.omega * q).powi(2) }
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+    ///         0.5 * v * v - 0.5 * (self.omega * q).powi(2)
+    ///     }
     ///     #[gamma]
     ///     fn push(&self, q: f64) -> f64 { q }
     /// }
@@ -161,7 +163,8 @@ impl Summary {
     ///     .observe("energy", |system, state| system.hamiltonian(state));
     /// let summary = ensemble.run()?;
     /// assert_eq!(summary.failed(), 0); // no state is infinite yet
-    /// assert!(matches!(&summary.warnings()[..], [Warning::Diverges { name, .. }] if name == "energy"));
+    /// let warnings = summary.warnings();
+    /// assert!(matches!(&warnings[..], [Warning::Diverges { name, .. }] if name == "energy"));
     /// // a bound makes paths fail that leave a range
     /// let summary = ensemble.bound("energy", ..=1e6).run()?;
     /// assert_eq!(summary.failed(), 100);
@@ -212,8 +215,8 @@ impl Summary {
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// [`EnsembleError::OtherRun`], which says what differs; [`EnsembleError::Overlap`] where paths
-    /// are in both. Nothing is merged then.
+    /// [`EnsembleError::OtherRun`], which names the difference; [`EnsembleError::Overlap`] if both
+    /// have the same paths. Nothing is merged then.
     pub fn merge(&mut self, other: Self) -> Result<(), EnsembleError> {
         if let Some(what) = self.info.difference(&other.info) {
             return Err(EnsembleError::OtherRun { what });

@@ -71,7 +71,8 @@ impl<I: Method + Sync> Ensemble<'_, I> {
     /// }
     ///
     /// # fn main() -> Result<(), EnsembleError> {
-    /// let table = [1.0, 1.01, 1.1].map(|k| Integrator::new(Oscillator { k, sigma: 1.0 }, Midpoint));
+    /// let systems = [1.0, 1.01, 1.1].map(|k| Oscillator { k, sigma: 1.0 });
+    /// let table = systems.map(|system| Integrator::new(system, Midpoint));
     /// let sweep = Ensemble::new(&table[0])
     ///     .paths(1000).seed(1)
     ///     .steps(0.05, 20)
@@ -82,16 +83,17 @@ impl<I: Method + Sync> Ensemble<'_, I> {
     ///     println!("{} {}", integrator.system().k, row["q"].mean()[1]);
     /// }
     /// let difference = &sweep.difference(0, 1).expect("two rows")["q"]; // of k = 1.01 and 1
-    /// assert!((difference.mean()[1] + 0.0042).abs() < 4.0 * difference.standard_error()[1] + 1e-5);
+    /// let (mean, error) = (difference.mean()[1], difference.standard_error()[1]);
+    /// assert!((mean + 0.0042).abs() < 4.0 * error + 1e-5);
     /// assert!(difference.standard_error()[1] < 0.01 * sweep[0]["q"].standard_error()[1]);
     /// # Ok(())
     /// # }
     /// ```
     ///
     /// The differences of all pairs of rows are kept, so the memory grows with the square of the
-    /// number of rows. Without differences, [`run`](Self::run) each start alone: runs with one seed
-    /// have common noise, and with `.noise(Wiener::new(seed).path(k * paths))` row k has paths of
-    /// its own.
+    /// number of rows. If no differences are needed, [`run`](Self::run) each start alone: runs with
+    /// one seed have common noise, and with `.noise(Wiener::new(seed).path(k * paths))` row k has
+    /// separate paths.
     ///
     /// # Errors
     /// As [`run`](Self::run); [`EnsembleError::EmptyTable`]; [`EnsembleError::SweepInOneFile`] with
@@ -187,8 +189,8 @@ impl Sweep {
     /// Adds the paths of another [shard](Ensemble::shard) of the same sweep.
     ///
     /// # Errors
-    /// As [`Summary::merge`]; [`EnsembleError::OtherTable`] if the other one has another number of
-    /// rows. Nothing is merged then.
+    /// As [`Summary::merge`]; [`EnsembleError::OtherTable`] if the other sweep has another number
+    /// of rows. Nothing is merged then.
     pub fn merge(&mut self, other: Self) -> Result<(), EnsembleError> {
         let (rows, others) = (self.rows.len(), other.rows.len());
         if rows != others || self.differences.len() != other.differences.len() {
@@ -210,7 +212,7 @@ impl Index<usize> for Sweep {
     /// The summary of a row.
     ///
     /// # Panics
-    /// If there is no such row.
+    /// If there is no row of this number.
     fn index(&self, row: usize) -> &Summary {
         &self.rows[row]
     }

@@ -50,8 +50,8 @@ impl<L> TangentTile<L> {
         &self.buffers[usize::from(self.current)]
     }
 
-    /// Swaps the buffers. Returns the vectors before a step, and the work space for those after it,
-    /// which become the current ones.
+    /// Swaps the buffers. Returns the vectors before a step, and the work space for the vectors
+    /// after it, which become the current ones.
     #[inline(always)]
     fn swap_buffers(&mut self) -> (&[L], &mut [L]) {
         self.current = !self.current;

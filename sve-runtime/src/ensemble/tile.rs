@@ -1,7 +1,6 @@
 //! Tiles: as many paths as there are lanes.
 //!
-//! Invariant: a lane without a path that goes on has the state of one that does, so that its step
-//! is solvable.
+//! Invariant: an unused lane holds a copy of an active lane's state, so that its step is solvable.
 
 use crate::lanes::{LANES, Mask};
 
@@ -13,7 +12,7 @@ pub(super) struct Place {
 }
 
 /// The states of some paths in lanes. A lane is active if its path exists, has not failed and has
-/// not stopped; the other lanes copy an active one.
+/// not stopped; the other lanes copy an active lane.
 pub(super) struct Tile<L> {
     /// The current states, and the work space for the states after a step.
     pub(super) buffers: [L; 2],

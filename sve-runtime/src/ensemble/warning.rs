@@ -16,22 +16,22 @@ const GROWTH: f64 = 1e3;
 /// half.
 const GROWTH_FROM_START: f64 = 1e12;
 
-/// Smallest number of paths of which a single one should not have most of the variance.
+/// Smallest number of paths at which a single path should not have most of the variance.
 const MANY: u64 = 100;
 
 /// Largest fraction of the sum of squared deviations of one path.
 const SHARE: f64 = 0.5;
 
-/// Why a statistic is unreliable, or a file has not the results, from
+/// The reason why a statistic is unreliable, or a file lacks results, from
 /// [`Summary::warnings`](super::Summary::warnings).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Warning {
     /// An observable diverges: its largest magnitude over the paths at the end is more than 1000
-    /// times the largest one at all recorded times in the first half of the run. If only the start
-    /// was recorded in the first half, the factor is 10¹². An observable that is 0 throughout the
-    /// first half is not tested.
+    /// times its largest magnitude at all recorded times in the first half of the run. If only the
+    /// start was recorded in the first half, the factor is 10¹². An observable that is 0 throughout
+    /// the first half is not tested.
     ///
     /// Exact solutions that grow exponentially are reported as well. Otherwise the step is too long
     /// for the method.
@@ -44,18 +44,18 @@ pub enum Warning {
         before: f64,
         /// The last time with paths.
         to: f64,
-        /// Largest magnitude there.
+        /// Largest magnitude at the end.
         after: f64,
     },
-    /// One path of 100 or more has over half of the sum of squared deviations at the end: mean and
-    /// standard error depend on this path. Distributions with an infinite moment behave so, and
-    /// rare events that occurred once.
+    /// A single path, among 100 or more, has over half of the sum of squared deviations at the end:
+    /// mean and standard error depend on this path. This happens for distributions with an infinite
+    /// moment, and for rare events that occurred once.
     OnePath {
         /// The observable.
         name: String,
         /// The last time with paths.
         t: f64,
-        /// How many paths there are.
+        /// Number of paths.
         paths: u64,
         /// Value of that path.
         value: f64,

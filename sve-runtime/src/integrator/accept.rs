@@ -13,7 +13,7 @@ use crate::time::is_next_time;
 /// of the motion.
 const MAX_CAYLEY_SQUARE: f64 = 16.0;
 
-/// Returns why an increment is not accepted.
+/// Returns the reason why an increment is not accepted.
 #[cold]
 pub(super) fn refusal<F: FlatConfiguration<N>, const N: usize>(dq: &[f64; N]) -> SolveError {
     let square = F::cayley_square(dq);
@@ -25,7 +25,7 @@ pub(super) fn refusal<F: FlatConfiguration<N>, const N: usize>(dq: &[f64; N]) ->
     }
 }
 
-/// Checks that the step size is finite and not zero. A negative one leads back in time.
+/// Checks that the step size is finite and not zero. A negative step size leads back in time.
 #[inline]
 pub(crate) fn check_step_size(h: f64) -> Result<(), StepError> {
     if h != 0.0 && h.is_finite() {
@@ -54,7 +54,7 @@ pub(crate) fn advance<F: FlatConfiguration<N>, const N: usize, const M: usize>(
     }
 }
 
-/// Adds the increments to the state if the result is finite. Returns whether it is.
+/// Adds the increments to the state if the result is finite. Returns whether the result is finite.
 #[inline(always)]
 pub(super) fn add<F: FlatConfiguration<N>, const N: usize>(
     state: &mut State<F>,
@@ -69,7 +69,8 @@ pub(super) fn add<F: FlatConfiguration<N>, const N: usize>(
     replace(state, h, &q, &p)
 }
 
-/// Replaces the state if the new one is finite and its time changes. Returns whether this is so.
+/// Replaces the state if the new state is finite and its time changes. Returns whether the state
+/// was replaced.
 #[inline(always)]
 pub(super) fn replace<F: FlatConfiguration<N>, const N: usize>(
     state: &mut State<F>,
@@ -77,8 +78,8 @@ pub(super) fn replace<F: FlatConfiguration<N>, const N: usize>(
     q: &F,
     p: &[f64; N],
 ) -> bool {
-    // One test of the sum finds every NaN and infinity. A sum that overflows by itself is excluded
-    // off the fast path.
+    // One test of the sum finds every NaN and infinity. Off the fast path, finite numbers whose sum
+    // overflows are recognised.
     let sum = q.sum_with(p);
     if !sum.is_finite() && !all_finite(&{ *q }.values(), &{ *p }) {
         return false;

@@ -19,7 +19,8 @@ use crate::system::start::Tested;
 use crate::system::{Dims, Increments, System};
 
 /// The mode that makes steps with compensated sums. It adds the low parts of the state, and writes
-/// its rounding errors there. After a failure they are the errors of the substeps before it.
+/// its rounding errors to them. After a failure they are the errors of the substeps before the
+/// failure.
 pub(super) struct Compensate<'a, F> {
     pub(super) low: &'a mut F,
 }

@@ -41,7 +41,8 @@ where
     /// # fn main() -> Result<(), StepError> {
     /// let sphere = Integrator::new(Sphere { g: 9.8 }, Midpoint);
     /// let near = State::new(Vector3::new(0.6, 0.0, 0.81), Vector3::new(0.1, 0.5, 0.0));
-    /// assert!(matches!(sphere.step(&mut near.clone(), 0.01, &[]), Err(StepError::InconsistentStart { .. })));
+    /// let refused = sphere.step(&mut near.clone(), 0.01, &[]);
+    /// assert!(matches!(refused, Err(StepError::InconsistentStart { .. })));
     /// let mut state = sphere.consistent(near)?;
     /// assert!((state.q.norm() - 1.0).abs() < 1e-15 && state.q.dot(&state.p).abs() < 1e-15);
     /// sphere.step(&mut state, 0.01, &[])?;
@@ -52,9 +53,10 @@ where
     ///
     /// # Errors
     /// [`StepError::NoConsistentState`] if no such configuration is found near the given one;
-    /// [`StepError::ConstraintRank`] where the constraints are dependent,
-    /// [`StepError::ConstraintGradient`] where the gradient of one vanishes with it;
-    /// [`StepError::Singular`]; [`StepError::NonFiniteInput`].
+    /// [`StepError::ConstraintRank`] if the constraints are dependent;
+    /// [`StepError::ConstraintGradient`] if the gradient of a constraint vanishes with the
+    /// constraint; [`StepError::Singular`] if a matrix is singular; [`StepError::NonFiniteInput`]
+    /// if a number of the state is not finite.
     pub fn consistent(&self, state: State<Q>) -> Result<State<Q>, StepError> {
         if S::CONSTRAINTS.is_empty() {
             return Ok(state);

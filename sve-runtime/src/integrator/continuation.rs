@@ -1,9 +1,9 @@
 //! Continuation: follows the solution of a step from the limit of no noise and h → 0.
 //!
-//! Input: a step that the fast path did not solve. Output: the step, or how far its solution can be
-//! followed. Invariant: each point is reached from the one before by contracting updates (see
-//! [`newton`](crate::solve::newton)) that end near the point extrapolated from the earlier ones,
-//! within the domain of L.
+//! Input: a step that the fast path did not solve. Output: the step, or the fraction of the path
+//! along which its solution can be followed. Invariant: each point is reached from the point before
+//! by contracting updates (see [`newton`](crate::solve::newton)) that end near the point
+//! extrapolated from the earlier points, within the domain of L.
 //!
 //! The path is the path of the definition (`docs/mathematics.md`, section 6). It starts at the
 //! known limit: for h = 0 and no noise v is the velocity of p₀ ([`legendre`](crate::legendre)) and
@@ -62,7 +62,7 @@ const SMALL: f64 = 1e-5;
 /// of coordinates.
 const ROUNDING: f64 = 1e-12;
 
-/// Why continuation found no solution.
+/// The reason why continuation found no solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ContinuationError {
     /// The momentum at the start has no velocity.
@@ -101,7 +101,8 @@ where
     Q: Coordinates<N>,
 {
     let system = walker.system;
-    // the sum is finite only if all numbers are; one that overflows by itself is excluded
+    // The sum is finite only if all numbers are; finite numbers whose sum overflows are recognised
+    // too.
     let has_state =
         state.q.sum_with(&state.p).is_finite() || all_finite(&state.q.values(), &state.p);
     let mut others = dw.as_ref().iter().chain([&state.t]);
@@ -196,14 +197,14 @@ impl Scale {
         Self { q, p, impulse }
     }
 
-    /// The magnitudes of a step with a part of the step size.
+    /// Returns the magnitudes of a step with a part of the step size.
     fn of_part(self, part: f64) -> Self {
         let impulse = self.impulse / part;
         Self { impulse, ..self }
     }
 }
 
-/// Where a path ends before 1.
+/// The point before 1 at which a path ends.
 struct End {
     at: f64,
     /// The size of the gradients of the constraints relative to the start, if the path ends near a
@@ -212,7 +213,7 @@ struct End {
 }
 
 impl End {
-    /// The error on the path of the step size.
+    /// Returns the error on the path of the step size.
     fn in_step(self) -> ContinuationError {
         let (step, noise) = (self.at, 0.0);
         match self.fold {
@@ -221,7 +222,7 @@ impl End {
         }
     }
 
-    /// The error on the path of the noise.
+    /// Returns the error on the path of the noise.
     fn in_noise(self) -> ContinuationError {
         let (step, noise) = (1.0, self.at);
         match self.fold {

@@ -57,7 +57,7 @@ where
 struct Starts<F> {
     has_begun: bool,
     states: Vec<F>,
-    /// How many are stored in the end.
+    /// Number of states that are stored at the end.
     count: usize,
 }
 
@@ -94,7 +94,7 @@ where
 /// The mode that carries derivatives by the result of a step back to its start.
 struct PullBack<'a, F, V> {
     first: &'a F,
-    /// The starts of the substeps that are left, without the first.
+    /// The starts of the remaining substeps, without the first substep.
     starts: Vec<F>,
     covector: Covector<'a, V>,
 }
@@ -150,7 +150,7 @@ struct PushForwardLanes<'a, L> {
     /// The vectors before the substep, from the second one on.
     start: Vec<L>,
     has_begun: bool,
-    /// The lanes whose vectors have no meaning.
+    /// The lanes whose vectors are invalid.
     unfinished: Mask,
 }
 

@@ -29,7 +29,7 @@ pub struct Prepared<C, K> {
 }
 
 impl<C, K> Prepared<C, K> {
-    /// The values that depend on parameters and step size only.
+    /// Returns the values that depend on parameters and step size only.
     pub(super) fn coefficients(&self) -> &C {
         &self.coefficients
     }
@@ -41,7 +41,7 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    /// The walker over the substeps of a step.
+    /// Returns the walker over the substeps of a step.
     #[inline(always)]
     pub(super) fn walker(&self) -> Walker<'_, S::Itself, R> {
         Walker::new(self.system().itself(), self.newton())
@@ -50,7 +50,7 @@ where
     /// Makes one step from a state in a mode, and carries nothing. Returns the mode.
     ///
     /// # Errors
-    /// A [`StepError`] when the step fails; `state` is then unchanged.
+    /// A [`StepError`] if the step fails; `state` is then unchanged.
     #[inline(always)]
     pub(crate) fn walk_from<K: SingleMode<S::Itself, R::Increments>>(
         &self,
@@ -68,7 +68,8 @@ where
         })
     }
 
-    /// Makes one step from a state in a mode, with what the step before left in `prepared`.
+    /// Makes one step from a state in a mode, with the numbers that the step before left in
+    /// `prepared`.
     ///
     /// # Errors
     /// As [`walk_from`](Self::walk_from).
@@ -166,7 +167,7 @@ where
         R::STAGES
     }
 
-    // see `solve_step`
+    // Always inlined, for the reason given at `solve_step`.
     #[inline(always)]
     fn next_step(
         &self,
@@ -226,7 +227,8 @@ where
 
     fn identify(&self, to: &mut dyn Hasher) {
         to.write(type_name::<R>().as_bytes());
-        // the printed form of a number is the shortest one that reads back as the same number
+        // The printed form of a number is the shortest decimal number that reads back as the same
+        // number.
         to.write(format!("{:?}", self.newton()).as_bytes());
     }
 

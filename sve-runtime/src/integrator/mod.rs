@@ -3,11 +3,11 @@
 //! | file | part of a step |
 //! | --- | --- |
 //! | `method.rs` | the integrator as a method: walks over the substeps of a rule |
-//! | `modes.rs` | what the modes of a walk have in common |
+//! | `modes.rs` | the common parts of the modes of a walk |
 //! | `start.rs` | the test of the start; steps in lanes |
 //! | `step.rs` | the fast path; the number of iterations, the impulses of constraints |
 //! | `accept.rs` | the tests of a result |
-//! | `rescue.rs` | what happens if the fast path fails |
+//! | `rescue.rs` | the continuation after a failure of the fast path |
 //! | `continuation.rs` | following the solution from the limit of no noise and h → 0 |
 //! | `compensated.rs` | compensated summation |
 //! | `tangent.rs` | the derivatives of a step |
@@ -63,8 +63,8 @@ use crate::system::{Dims, System};
 /// # }
 /// ```
 ///
-/// It owns the system, or borrows it: `Integrator::new(&pendulum, Midpoint)` leaves it to other
-/// methods too.
+/// It owns the system, or borrows it: with `Integrator::new(&pendulum, Midpoint)`, other methods
+/// can use the system too.
 #[derive(Clone, Copy, Debug)]
 pub struct Integrator<S, R> {
     system: S,
@@ -73,7 +73,7 @@ pub struct Integrator<S, R> {
 }
 
 impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
-    /// The integrator of `system` with a rule that the attribute lists.
+    /// Returns the integrator of `system` with a rule that the attribute lists.
     pub fn new(system: S, rule: R) -> Self {
         Self {
             system,
@@ -95,17 +95,17 @@ impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
         self
     }
 
-    /// The system.
+    /// Returns the system.
     pub fn system(&self) -> &S {
         &self.system
     }
 
-    /// The system, to change parameters between steps: a control, or a value from a table over
-    /// time.
+    /// Returns the system, so that parameters can be changed between steps: a control, or a value
+    /// from a table over time.
     ///
-    /// A parameter is constant within a step. What a rule computes from parameters alone is
-    /// computed anew in each [`step`](Self::step); a [`trajectory`](Self::trajectory) borrows the
-    /// integrator, so its parameters stay.
+    /// A parameter is constant within a step. Each [`step`](Self::step) computes anew the values
+    /// that depend on parameters alone; a [`trajectory`](Self::trajectory) borrows the integrator,
+    /// so its parameters do not change.
     ///
     /// ```
     /// use sve_runtime::noise::Noise as _;
@@ -116,7 +116,9 @@ impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
     ///
     /// #[variational(midpoint)]
     /// impl Pendulum {
-    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * v * v + self.g * q.cos() + self.torque * q }
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+    ///         0.5 * v * v + self.g * q.cos() + self.torque * q
+    ///     }
     ///     #[gamma]
     ///     fn shake(&self, q: f64) -> f64 { self.sigma * q }
     /// }
@@ -140,17 +142,17 @@ impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
         &mut self.system
     }
 
-    /// The rule.
+    /// Returns the rule.
     pub fn rule(&self) -> &R {
         &self.rule
     }
 
-    /// The options of the Newton iteration.
+    /// Returns the options of the Newton iteration.
     pub fn newton(&self) -> &Newton {
         &self.newton
     }
 
-    /// The plan of the step: its equations, how they are solved, and their cost.
+    /// Returns the plan of the step: its equations, their solution, and their cost.
     ///
     #[doc = include_str!("../example.md")]
     /// let plan = pendulum.plan();
@@ -179,7 +181,7 @@ where
     #[doc = include_str!("../example_end.md")]
     ///
     /// # Errors
-    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then
+    /// A [`StepError`] if an input is not finite, `h` is zero, or the step fails; `state` is then
     /// unchanged.
     #[inline]
     pub fn step(&self, state: &mut State<Q>, h: f64, dw: &R::Increments) -> Result<(), StepError> {
@@ -288,10 +290,10 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N, Flat = WithRotations<Q, N>>,
 {
-    /// Makes one step of a reduced system and turns the attitude that its states leave out.
+    /// Makes one step of a reduced system and turns the attitude, which its states do not contain.
     ///
-    /// The attitude has the bits of the full system: a step of the full system that starts from
-    /// this attitude ends there.
+    /// The attitude has the bits of the full system: a step of the full system from this attitude
+    /// ends in the same attitude.
     ///
     /// # Errors
     /// As [`step`](Self::step); `state` and `attitude` are then unchanged.

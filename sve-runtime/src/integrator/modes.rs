@@ -169,7 +169,7 @@ where
             self.states
         };
         self.unsolved |= (self.mode).substep(walker, prepared, states, self.next, h, dw);
-        // a single step leaves the times to its caller
+        // A single step leaves the times to its caller.
         if self.is_sequence {
             set_times::<S>(self.next, states, h);
         }

@@ -25,12 +25,12 @@ use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
 /// Legendre transform.
 const NO_START: SolveError = SolveError::Singular { iteration: 0 };
 
-/// The mass matrix has to be tested in each step.
+/// Returns whether the mass matrix has to be tested in each step.
 const fn tests_state<S: StepEquations<R>, R>() -> bool {
     S::TESTS_STATE && !S::PROVES_START
 }
 
-/// A velocity of the momentum has to be found in each step.
+/// Returns whether a velocity of the momentum has to be found in each step.
 const fn tests_velocity<S: StepEquations<R>, R>() -> bool {
     S::TESTS_VELOCITY && !S::PROVES_START
 }

@@ -28,7 +28,7 @@ where
     I: Increments,
     Q: Coordinates<N>,
 {
-    // see `solve_step`
+    // Always inlined, for the reason given at `solve_step`.
     #[inline(always)]
     fn substep<R>(
         &mut self,
@@ -123,8 +123,8 @@ where
 
 /// Makes one step. Returns the unknowns of its blocks.
 ///
-/// A step without iterations is short: where it is called it becomes part of the loop, which then
-/// keeps state and memory in registers.
+/// A step without iterations is short: it is inlined into the loop that calls it, which then keeps
+/// state and memory in registers.
 ///
 /// # Errors
 /// As [`Integrator::step`](crate::Integrator::step).
@@ -150,8 +150,8 @@ where
     }
 }
 
-/// Makes one step with iterations, which are followed from the limit of no noise and h → 0 where
-/// they fail.
+/// Makes one step with iterations. If they fail, follows the solution from the limit of no noise
+/// and h → 0.
 #[inline]
 fn solve_iterating_step<S, R, Q, const N: usize, const M: usize>(
     walker: Walker<'_, S, R>,

@@ -34,7 +34,7 @@ use crate::system::{Dims, Increments, System};
 /// on the left, is the map of all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tangent<const N: usize> {
-    /// Row by row.
+    /// The entries, row by row.
     entries: Vec<f64>,
 }
 
@@ -47,7 +47,7 @@ pub struct Sensitivity<V> {
 }
 
 impl<const N: usize> Tangent<N> {
-    /// The identity map.
+    /// Returns the identity map.
     #[must_use]
     pub fn identity() -> Self {
         let mut entries = vec![0.0; 4 * N * N];
@@ -259,7 +259,7 @@ where
 /// The mode that makes steps and computes the derivatives of their result: rows by `(q₁, p₁)`,
 /// columns by `(q₀, p₀)` and the parameters.
 struct Derivatives {
-    /// Those of the substeps so far.
+    /// The derivatives of the substeps so far.
     all: Option<DMatrix<f64>>,
 }
 

@@ -1,6 +1,7 @@
 //! Figures as data: rows of panels, panels of layers.
 //!
-//! Points may have any values: points that are not finite or outside of a panel's axes are not drawn.
+//! Points may have any values: points that are not finite or outside of a panel's axes are not
+//! drawn.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -28,7 +29,7 @@ pub struct Row {
     pub panels: Vec<Panel>,
 }
 
-/// One pair of axes and what is drawn on them.
+/// One pair of axes and its layers.
 #[derive(Clone, Debug)]
 pub struct Panel {
     /// Title above the axes.
@@ -37,11 +38,11 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Widen one of the axes so that both have the same scale.
+    /// True if one of the axes is widened so that both have the same scale.
     pub equal: bool,
-    /// What is drawn, the first at the bottom.
+    /// The layers, from the bottom to the top.
     pub layers: Vec<Layer>,
-    /// Where the legend stands, if there is one.
+    /// The place of the legend, if there is one.
     pub legend: Option<Corner>,
     /// Texts at points of the axes.
     pub notes: Vec<Note>,
@@ -52,15 +53,15 @@ pub struct Panel {
 pub struct Axis {
     /// Quantity and unit.
     pub name: String,
-    /// What it spans; of the exponents where the scale is one of powers.
+    /// The range of the axis; on an axis of powers, the range of the exponents.
     pub range: Range<f64>,
-    /// What its numbers are.
+    /// The kind of its numbers.
     pub scale: Scale,
-    /// Roughly how many labels; none for 0.
+    /// Approximate number of labels; 0 for no labels.
     pub labels: usize,
 }
 
-/// What the numbers of an axis are, and so where its labels stand.
+/// The kind of numbers on an axis, which determines the places of its labels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Numbers.
@@ -82,16 +83,16 @@ pub enum Corner {
     BottomLeft,
     /// Bottom right.
     BottomRight,
-    /// Right of the axes, which become so much shorter.
+    /// Right of the axes, which become shorter by its width.
     Outside,
-    /// Below the axes, which become so much lower.
+    /// Below the axes, which become lower by its height.
     Below,
 }
 
 /// A text at a point of the axes.
 #[derive(Clone, Debug)]
 pub struct Note {
-    /// Where its left end stands.
+    /// The place of its left end.
     pub at: (f64, f64),
     /// The text.
     pub text: String,
@@ -99,22 +100,22 @@ pub struct Note {
     pub color: Color,
 }
 
-/// Points and how they are drawn.
+/// Points and their look.
 #[derive(Clone, Debug)]
 pub struct Layer {
     /// Name in the legend and in the data file.
     pub label: String,
     /// The points, in order.
     pub points: Vec<(f64, f64)>,
-    /// How they are drawn.
+    /// The look of the points.
     pub pen: Pen,
-    /// Whether the legend lists it.
+    /// True if the legend lists the layer.
     pub listed: bool,
-    /// What is drawn beside the points.
+    /// The errors or the area drawn around the points.
     pub spread: Spread,
 }
 
-/// What is drawn around or under the points of a layer.
+/// The drawing around or under the points of a layer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Spread {
     /// Nothing.
@@ -127,7 +128,7 @@ pub enum Spread {
     Filled(f64),
 }
 
-/// How points are drawn.
+/// The look of points.
 #[derive(Clone, Copy, Debug)]
 pub struct Pen {
     /// Colour of line and symbols.
@@ -154,7 +155,7 @@ pub struct Symbols {
     pub shape: Shape,
     /// Half their width in CSS pixels.
     pub radius: f64,
-    /// How many, evenly over the points; `None`: one a point.
+    /// Number of symbols, distributed evenly over the points; `None` for one symbol on each point.
     pub count: Option<usize>,
 }
 
@@ -185,7 +186,7 @@ impl Figure {
         (self.width, self.rows.iter().map(|row| row.height).sum())
     }
 
-    /// Every point of every layer, one a line.
+    /// Returns every point of every layer, one for each line.
     pub fn csv(&self) -> String {
         let mut text = String::from("panel,series,x,y\n");
         for panel in self.rows.iter().flat_map(|row| &row.panels) {
@@ -196,7 +197,7 @@ impl Figure {
                     .iter()
                     .filter(|(x, y)| x.is_finite() && y.is_finite())
                 {
-                    // writing into a String cannot fail
+                    // Writing into a String cannot fail.
                     let _ = writeln!(text, "{head},{x},{y}");
                 }
             }

@@ -1,7 +1,10 @@
-//! Pictures: figures as data, drawn into SVG and PNG, and pages that show the results of ensembles and studies.
+//! Pictures: figures as data, drawn into SVG and PNG, and pages that show the results of ensembles
+//! and studies.
 //!
-//! A program describes a [`Figure`](figure::Figure), [`render`] turns it into SVG and PNG with an embedded font, so that it looks the same on a machine
-//! without fonts or display. `Report::write_html` of a study and `Summary::write_html` of an ensemble write a page with one call.
+//! A program describes a [`Figure`](figure::Figure), [`render`] turns it into SVG and PNG with an
+//! embedded font, so that it looks the same on a machine without fonts or display.
+//! `Report::write_html` of a study and `Summary::write_html` of an ensemble write a page with one
+//! call.
 //!
 //! ```
 //! use sve_runtime::plot::figure::{Axis, Figure, Layer, Panel, Pen, Row};
@@ -11,7 +14,8 @@
 //! let wave = (0..=100).map(|k| 0.0628 * f64::from(k)).map(|x| (x, x.sin())).collect();
 //! let panel = Panel::new("A wave", Axis::angle("angle", 0.0..6.3), Axis::new("sine", -1.1..1.1))
 //!     .with(Layer::new("sin", wave, Pen::line(palette::BLUE, 2.0)));
-//! let figure = Figure { name: "wave", width: 480, rows: vec![Row { height: 300, panels: vec![panel] }] };
+//! let rows = vec![Row { height: 300, panels: vec![panel] }];
+//! let figure = Figure { name: "wave", width: 480, rows };
 //! assert!(render::svg(&figure)?.starts_with("<svg"));
 //! # Ok(())
 //! # }

@@ -1,6 +1,8 @@
-//! Numbers as people write them: 22.09, −0.5, 1.5·10⁻⁶. Axes and tables of all pages have the same form.
+//! Numbers in readable form: 22.09, −0.5, 1.5·10⁻⁶. Axes and tables of all pages have the same
+//! form.
 //!
-//! Input: a number and how many of its digits count. Output: a text. Invariant: the digits are those of the exact value, rounded once, also for subnormal numbers.
+//! Input: a number and the number of its significant digits. Output: a text. Invariant: the digits
+//! are the digits of the exact value, rounded once, also for subnormal numbers.
 
 use std::ops::RangeInclusive;
 
@@ -10,16 +12,19 @@ const PLAIN: RangeInclusive<i32> = -4..=5;
 /// Power of ten of the last digit from which a series of numbers is written without a power of ten.
 const LAST_PLAIN: i32 = -5;
 
-/// Power of ten of the first digit up to which a number with many digits is written without a power of ten.
+/// Power of ten of the first digit up to which a number with many digits is written without a power
+/// of ten.
 pub(super) const MOST_PLAIN: i32 = 9;
 
 /// Digits of a number in a table.
 const MOST_DIGITS: usize = 6;
 
-/// Largest distance of the first digit of a value from the last one of its error, as powers of ten, with one power for both.
+/// Largest distance of the first digit of a value from the last digit of its error, as powers of
+/// ten, at which both share one power.
 const MOST_SPREAD: i32 = 6;
 
-/// Returns a number with so many significant digits at most: without zeros at the end, and as a multiple of a power of ten where it is very small or large.
+/// Returns a number with at most so many significant digits: without zeros at the end, and as a
+/// multiple of a power of ten if it is very small or large.
 ///
 /// ```
 /// use sve_runtime::plot::page::number;
@@ -34,7 +39,8 @@ pub fn number(value: f64, digits: usize) -> String {
     in_words(mantissa, exponent)
 }
 
-/// Returns a value and its standard error, both up to the second digit of the error, and with the same power of ten if they need one.
+/// Returns a value and its standard error, both up to the second digit of the error, and with the
+/// same power of ten if they need a power.
 ///
 /// ```
 /// use sve_runtime::plot::page::with_error;
@@ -46,7 +52,7 @@ pub fn with_error(value: f64, error: f64) -> (String, String) {
         return (number(value, MOST_DIGITS), number(error, 2));
     };
     let digits = usize::try_from(first - of_error + 2).unwrap_or(2);
-    // beyond, an f64 has no digits for the error
+    // Beyond this distance, an f64 has no digits for the error.
     let digits = digits.clamp(2, 15);
     let Some((value_parts, error_parts)) = decimal(value, digits).zip(decimal(error, 2)) else {
         return (number(value, digits), number(error, 2));
@@ -68,7 +74,7 @@ pub fn with_error(value: f64, error: f64) -> (String, String) {
     (write(value_parts), write(error_parts))
 }
 
-/// Returns a number of values that differ by about `scale`: with the digits that tell them apart.
+/// Returns a number with the digits that distinguish values differing by about `scale`.
 #[cfg(feature = "ensemble")]
 pub(super) fn number_beside(value: f64, scale: f64) -> String {
     match (first_digit(value), first_digit(scale)) {
@@ -93,7 +99,7 @@ fn exact_up_to(value: f64, digits: usize) -> String {
     }
 }
 
-/// Returns a number with all digits that tell it from others.
+/// Returns a number with all digits that distinguish it from other numbers.
 #[cfg(feature = "ensemble")]
 pub(super) fn exact(value: f64) -> String {
     match read(&format!("{value:e}")) {
@@ -102,15 +108,16 @@ pub(super) fn exact(value: f64) -> String {
     }
 }
 
-/// Returns the power of ten of the first digit; `None` for 0 and what is not finite.
+/// Returns the power of ten of the first digit; `None` for 0 and for numbers that are not finite.
 fn first_digit(value: f64) -> Option<i32> {
     let (mantissa, exponent) = decimal(value, 17)?;
     (mantissa != 0).then(|| leading(mantissa, exponent))
 }
 
-/// Returns the number with so many digits as an integer times a power of ten, without zeros at its end; `None` unless the number is finite.
+/// Returns the number with so many digits as an integer times a power of ten, without zeros at its
+/// end; `None` unless the number is finite.
 fn decimal(value: f64, digits: usize) -> Option<(i128, i32)> {
-    // more digits than those of an f64 and of an i128 tell nothing
+    // More digits than an f64 and an i128 have contain no information.
     let decimals = digits.clamp(1, 30) - 1;
     read(&format!("{value:.decimals$e}"))
 }
@@ -147,7 +154,7 @@ fn not_finite(value: f64) -> String {
     .to_owned()
 }
 
-/// Writes an integer times a power of ten, in the form that its size asks for.
+/// Writes an integer times a power of ten, in the form for its size.
 fn in_words(mantissa: i128, exponent: i32) -> String {
     if PLAIN.contains(&leading(mantissa, exponent)) {
         plain(mantissa, exponent)
@@ -156,7 +163,8 @@ fn in_words(mantissa: i128, exponent: i32) -> String {
     }
 }
 
-/// Writes multiples of the same power of ten in one form: all of them without a power of ten, or all with that of the largest.
+/// Writes multiples of the same power of ten in one form: all of them without a power of ten, or
+/// all with the power of the largest multiple.
 pub(super) fn series(mantissas: &[i128], exponent: i32) -> Vec<String> {
     let largest = mantissas.iter().map(|m| m.abs()).max().unwrap_or(0);
     let first = leading(largest, exponent);
@@ -218,7 +226,8 @@ pub(super) fn superscript(exponent: i64) -> String {
     exponent.to_string().chars().map(raised).collect()
 }
 
-/// Returns whether a text is a number, or several with signs between them: `1.5·10⁻⁶`, `± 2`, `22.09 ± 0.05`, `1e-3`.
+/// Returns whether a text is a number, or several with signs between them: `1.5·10⁻⁶`, `± 2`,
+/// `22.09 ± 0.05`, `1e-3`.
 pub(super) fn is_number(text: &str) -> bool {
     let is_part = |part: &str| {
         let text = part.replace('−', "-");

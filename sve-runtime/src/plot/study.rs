@@ -1,6 +1,7 @@
 //! The page of a study: errors against time to solution and against the step size, and the table.
 //!
-//! Input: a [`Report`]. Output: HTML. Invariant: an error below two of its standard errors is drawn as an upper limit, and no line goes through it.
+//! Input: a [`Report`]. Output: HTML. Invariant: an error below two of its standard errors is drawn
+//! as an upper limit, and no line goes through it.
 
 use std::path::Path;
 
@@ -10,11 +11,11 @@ use super::legend::Legend;
 use super::{PlotError, page};
 use crate::study::{Estimate, Report, Row};
 
-/// An error with its standard error; 0 where it has none.
+/// An error with its standard error; 0 if it has none.
 type Error<'a> = &'a dyn Fn(&Row) -> Option<Estimate>;
 /// A kind of error with its name.
 type Kind = (String, Box<dyn Fn(&Row) -> Option<Estimate>>);
-/// What errors are drawn against.
+/// The quantity on the horizontal axis of a figure of errors.
 type Abscissa = (&'static str, fn(&Row) -> Option<f64>);
 
 /// Height of a figure without its legend, and about the width of its axes, in CSS pixels.
@@ -27,10 +28,12 @@ const TIME: Abscissa = ("time to solution of one path (s)", |row| {
 const STEP: Abscissa = ("step size h", |row| Some(row.h));
 
 impl Report {
-    /// Writes a page that says what was measured (system with its parameters, methods, reference, paths and seed), with pictures of the errors against time to
-    /// solution and step size, and the table.
+    /// Writes a page with a description of the study (system with its parameters, methods,
+    /// reference, paths and seed), pictures of the errors against time to solution and step size,
+    /// and the table.
     ///
-    /// Bars have two standard errors on either side. An error below two standard errors is an upper limit.
+    /// Bars have two standard errors on either side. An error below two standard errors is an upper
+    /// limit.
     ///
     /// ```
     /// use sve_runtime::baseline::Heun;
@@ -68,7 +71,7 @@ impl Report {
     /// ```
     ///
     /// # Errors
-    /// [`PlotError`] when the page cannot be written.
+    /// [`PlotError`] if the page cannot be written.
     pub fn write_html(&self, path: impl AsRef<Path>) -> Result<(), PlotError> {
         let title = format!(
             "{} to t = {}",
@@ -92,7 +95,7 @@ impl Report {
     }
 }
 
-/// What was measured.
+/// Returns the description of the study.
 fn facts(report: &Report) -> Vec<(&'static str, String)> {
     let mut facts = page::facts_of_system(&report.system);
     let method = |(name, what): &(String, String)| {
@@ -112,7 +115,7 @@ fn facts(report: &Report) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// A row for each method and number of steps. Columns without a number are left out.
+/// Returns a row for each method and number of steps. Columns without a number are left out.
 fn table(report: &Report) -> String {
     let mut head = vec!["method".to_owned(), "steps".to_owned(), "h".to_owned()];
     let mut pair = |name: &str| head.extend([name.to_owned(), "±".to_owned()]);
@@ -170,7 +173,8 @@ fn table(report: &Report) -> String {
     page::table(&head, &rows)
 }
 
-/// Figures of each kind of error: against time, where times were measured, and step size.
+/// Returns figures of each kind of error: against time, if times were measured, and against step
+/// size.
 fn figures(report: &Report) -> Vec<Figure> {
     let strong = |row: &Row| row.error;
     let mut kinds: Vec<Kind> = vec![(
@@ -196,7 +200,7 @@ fn figures(report: &Report) -> Vec<Figure> {
     let timed = report.rows().iter().any(|row| row.timing.is_some());
     let against = |x: Abscissa, (name, error): &Kind| {
         let panel = panel(report, x, (name, error)).legend(Corner::Below);
-        // the axes keep their height, however long the legend is
+        // The axes keep their height for every length of the legend.
         let room = Legend::new(&panel.layers, Corner::Below, AXES).rows_below();
         Figure {
             name: "study",

@@ -44,8 +44,8 @@ pub(super) trait AnyMethod<S: System>: Sync {
     fn iterations(&self, start: &StateOf<S>, path: &Recorded) -> Option<f64>;
 
     /// Measures the time of `repeats` passes along a path whose increments are precomputed, each
-    /// step with what a trajectory carries to it. Returns one duration for each section of the
-    /// path.
+    /// step with the numbers that a trajectory carries to it. Returns one duration for each section
+    /// of the path.
     fn measure(
         &self,
         start: &StateOf<S>,

@@ -16,7 +16,8 @@ use super::StudyError;
 const COLUMNS: &str = "problem,method,h,error,error_se,weak_error,weak_error_se,energy_error,\
     energy_drift,ns_per_step,ns_spread,time_to_solution_s,newton_iterations,failures,source";
 
-/// One line of a file of results: one method with one step size (or tolerance) on one problem. Numbers that are not known are `None`.
+/// One line of a file of results: one method with one step size (or tolerance) on one problem.
+/// Numbers that are not known are `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Record {
@@ -27,7 +28,8 @@ pub struct Record {
     /// Step size; `None` for methods that choose their step sizes.
     #[serde(with = "finite")]
     pub h: Option<f64>,
-    /// Strong error at the horizon: the root mean square, over paths, of the distance from the reference.
+    /// Strong error at the horizon: the root mean square, over paths, of the distance from the
+    /// reference.
     #[serde(with = "finite")]
     pub error: Option<f64>,
     /// Standard error of `error`.
@@ -69,7 +71,8 @@ pub struct Record {
 /// ```
 /// use sve_runtime::study::{Record, read_csv, write_csv};
 ///
-/// let record = Record { problem: "Kubo".into(), method: "midpoint".into(), h: Some(0.1), ..Record::default() };
+/// let (problem, method) = ("Kubo".into(), "midpoint".into());
+/// let record = Record { problem, method, h: Some(0.1), ..Record::default() };
 /// let mut file = Vec::new();
 /// write_csv(&mut file, &[record.clone()])?;
 /// assert_eq!(read_csv(&file[..])?, [record]);
@@ -88,10 +91,12 @@ pub fn write_csv(to: impl Write, records: &[Record]) -> Result<(), StudyError> {
     Ok(lines.flush()?)
 }
 
-/// Writes records into a file; see [`write_csv`]. The file is complete or not written at all: it replaces an existing one atomically.
+/// Writes records into a file; see [`write_csv`]. The file is complete or not written at all: it
+/// replaces an existing one atomically.
 ///
 /// # Errors
-/// [`StudyError::Io`] if the file cannot be written; the error names its path, and nothing of the file remains.
+/// [`StudyError::Io`] if the file cannot be written; the error names its path, and nothing of the
+/// file remains.
 pub fn to_csv(path: impl AsRef<Path>, records: &[Record]) -> Result<(), StudyError> {
     let path = path.as_ref();
     let mut text = Vec::new();
@@ -99,8 +104,8 @@ pub fn to_csv(path: impl AsRef<Path>, records: &[Record]) -> Result<(), StudyErr
     Ok(crate::file::write(path, |file| file.write_all(&text))?)
 }
 
-/// Reads records that [`write_csv`] or another program wrote. The columns can have any order. The columns `problem` and `method` are
-/// required, and unknown columns are ignored.
+/// Reads records that [`write_csv`] or another program wrote. The columns can have any order. The
+/// columns `problem` and `method` are required, and unknown columns are ignored.
 ///
 /// # Errors
 /// [`StudyError::Csv`] with the number of the wrong line; [`StudyError::Io`] if the reader fails.

@@ -61,10 +61,10 @@ pub enum StudyError {
         /// The largest number of steps.
         steps: usize,
     },
-    /// Two methods or two observables have one name, or a number of steps stands twice.
+    /// Two methods or two observables have the same name, or a number of steps is listed twice.
     #[error("there are two of `{name}` among the {what}: each needs a name of its own")]
     Twice {
-        /// Among what.
+        /// The list that contains both.
         what: &'static str,
         /// The name.
         name: String,
@@ -103,7 +103,7 @@ pub enum StudyError {
     Reference {
         /// Which path.
         path: u64,
-        /// Why.
+        /// The reason.
         source: StepError,
     },
     /// A value of the reference is not a finite number.

@@ -1,4 +1,4 @@
-//! Work–precision studies: what an error costs, for several methods and step sizes of one problem.
+//! Work–precision studies: the cost of an error, for several methods and step sizes of one problem.
 //!
 //! Input: methods, a start, a horizon, numbers of steps, and a reference: an exact solution, or a
 //! fine step on the same Brownian path. Output: a [`Report`] with errors, their standard errors,
@@ -77,7 +77,9 @@ struct Candidate<'a, S: System> {
 ///
 /// #[variational(midpoint)]
 /// impl Kubo {
-///     fn lagrangian(&self, q: f64, v: f64) -> f64 { v * v / (2.0 * self.a) - self.a / 2.0 * q * q }
+///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+///         v * v / (2.0 * self.a) - self.a / 2.0 * q * q
+///     }
 ///     #[h1]
 ///     fn jitter(&self, q: f64, p: f64) -> f64 { self.sigma / 2.0 * (q * q + p * p) }
 /// }

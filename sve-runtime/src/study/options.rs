@@ -76,7 +76,8 @@ impl<'a, S: System> Study<'a, S> {
     /// other [`Method`].
     ///
     #[doc = include_str!("example.md")]
-    /// let report = study().method("uncorrected", &EulerMaruyama::new(&system).uncorrected()).run()?;
+    /// let uncorrected = EulerMaruyama::new(&system).uncorrected();
+    /// let report = study().method("uncorrected", &uncorrected).run()?;
     /// assert_eq!(report.rows().len(), 6);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
@@ -185,7 +186,8 @@ impl<'a, S: System> Study<'a, S> {
     ///             .map(|step| {
     ///                 let dw = noise.increment(step, 0, h);
     ///                 // ∫ W ds over the step, given ΔW
-    ///                 q += h * p + 0.5 * h * dw + h * other.increment(step, 0, h) / 12.0_f64.sqrt();
+    ///                 let area = other.increment(step, 0, h) / 12.0_f64.sqrt();
+    ///                 q += h * p + 0.5 * h * dw + h * area;
     ///                 p += dw;
     ///                 [dw]
     ///             })
@@ -286,7 +288,8 @@ impl<'a, S: System> Study<'a, S> {
     ///
     #[doc = include_str!("example.md")]
     /// let report = study().invariant(|system, state| system.hamiltonian(state)).run()?;
-    /// assert!(report.rows()[0].invariant.expect("measured").largest > 0.0); // noise changes the energy
+    /// let invariant = report.rows()[0].invariant.expect("measured");
+    /// assert!(invariant.largest > 0.0); // noise changes the energy
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn invariant<F, O>(mut self, invariant: F) -> Self

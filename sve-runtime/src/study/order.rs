@@ -72,10 +72,10 @@ impl Order {
     /// Returns whether the errors at the horizon decrease faster than with the method's order, by
     /// more than the error of the measurement.
     ///
-    /// The errors of the method's own order can cancel at that time. They cancel at the end of
+    /// The errors of the method's own order can cancel at this time. They cancel at the end of
     /// whole periods if a rule is conjugate to a rule of higher order, as `initial_point` and
     /// `endpoint` are to the Störmer–Verlet rule for `L = T(v) − V(q)`: a change of coordinates of
-    /// the size of `h` takes one into the other, and does not grow.
+    /// the size of `h` transforms one rule into the other, and does not grow.
     pub fn exceeds_method(&self) -> bool {
         let Estimate {
             value,
@@ -91,9 +91,9 @@ impl Order {
 pub struct NotAsymptotic {
     /// The name of the method.
     pub method: String,
-    /// Slopes between consecutive step sizes, from the largest to the smallest, of those whose
-    /// errors are neither of the size of the solution nor rounding. Their standard errors come from
-    /// the scatter between paths, and are NaN for a single path.
+    /// Slopes between consecutive step sizes, from the largest to the smallest, for step sizes
+    /// whose errors are neither of the size of the solution nor rounding errors. Their standard
+    /// errors come from the scatter between paths, and are NaN for a single path.
     pub slopes: Vec<Estimate>,
     /// The order of the method, if it is known.
     pub of_method: Option<f64>,
@@ -186,8 +186,8 @@ impl Fit {
         }
         let values: Vec<f64> = self.without.iter().map(|y| of(y)).collect();
         let b = values.len() as f64;
-        // of the mean of b values it would be the deviation over √b; leaving one out moves the mean
-        // by 1/(b − 1) of that
+        // The error of the mean of b values would be the deviation over √b. Leaving one value out
+        // moves the mean by 1/(b − 1) of this value's deviation.
         let standard_error = (b - 1.0) * Estimate::mean(&values).standard_error;
         Estimate {
             value,

@@ -3,7 +3,7 @@
 use super::{Convergence, Level, fit};
 use crate::study::Estimate;
 
-/// A level of 2ᵏ steps of 2⁻ᵏ with one error.
+/// Returns a level of 2ᵏ steps of 2⁻ᵏ with one error.
 fn level(k: i32, error: f64) -> Level {
     Level {
         ln_h: f64::from(-k) * 2.0_f64.ln(),
@@ -53,8 +53,8 @@ fn an_order_is_right_within_its_error_or_not_reported() {
                 let error = |h: f64| 1e-3 * h.powf(p) * (1.0 + b * h.powf(r)).abs();
                 let second = b.abs() * 0.5_f64.powf(r * f64::from(finest));
                 match of(error, finest - 4..=finest) {
-                    // so far from where the powers change places nothing tells of it; what is below
-                    // rounding is left out
+                    // So far from the change of the powers, the errors do not show it; errors below
+                    // rounding are left out.
                     _ if second > 8.0 || error(0.5_f64.powi(finest)) < 1e-11 => {}
                     Convergence::Asymptotic(order, _) => {
                         let case = format!("h^{p} (1 + {b} h^{r}), 2^{finest} steps: {order:?}");
@@ -84,13 +84,13 @@ fn slopes_that_have_not_settled_are_no_order() {
     // an error that changes its sign on the way
     let crossing = slopes(of(|h| (h - 0.03).abs() * h, 3..=7));
     assert_eq!(crossing.len(), 4);
-    // two step sizes have one slope, one and none have none
+    // Two step sizes have one slope; fewer step sizes have no slope.
     assert_eq!(slopes(of(|h| h, [5, 6])).len(), 1);
     assert!(slopes(of(|h| h, [5])).is_empty());
     assert!(slopes(of(|_| 1.0, 1..=9)).is_empty());
 }
 
-/// A single path tells nothing of the error.
+/// Checks that a single path gives no standard error.
 #[test]
 fn one_random_path_has_no_order() {
     let levels = (4..8).map(|k| level(k, 0.5_f64.powi(k)));

@@ -10,7 +10,7 @@ use crate::system::{StateOf, System};
 
 /// Computes the exact solution from the increments of a path.
 type Solution<'a, S> = Box<dyn Fn(&Recorded) -> StateOf<S> + Sync + 'a>;
-/// Draws the path of a number with so many steps, and its exact solution.
+/// Draws the path of a number with so many steps. Returns it and its exact solution.
 type Draw<'a, S> = Box<dyn Fn(u64, usize) -> (Recorded, StateOf<S>) + Sync + 'a>;
 
 pub(super) enum Reference<'a, S: System> {
@@ -50,7 +50,7 @@ impl<S: System> PathRequest<'_, S> {
 }
 
 impl<S: System> Reference<'_, S> {
-    /// Returns what errors are measured against, for people.
+    /// Returns a description of the reference for readers.
     pub(super) fn describe(&self) -> String {
         match self {
             Self::Exact(_) | Self::Drawn(_) => "the exact solution".to_owned(),

@@ -20,7 +20,7 @@ pub struct Report {
     pub(super) not_asymptotic: Vec<NotAsymptotic>,
     /// The description of the system on pages.
     pub(crate) system: SystemDescription,
-    /// The name of each method, and what it is.
+    /// The name of each method, and its description.
     pub(crate) methods: Vec<(String, String)>,
     /// The reference against which errors are measured.
     pub(crate) reference: String,
@@ -110,8 +110,7 @@ impl Report {
         self.rows.iter().find(wanted)
     }
 
-    /// The measured order of each method whose errors have one at these step sizes: consecutive
-    /// local slopes have settled.
+    /// The measured order of each method whose local slopes have settled at these step sizes.
     pub fn orders(&self) -> &[Order] {
         &self.orders
     }

@@ -88,7 +88,7 @@ impl<'a, S: System> Settings<'a, S> {
         self.study.methods[method].method
     }
 
-    /// The system of the first method; the other methods have equal ones.
+    /// The system of the first method; the systems of the other methods are equal to it.
     fn system(&self) -> &'a S {
         self.subject(0).system()
     }

@@ -1,6 +1,6 @@
 //! The settings of a study, complete and checked.
 //!
-//! Input: a [`Study`]. Output: [`Settings`], or an error that says what to write instead.
+//! Input: a [`Study`]. Output: [`Settings`], or an error that contains the remedy.
 
 use super::any_method::AnyMethod;
 use super::reference::Reference;

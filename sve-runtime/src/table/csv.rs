@@ -1,7 +1,8 @@
 //! Tables as CSV.
 //!
-//! Input: a table. Output: a line of names, then one for each row. Invariant: numbers are written with the digits that give back their bits; a number that does not exist
-//! is an empty field.
+//! Input: a table. Output: a line of names, then one line for each row. Invariant: numbers are
+//! written with the digits that give back their bits; a number that does not exist is an empty
+//! field.
 
 use std::io::{self, Write};
 

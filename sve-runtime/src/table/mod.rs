@@ -1,7 +1,8 @@
 //! Tables of numbers with names, and their formats: CSV, arrays of `NumPy`, Parquet.
 //!
-//! Input: columns. Output: a file, written atomically. Invariant: every format keeps the bits of all numbers. What is written, statistics, histograms or states, makes its columns and has
-//! the functions of `table_writers`.
+//! Input: columns. Output: a file, written atomically. Invariant: every format keeps the bits of
+//! all numbers. Statistics, histograms and states make their columns, and have the functions of
+//! `table_writers`.
 
 pub(crate) mod csv;
 #[cfg(feature = "npy")]
@@ -22,7 +23,7 @@ pub(crate) enum Values {
 
 /// Columns of equal length.
 pub(crate) struct Table {
-    /// What a row is, for formats that name the table.
+    /// The content of a row, for formats that name the table.
     #[cfg_attr(not(feature = "parquet"), allow(dead_code))]
     pub(crate) name: &'static str,
     pub(crate) columns: Vec<(String, Values)>,
@@ -39,7 +40,8 @@ impl Table {
     }
 }
 
-/// Gives a type with a function `table` the functions that write it, with documentation that begins with `$what`.
+/// Gives a type with a function `table` the functions that write it. Their documentation begins
+/// with `$what`.
 macro_rules! table_writers {
     ($type:ty, $what:literal) => {
         impl $type {
@@ -58,14 +60,17 @@ macro_rules! table_writers {
             /// The file is complete or not written at all: it replaces an existing one atomically.
             ///
             /// # Errors
-            /// If the file cannot be written; the error names its path, and nothing of the file remains.
+            /// If the file cannot be written; the error names its path, and nothing of the file
+            /// remains.
             pub fn to_csv(&self, path: impl AsRef<::std::path::Path>) -> ::std::io::Result<()> {
                 $crate::file::write(path.as_ref(), |file| self.write_csv(file))
             }
 
             #[doc = concat!("Writes ", $what, " as a structured array of `NumPy`, whose fields are the columns of [`write_csv`](Self::write_csv): `numpy.load(\"x.npy\")[\"t\"]`.")]
             ///
-            /// A number that does not exist is NaN. Where there are hundreds of columns their names exceed what `numpy.load` reads unasked, 10,000 bytes; it reads them with `max_header_size=10**6`.
+            /// A number that does not exist is NaN. Where there are hundreds of columns their names
+            /// exceed what `numpy.load` reads unasked, 10,000 bytes; it reads them with
+            /// `max_header_size=10**6`.
             ///
             /// # Errors
             /// The errors of the writer.
@@ -79,7 +84,8 @@ macro_rules! table_writers {
             /// The file is complete or not written at all: it replaces an existing one atomically.
             ///
             /// # Errors
-            /// If the file cannot be written; the error names its path, and nothing of the file remains.
+            /// If the file cannot be written; the error names its path, and nothing of the file
+            /// remains.
             #[cfg(feature = "npy")]
             pub fn to_npy(&self, path: impl AsRef<::std::path::Path>) -> ::std::io::Result<()> {
                 $crate::file::write(path.as_ref(), |file| self.write_npy(file))
@@ -101,7 +107,8 @@ macro_rules! table_writers {
             /// The file is complete or not written at all: it replaces an existing one atomically.
             ///
             /// # Errors
-            /// If the file cannot be written; the error names its path, and nothing of the file remains.
+            /// If the file cannot be written; the error names its path, and nothing of the file
+            /// remains.
             #[cfg(feature = "parquet")]
             pub fn to_parquet(&self, path: impl AsRef<::std::path::Path>) -> ::std::io::Result<()> {
                 $crate::file::write(path.as_ref(), |file| self.write_parquet(file))

@@ -6,8 +6,8 @@
 //! least possible one (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Trans. Math. Software
 //! 26, 2000).
 
-/// Returns a number of states with which a step is made twice at most before the walk passes it:
-/// (c + 1)(c + 2)/2 steps for c states.
+/// Returns a number of states with which a step is made at most twice before the walk passes it.
+/// With c states this number of steps is (c + 1)(c + 2)/2.
 pub(super) fn enough(steps: u64) -> usize {
     steps.saturating_mul(2).isqrt() as usize + 1
 }
@@ -35,7 +35,7 @@ fn reach(checkpoints: u64, repetitions: u64) -> u64 {
     );
     let mut reach: u128 = 1;
     for i in 1..=u128::from(small) {
-        // a binomial coefficient after each factor
+        // The result is a binomial coefficient after each factor.
         reach = reach * (large + i) / i;
         if reach > u128::from(u64::MAX) {
             return u64::MAX;

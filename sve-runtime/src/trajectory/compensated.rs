@@ -15,7 +15,7 @@ use crate::system::{Dims, StateOf, System};
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Carries the low parts of the state from now on, starting with `low`. A resumed trajectory
-    /// keeps its own.
+    /// keeps its own low parts.
     fn carry_low_parts(mut self, low: StateOf<I::System>) -> Self {
         self.low.get_or_insert(low);
         self
@@ -90,7 +90,10 @@ where
     /// let oscillator = Integrator::new(Oscillator, Endpoint);
     /// let h = 1e-3;
     /// // what this rule conserves exactly
-    /// let conserved = |s: &State<[f64; 1]>| s.q[0] * s.q[0] + s.p[0] * s.p[0] + h * s.q[0] * s.p[0];
+    /// let conserved = |s: &State<[f64; 1]>| {
+    ///     let (q, p) = (s.q[0], s.p[0]);
+    ///     q * q + p * p + h * q * p
+    /// };
     /// let path = oscillator.trajectory(State::new([1.0], [0.0]), h, NoNoise).compensated();
     /// let end = path.take(100_000).last().unwrap()?;
     /// assert!((conserved(&end) - 1.0).abs() < 1e-15);

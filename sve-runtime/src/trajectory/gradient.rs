@@ -44,20 +44,20 @@ pub struct Gradient<V> {
     loss: f64,
     start: Field<V>,
     names: &'static [&'static str],
-    /// Piece by piece, parameter by parameter.
+    /// The derivatives, piece by piece, parameter by parameter.
     parameters: Vec<f64>,
 }
 
 impl<V> Gradient<V> {
-    /// The loss.
+    /// Returns the loss.
     pub fn loss(&self) -> f64 {
         self.loss
     }
 
-    /// The derivatives by the coordinates and momenta of the first state.
+    /// Returns the derivatives by the coordinates and momenta of the first state.
     ///
-    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the states
-    /// that are allowed. Of a rotation they are along the canonical coordinates of a
+    /// Under constraints, and for a degenerate Lagrangian, they are derivatives along the allowed
+    /// states. For a rotation they are derivatives along the canonical coordinates of a
     /// [`Tangent`](crate::Tangent).
     pub fn start(&self) -> &Field<V> {
         &self.start
@@ -86,7 +86,7 @@ impl<V> Gradient<V> {
     }
 
     fn of(&self, number: usize) -> impl Iterator<Item = f64> {
-        // without parameters there is no number
+        // Without parameters there is no number.
         let rows = self.parameters.chunks_exact(self.names.len().max(1));
         rows.map(move |row| row[number])
     }
@@ -124,19 +124,23 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// // squares of the distances to data, one in each ten steps
     /// let data = |k: u64| (3.0 * 0.01 * k as f64).cos();
     /// let path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7));
-    /// let fit = path.gradient(1000, |k, state| (k % 10 == 0).then(|| (state.q[0] - data(k)).powi(2)))?;
+    /// let fit = path.gradient(1000, |k, state| {
+    ///     (k % 10 == 0).then(|| (state.q[0] - data(k)).powi(2))
+    /// })?;
     /// println!("{} {:?}", fit.loss(), fit.get("g"));
     /// # Ok(())
     /// # }
     /// ```
     ///
-    /// The steps are made without what a trajectory carries and without compensated sums, so that
-    /// they agree with the steps of the trajectory to rounding. The noise is asked for the
-    /// increments of a step several times.
+    /// The steps do not use the numbers that a trajectory carries, nor compensated sums, so they
+    /// agree with the steps of the trajectory to rounding. The noise is asked for the increments of
+    /// a step several times.
     ///
     /// # Errors
     /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations
-    /// are singular; [`StepError::NonFiniteLoss`]; [`StepError::UnknownParameter`].
+    /// are singular; [`StepError::NonFiniteLoss`] if the loss is not finite;
+    /// [`StepError::UnknownParameter`] if the loss asks for a parameter that the system does not
+    /// have.
     pub fn gradient(
         self,
         steps: u64,
@@ -165,8 +169,10 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// # fn main() -> Result<(), StepError> {
     /// let pulled = Integrator::new(Pulled { u: 0.0 }, StormerVerlet);
     /// let path = pulled.trajectory(State::new([0.0], [0.0]), 0.01, NoNoise);
-    /// let gradient = path.adjoint(100).pieces_of(25).checkpoints(5).gradient(|k, state| (k == 100).then(|| state.q[0]))?;
-    /// // a force in a quarter of the time 1 moves the end by the distance of its middle from the end, times ¼
+    /// let adjoint = path.adjoint(100).pieces_of(25).checkpoints(5);
+    /// let gradient = adjoint.gradient(|k, state| (k == 100).then(|| state.q[0]))?;
+    /// // a force in a quarter of the time 1 moves the end by the distance of its middle from the
+    /// // end, times ¼
     /// for (gained, left) in gradient.pieces("u").unwrap().zip([0.875, 0.625, 0.375, 0.125]) {
     ///     assert!((gained - 0.25 * left).abs() < 1e-14);
     /// }
@@ -211,7 +217,7 @@ impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
     /// Returns a loss with its derivatives, see [`Trajectory::gradient`].
     ///
     /// # Errors
-    /// As that function.
+    /// As [`Trajectory::gradient`].
     pub fn gradient(
         self,
         loss: impl Fn(u64, &DualStateOf<'_, I::System>) -> Option<Dual>,

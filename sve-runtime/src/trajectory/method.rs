@@ -10,10 +10,10 @@ use crate::rule::Rule;
 use crate::system::{Dims, IncrementsOf, StateOf, System};
 use crate::trajectory::{Snapshot, Trajectory};
 
-/// A [`OneStepMethod`] that takes one increment for each Wiener process: what ensembles and studies
-/// run, and what code for any method asks for.
+/// A [`OneStepMethod`] that takes one increment for each Wiener process. Ensembles and studies run
+/// it, and code for any method asks for it.
 ///
-/// All methods do, except rules with stage noise.
+/// All methods take such increments, except rules with stage noise.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no method with one increment for each Wiener process",
     note = "ensembles and studies draw one increment for each process, and so do steps that are divided, at an event or where they fail: use the rule without stage noise"
@@ -25,7 +25,7 @@ pub trait Method:
     /// source order.
     ///
     /// # Errors
-    /// A [`StepError`] when an input is not finite, `h` is zero, or the step fails; `state` is then
+    /// A [`StepError`] if an input is not finite, `h` is zero, or the step fails; `state` is then
     /// unchanged.
     #[inline]
     fn step(
@@ -41,9 +41,9 @@ pub trait Method:
     /// Returns the states after each step of length `h` from `state`, without end, or to the end of
     /// a recorded path.
     ///
-    /// The state number `k` (from 1) has time `t₀ + k h`, rounded once. The first step has the
-    /// increments of step 0 of the noise, whatever the time of `state`. To continue after `k` steps
-    /// of a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
+    /// State number `k` (from 1) has time `t₀ + k h`, rounded once. The first step has the
+    /// increments of step 0 of the noise, for every time of `state`. To continue after `k` steps of
+    /// a path, give [`noise.from_step(k)`](crate::noise::Replayable::from_step), or
     /// [`resume`](Self::resume) a snapshot.
     fn trajectory<W: Noise>(
         &self,
@@ -57,18 +57,19 @@ pub trait Method:
         Trajectory::new(self, state, h, noise)
     }
 
-    /// Continues the trajectory of a [`Snapshot`], with the bits of one that was not interrupted.
+    /// Continues the trajectory of a [`Snapshot`], with the bits of a trajectory that was not
+    /// interrupted.
     ///
     /// System, method and noise have to be the same as for the first trajectory. A trajectory
-    /// borrows its method, so nothing of these changes between its steps, and some rules carry what
-    /// the next step would compute again, such as the force at the end of a step. A snapshot with
-    /// such numbers is refused if a parameter, a formula or an option has another value than at the
-    /// snapshot. A snapshot without them, of [`Midpoint`](crate::Midpoint) say, goes on with the
-    /// present parameters. To change parameters along a path, begin a
+    /// borrows its method, so the method does not change between its steps, and some rules carry
+    /// results that the next step would compute again, such as the force at the end of a step. A
+    /// snapshot with such numbers is refused if a parameter, a formula or an option has another
+    /// value than at the snapshot. A snapshot without them, of [`Midpoint`](crate::Midpoint) for
+    /// example, continues with the present parameters. To change parameters along a path, begin a
     /// [`trajectory`](Self::trajectory) at the state of the snapshot. The noise starts from its
     /// beginning, since the snapshot contains the number of the step; a source whose increments
-    /// [follow one another](crate::noise::FromRng) has to be in the state that it had at the
-    /// snapshot. A refined trajectory needs [`refine`](Trajectory::refine) again; a
+    /// [follow one another](crate::noise::FromRng) has to be in the same state as at the snapshot.
+    /// A refined trajectory needs [`refine`](Trajectory::refine) again; a
     /// [compensated](Trajectory::compensated) one continues to be compensated.
     ///
     /// ```
@@ -85,7 +86,8 @@ pub trait Method:
     ///
     /// # fn main() -> Result<(), StepError> {
     /// let pendulum = Integrator::new(Pendulum { g: 9.8, sigma: 0.1 }, Midpoint);
-    /// let mut path = pendulum.trajectory(State::new([1.0], [0.0]), 0.01, Wiener::new(7)).compensated();
+    /// let start = State::new([1.0], [0.0]);
+    /// let mut path = pendulum.trajectory(start, 0.01, Wiener::new(7)).compensated();
     /// path.nth(999).unwrap()?;
     /// let snapshot = path.snapshot(); // with the feature `serde`, into a file and back
     ///
@@ -114,7 +116,7 @@ pub trait Method:
     }
 }
 
-// the message of the trait says more than the message of the increments
+// The message of the trait says more than the message of the increments.
 #[diagnostic::do_not_recommend]
 impl<I: OneStepMethod<Increments = IncrementsOf<<I as OneStepMethod>::System>>> Method for I {}
 

@@ -4,8 +4,8 @@
 //! options change how a step is made: [`refine`](Trajectory::refine) wraps the trajectory into an
 //! adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low
 //! parts of the state. The adapter [`Events`] yields the states at zeros of functions, and ends or
-//! changes the trajectory there; the adapter [`Saved`] yields every n-th state, or those at given
-//! times.
+//! changes the trajectory at them; the adapter [`Saved`] yields every n-th state, or the states at
+//! given times.
 
 mod checkpoints;
 mod compensated;
@@ -47,7 +47,7 @@ pub struct Trajectory<'a, I: OneStepMethod, W> {
     start: f64,
     h: f64,
     prepared: Option<I::Prepared>,
-    /// Steps made.
+    /// Number of steps made.
     step: u64,
     has_ended: bool,
     refinements: Refinements,
@@ -123,8 +123,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         Ok(resumed)
     }
 
-    /// Returns what is needed to continue from here with [`Method::resume`](crate::Method::resume),
-    /// with the bits of this trajectory.
+    /// Returns the snapshot from which [`Method::resume`](crate::Method::resume) continues with the
+    /// bits of this trajectory.
     pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
         Snapshot {
             start: self.start,
@@ -139,30 +139,31 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
-    /// Number of steps made so far, including those before a snapshot. The next step has the
-    /// increments of this step of the noise.
+    /// Returns the number of steps made so far, including the steps before a snapshot. The next
+    /// step has the increments of this step of the noise.
     pub fn step(&self) -> u64 {
         self.step
     }
 
-    /// The numbers of refined steps so far, including those before a snapshot.
+    /// Returns the numbers of refined steps so far, including the steps before a snapshot.
     pub fn refinements(&self) -> Refinements {
         self.refinements
     }
 
-    /// The state reached so far.
+    /// Returns the state reached so far.
     pub fn state(&self) -> &StateOf<I::System> {
         &self.state
     }
 
-    /// Computes what depends on the step size alone.
+    /// Computes the values that depend on the step size alone.
     #[cold]
     fn prepare(&mut self) -> Result<(), StepError> {
         self.prepared = Some(self.method.prepare(self.h)?);
         Ok(())
     }
 
-    /// Forgets what the method carries from step to step, which is of a state that was not reached.
+    /// Forgets the numbers that the method carries from step to step, which belong to a state that
+    /// was not reached.
     #[cold]
     fn forget(&mut self) {
         if let Some(prepared) = &mut self.prepared {
@@ -170,8 +171,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
-    /// Returns the state after the next step. Calls `retry` with the error and the increments of a
-    /// step that fails; it makes the step in another way, or returns an error.
+    /// Returns the state after the next step. If the step fails, calls `retry` with the error and
+    /// the increments of the step; `retry` makes the step in another way, or returns an error.
     #[inline(always)]
     fn next_or(
         &mut self,
@@ -240,7 +241,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             self.forget();
         }
         self.step += 1;
-        // Rounded once: repeated addition of `h` would drift.
+        // The time is rounded once: repeated addition of `h` would drift.
         self.state.t = end;
         Ok(Some(self.state))
     }

@@ -29,22 +29,24 @@ pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
 }
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
-    /// Refines steps that fail: divides such a step into two halves on the same path, and each half
-    /// that fails likewise, up to `depth` times.
+    /// Refines steps that fail: divides such a step into two halves on the same path, and divides
+    /// each half that fails in the same way, up to `depth` times.
     ///
     /// The increments of the halves come from a Brownian bridge, a pure function of seed, path,
-    /// step and interval, so a repeated trajectory has the same bits. Its states remain those after
-    /// steps of length `h`, at the same times. [`refinements`](Self::refinements) counts the
-    /// refined steps. If the smallest parts fail too, the error belongs to the first of them.
+    /// step and interval, so a repeated trajectory has the same bits. It yields the states after
+    /// steps of length `h`, at the same times as without refinement.
+    /// [`refinements`](Self::refinements) counts the refined steps. If the smallest parts fail too,
+    /// the error belongs to the first of them.
     ///
-    /// It depends on the path which steps are refined, so the states no longer have exactly the
+    /// The path determines which steps are refined, so the states no longer have exactly the
     /// distribution of the rule. Refinement is for rare failures. If the count grows with the
     /// number of steps, take a smaller `h`.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
     ///
-    /// /// A pendulum with noise of fourth degree in the momentum: for a large ΔW the step has no solution.
+    /// /// A pendulum with noise of fourth degree in the momentum: for a large ΔW the step has no
+    /// /// solution.
     /// struct Rotor;
     ///
     /// #[variational(midpoint)]
@@ -107,7 +109,7 @@ impl<I: Method, W: Halves> Trajectory<'_, I, W> {
     }
 }
 
-/// Steps that failed are made in two halves, and each half that fails likewise.
+/// Makes a step that failed in two halves, and divides each half that fails in the same way.
 pub(crate) struct Halving<'a, I, W: ?Sized> {
     pub(crate) method: &'a I,
     pub(crate) noise: &'a W,
@@ -117,7 +119,7 @@ pub(crate) struct Halving<'a, I, W: ?Sized> {
 
 impl<I: Method, W: Halves + ?Sized> Halving<'_, I, W> {
     /// Makes the step over an interval, which failed with `error`, in two halves. Returns the
-    /// number of halvings of the smallest part. After an error the state is that between two parts.
+    /// number of halvings of the smallest part. After an error the state lies between two parts.
     pub(crate) fn step(
         &self,
         error: StepError,

@@ -38,17 +38,17 @@ pub struct Snapshot<T> {
 }
 
 impl<T> Snapshot<T> {
-    /// The state reached.
+    /// Returns the state reached.
     pub fn state(&self) -> &T {
         &self.state
     }
 
-    /// Number of steps that were made.
+    /// Returns the number of steps that were made.
     pub fn step(&self) -> u64 {
         self.step
     }
 
-    /// The step size.
+    /// Returns the step size.
     pub fn h(&self) -> f64 {
         self.h
     }

@@ -26,14 +26,14 @@ pub(super) struct Sweep<'a, I: Differentiable, W, F> {
     /// Time before the first step of the trajectory.
     pub(super) start: f64,
     pub(super) h: f64,
-    /// Steps of the trajectory before the first state.
+    /// Number of steps of the trajectory before the first state.
     pub(super) first: u64,
-    /// Steps of a piece.
+    /// Number of steps of a piece.
     pub(super) piece: u64,
     pub(super) loss: F,
     /// The loss of the states that have been passed.
     pub(super) value: f64,
-    /// Its derivative by the state that has been reached.
+    /// The derivative of the loss by the state that has been reached.
     pub(super) by_state: Field<VectorOf<I::System>>,
     pub(super) by_parameters: Vec<f64>,
 }
@@ -51,7 +51,7 @@ where
         steps: u64,
         checkpoints: usize,
     ) -> Result<(), StepError> {
-        // the states that are kept, with their numbers
+        // The states that are kept, with their numbers.
         let mut kept = vec![(0, first)];
         let mut reached = steps;
         if steps == 0 {

@@ -1,8 +1,8 @@
 //! Refusals of the multilevel method: settings that do not go with it, and levels that have no
 //! mean.
 //!
-//! Input: the settings; the levels that have been run. Output: an error that says what to do
-//! instead, if they give no estimate.
+//! Input: the settings; the levels that have been run. Output: an error with a remedy, if they give
+//! no estimate.
 
 use super::runs::{Run, largest_range};
 use super::{FIRST_LEVELS, MULTILEVEL, Multilevel, SURE};
@@ -66,8 +66,8 @@ impl<I: Method + Sync> Multilevel<'_, I> {
     }
 }
 
-/// Returns an error if no path of any level differs from another one, although they have noise or
-/// starts of their own: an event that is too rare for them would look like that.
+/// Returns an error if all paths of each level have the same value, although they have noise or
+/// random starts: an event that is too rare for them would look the same.
 pub(super) fn check_values<I: Method>(
     multilevel: &Multilevel<'_, I>,
     runs: &[Run<'_, I>],

@@ -20,8 +20,8 @@ use super::super::summary::Summary;
 use super::survival::Passages;
 use crate::trajectory::Method;
 
-/// Number of bins of a run, unless it has more recorded times: what depends on the order of the
-/// ends within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
+/// Number of bins of a run, unless it has more recorded times. The effect of the order of the ends
+/// within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
 const BINS: u64 = 4096;
 
 /// The bins of a run. Bin 0 is the start; of the bins after it, as many are between each two
@@ -187,8 +187,8 @@ impl Summary {
     }
 }
 
-/// The end of the observation of a path: after so many steps, the last of which may be a part of
-/// one, at a time.
+/// The end of the observation of a path: a number of steps, the last of which may be a part of a
+/// step, and a time.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct End {
     pub(in super::super) path: u64,

@@ -1,11 +1,11 @@
-//! First passages: the first zero of a function along each path, and paths that stop there.
+//! First passages: the first zero of a function along each path, and paths that stop at this zero.
 //!
 //! Input: functions of the system and a state. Output: the time of the first zero on each path, and
 //! the paths that were never seen to pass. Invariant: a passage is a function of the path's states
 //! and noise only, not of its lane, block or thread.
 //!
 //! Files: [`watch`] compares signs after each step, [`search`] finds the zero within a step,
-//! [`counts`] sums up, [`survival`] is what users read, [`table`] what they write into files.
+//! [`counts`] sums up, [`survival`] has the public statistics, [`table`] writes them into files.
 
 pub(super) mod counts;
 mod search;
@@ -36,16 +36,15 @@ impl<'a, I: Method> Ensemble<'a, I> {
     /// [`Trajectory::stop_at`](crate::Trajectory::stop_at) does, and records the time:
     /// [`Summary::passage`](super::Summary::passage) has the distribution of the times.
     ///
-    /// A stopped path makes no more steps. Its state stays that at the zero, with the time of the
-    /// zero, and its observables keep their values there in all later statistics: a mean at time t
-    /// is the mean of the stopped process, E f(X at min(t, τ)).
-    /// `observe("time", |_, state| state.t)` has the mean of min(t, τ), and
-    /// [`keep_final_states`](Self::keep_final_states) the time and the place of each passage. A
-    /// [`weight`](Self::weight) is integrated up to τ.
+    /// A stopped path makes no more steps. Its state stays at the zero, with the time of the zero,
+    /// and its observables keep these values in all later statistics: a mean at time t is the mean
+    /// of the stopped process, E f(X at min(t, τ)). `observe("time", |_, state| state.t)` has the
+    /// mean of min(t, τ), and [`keep_final_states`](Self::keep_final_states) the time and the place
+    /// of each passage. A [`weight`](Self::weight) is integrated up to τ.
     ///
-    /// Several functions may be given: a path stops at the first zero of any, and the others then
-    /// count it as censored. A path with an observable that is out of its [`bound`](Self::bound) or
-    /// not finite where it stops has not passed: it fails there, and all functions count it as
+    /// Several functions may be given: a path stops at the first zero of any of them, and the other
+    /// functions then count it as censored. If an observable is out of its [`bound`](Self::bound)
+    /// or not finite at the stop, the path has not passed: it fails, and all functions count it as
     /// censored.
     ///
     /// ```
@@ -72,28 +71,30 @@ impl<'a, I: Method> Ensemble<'a, I> {
     ///     .stop_at("escape", |_, state| state.q[0] - 1.5)
     ///     .run()?;
     /// let escape = summary.passage("escape").unwrap();
-    /// // the fraction that has not escaped, with its standard error; `None` once every path has been lost from sight
+    /// // the fraction that has not escaped, with its standard error; `None` once every path has
+    /// // passed or is censored
     /// let inside = escape.survival()[20].expect("there are paths in the well");
     /// let error = escape.survival_error()[20].unwrap_or(0.0);
     /// // escapes per time, after the first ten units of time
     /// let rate = escape.rate(1);
     /// println!("{inside} ± {error}, {} ± {}", rate.value, rate.standard_error);
-    /// escape.write_csv(std::io::sink()).expect("a writer"); // `t,passed,censored,at_risk,survival,survival_standard_error`; `to_csv` writes a file
+    /// // `t,passed,censored,at_risk,survival,survival_standard_error`; `to_csv` writes a file
+    /// escape.write_csv(std::io::sink()).expect("a writer");
     /// # assert!(inside > 0.0 && inside < 1.0 && rate.standard_error < 0.1 * rate.value);
     /// # Ok(())
     /// # }
     /// ```
     ///
-    /// **What is seen.** The signs of the function after successive steps are compared. Where they
+    /// **Detected zeros.** The signs of the function after successive steps are compared. If they
     /// differ, the step is halved twelve times on the same path of the noise, always towards the
     /// earlier change of sign, and the path is stopped at the zero of the secant of the last part:
     /// for a function with a smooth motion the time has the accuracy of the rule. Two zeros within
-    /// a step are not seen. For a function of q, with noise in p alone, these are grazing
+    /// a step are not detected. For a function of q, with noise in p alone, these are grazing
     /// encounters, a fraction of the passages that vanishes with h. A function that the noise moves
-    /// itself returns within each step: its passages are seen late, as if the boundary were 0.58
-    /// σ√h farther away (Broadie, Glasserman and Kou 1997); compare two step sizes, or move the
-    /// boundary by this distance. A path that starts at a zero does not stop there; it has the side
-    /// that it is on after the first step.
+    /// itself returns within each step: its passages are detected late, as if the boundary were
+    /// 0.58 σ√h farther away (Broadie, Glasserman and Kou 1997); compare two step sizes, or move
+    /// the boundary by this distance. A path that starts at a zero does not stop at the start; its
+    /// side is the side after the first step.
     ///
     /// The noise has to be known within steps: [`Wiener`](crate::noise::Wiener), also refined, or
     /// [`NoNoise`](crate::noise::NoNoise). A path whose function is not finite after a step fails,

@@ -58,7 +58,7 @@ struct Bracket<D> {
     /// The parts before it, of falling length.
     before: Vec<Part<D>>,
     part: Part<D>,
-    /// Where it begins, and its length, as fractions of the step.
+    /// The start and the length of the bracket, as fractions of the step.
     low: f64,
     width: f64,
     /// The function at both ends.
@@ -102,8 +102,8 @@ impl<I: Method> Crossing<'_, I> {
         Ok(Zero { fraction, state })
     }
 
-    /// Replaces a bracket by its first half in which the sign changes. Returns whether there are
-    /// halves.
+    /// Replaces a bracket by its first half in which the sign changes. Returns `false` if the
+    /// interval is too short to be halved.
     fn halve(
         &self,
         bracket: &mut Bracket<IncrementsOf<I::System>>,
@@ -183,8 +183,8 @@ impl<I: Method> Crossing<'_, I> {
         Ok(state)
     }
 
-    /// Makes what [`state_at`](Self::state_at) failed to make part by part, each in smaller steps
-    /// if need be.
+    /// Computes the state that [`state_at`](Self::state_at) failed to compute, part by part, in
+    /// smaller steps if needed.
     fn state_in_parts(
         &self,
         error: StepError,

@@ -1,9 +1,9 @@
 //! First-passage times as a distribution: survival, rates, and the paths that were not seen to
 //! pass.
 //!
-//! Input: merged counts. Output: the numbers that users read. Invariant: at each recorded time the
-//! paths that have passed, those that were censored and those at risk sum up to all paths. Nothing
-//! is NaN but the error of a rate without an event.
+//! Input: merged counts. Output: the public statistics. Invariant: at each recorded time the paths
+//! that have passed, the censored paths and the paths at risk sum up to all paths. No number is NaN
+//! except the error of a rate without an event.
 //!
 //! Sources: E. L. Kaplan, P. Meier, *Nonparametric estimation from incomplete observations*, J. Am.
 //! Stat. Assoc. 53 (1958); M. Greenwood, *The errors of sampling of the survivorship tables*
@@ -18,9 +18,9 @@ use super::counts::{Ends, PassageCounts};
 /// [`Summary::passage`](super::super::Summary::passage): the distribution of the time τ of the
 /// first zero of a function.
 ///
-/// A path is at risk until it passes, fails, or is stopped by another function; then it is
-/// censored: all that is known of its τ is that it is greater. Paths that have not passed at the
-/// end of the run are censored there.
+/// A path is at risk until it passes, fails, or is stopped by another function. In the last two
+/// cases it is censored: its τ is only known to be greater. Paths that have not passed at the end
+/// of the run are censored at the end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Passages {
     name: String,
@@ -83,8 +83,8 @@ impl Passages {
         self.cumulative(|ends| ends.censored + ends.censored_at_end)
     }
 
-    /// Returns the number of paths that are still at risk at each recorded time. Those at the last
-    /// one are censored by the end of the run.
+    /// Returns the number of paths that are still at risk at each recorded time. The end of the run
+    /// censors the paths at risk at the last time.
     pub fn at_risk(&self) -> Vec<u64> {
         let ended = self.passed().into_iter().zip(self.censored());
         ended
@@ -96,16 +96,15 @@ impl Passages {
     /// of paths that have not passed, as it would be without censoring. `None` where it is unknown:
     /// after the last path at risk was censored.
     ///
-    /// The estimate does not depend on how many times are recorded. Ends of paths are counted in
-    /// bins, some 2,000 to 4,096 in the run, or a bin for each recorded time if there are more. If
-    /// paths pass and paths are censored in one bin, they are taken to do so in random order. That
-    /// is exact where the two rates have a constant ratio within the bin, and off by an error of
-    /// the second order in its length otherwise. If no path is censored, the estimate is the
+    /// The estimate does not depend on the number of recorded times. Ends of paths are counted in
+    /// bins, some 2,000 to 4,096 in the run, or one bin for each recorded time if there are more.
+    /// If paths pass and paths are censored in one bin, the order is assumed to be random. This is
+    /// exact if the two rates have a constant ratio within the bin, and otherwise has an error of
+    /// the second order in the length of the bin. If no path is censored, the estimate is the
     /// fraction of the paths that have not passed.
     ///
-    /// Paths have to be censored by what does not tell how soon they would have passed: for
-    /// functions that stop paths in competition, `passed` over `paths` is the probability of each
-    /// end.
+    /// The reason for censoring must not depend on how soon a path would have passed. For functions
+    /// that stop paths in competition, `passed` over `paths` is the probability of each end.
     pub fn survival(&self) -> Vec<Option<f64>> {
         let points = self.points().into_iter();
         points.map(|point| Some(point?.survival)).collect()
@@ -169,7 +168,7 @@ impl Passages {
     /// out the time in which the paths forget their start.
     ///
     /// # Panics
-    /// Unless there is a recorded time of that number.
+    /// If there is no recorded time of this number.
     pub fn rate(&self, from: usize) -> Rate {
         assert!(from < self.times.len(), "no recorded time number {from}");
         let (passed, at_risk) = (self.passed(), self.at_risk());
@@ -209,7 +208,7 @@ struct Point {
 }
 
 impl Point {
-    /// Returns the point after so many passages, with no path censored between.
+    /// Returns the point after so many passages, without censored paths in between.
     fn after(self, passed: u64) -> Self {
         if passed == 0 {
             return self;
@@ -226,7 +225,7 @@ impl Point {
 
 /// The curve of survival, followed bin by bin.
 struct Curve {
-    /// Where a path was censored last.
+    /// The point at which a path was last censored.
     last: Point,
     /// Passages since. Their factors have a product without rounding errors: a fraction of two
     /// counts.
@@ -258,7 +257,7 @@ impl Curve {
             let before = point.at_risk as f64;
             point.at_risk -= passed + censored;
             let after = point.at_risk as f64;
-            // if no path is left, it is unknown whether the last one passed or was censored
+            // If no path is left, it is unknown whether the last path passed or was censored.
             if passed > 0 && after > 0.0 {
                 // in random order, each end is a passage with this probability
                 let share = passed as f64 / (passed + censored) as f64;

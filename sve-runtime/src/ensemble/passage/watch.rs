@@ -27,7 +27,7 @@ pub(in super::super) struct PassageWatch {
 
 /// The values of a function in the tiles of a block.
 struct Watched {
-    /// After the last step but one.
+    /// The values after the last step but one.
     before: Vec<Lane>,
     /// After the last step.
     now: Vec<Lane>,
@@ -39,7 +39,7 @@ struct Watched {
 type Found<S> = (usize, Zero<StateOf<S>>);
 
 impl PassageWatch {
-    /// The watch over so many tiles before their start.
+    /// Returns the watch over so many tiles before their start.
     pub(in super::super) fn new<I: Method>(ensemble: &Ensemble<'_, I>, tiles: usize) -> Self {
         let functions = ensemble.observed.passages.iter().map(|_| Watched {
             before: vec![[0.0; LANES]; tiles],
@@ -56,7 +56,7 @@ impl PassageWatch {
         self.functions.is_empty()
     }
 
-    /// Moves what is known of a path to another lane.
+    /// Moves the data of a path to another lane.
     pub(in super::super) fn move_lane(&mut self, from: Place, to: Place) {
         for Watched {
             before,
@@ -74,7 +74,8 @@ impl PassageWatch {
 
 impl<I: Method> PathBlock<'_, I> {
     /// Records the passages of the paths of a tile within their last step. Returns the lanes that
-    /// stop; their states are those at the zeros, and `last` has the lengths of their last steps.
+    /// stop. Their states are then the states at the zeros, and `last` has the lengths of their
+    /// last steps.
     pub(in super::super) fn find_passages(&mut self, tile: usize, last: &mut LastStep) -> Mask {
         let ensemble = self.settings.ensemble;
         let mut crossed = 0;
@@ -139,8 +140,8 @@ impl<I: Method> PathBlock<'_, I> {
         Ok(zeros)
     }
 
-    /// Records the passages of a path within its last step, until the first one that stops it.
-    /// Returns the part of the step that the path then has made.
+    /// Records the passages of a path within its last step, until the first passage that stops it.
+    /// Returns the part of the step that the path has then made.
     fn pass(
         &mut self,
         Place { tile, lane }: Place,

@@ -61,12 +61,12 @@ pub(super) struct EventFunction<'a, S: System> {
     pub(super) is_angle: bool,
     /// The value at the last point at which the function was evaluated.
     pub(super) value: f64,
-    /// The side of the motion after that point. It differs from the side of the value right after
-    /// an event.
+    /// The side of the motion after that point. Right after an event it differs from the side of
+    /// the value.
     pub(super) side: Side,
     /// The fraction of the step at that point.
     pub(super) at: f64,
-    /// The value at the point to which the search goes next.
+    /// The value at the next point of the search.
     pub(super) next: f64,
     /// Time of the last change that this function caused.
     pub(super) changed_at: f64,
@@ -109,7 +109,8 @@ impl<'a, S: System> EventFunction<'a, S> {
     }
 
     /// Returns whether the motion from the stored value to `next` crosses zero in a direction that
-    /// counts. Arriving at exactly 0 is a crossing; leaving from there is none.
+    /// counts. A motion that arrives at exactly 0 crosses zero, a motion that leaves from 0 does
+    /// not.
     pub(super) fn crosses_before(&self, next: f64) -> bool {
         let is_new_side = match self.side {
             Side::None => return false,
@@ -121,7 +122,7 @@ impl<'a, S: System> EventFunction<'a, S> {
             Direction::Rising => self.side == Side::Below,
             Direction::Falling => self.side == Side::Above,
         };
-        // an angle that jumps by nearly 2π passed through ±π
+        // An angle that jumps by nearly 2π passed through ±π.
         let wraps = self.is_angle && (next - self.value).abs() > PI;
         is_new_side && counts && !wraps
     }

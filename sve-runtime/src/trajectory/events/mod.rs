@@ -29,11 +29,11 @@ use crate::trajectory::Method;
 /// The events along a trajectory, from [`Trajectory::crossings`], [`Trajectory::stop_at`] and
 /// [`Trajectory::change_at`].
 ///
-/// An iterator over states. After [`crossings`](Self::crossings) they are the states at the zeros
-/// of these functions, else the states after each step and the one at a stop. Several functions are
-/// added one after another; [`rising`](Self::rising), [`falling`](Self::falling) and
-/// [`angle`](Self::angle) are about the one that was added last, and [`event`](Self::event) tells
-/// which of them the last state belongs to.
+/// An iterator over states. After [`crossings`](Self::crossings) it yields the states at the zeros
+/// of these functions, otherwise the states after each step and the state at a stop. Several
+/// functions are added one after another; [`rising`](Self::rising), [`falling`](Self::falling) and
+/// [`angle`](Self::angle) apply to the function that was added last, and [`event`](Self::event)
+/// returns the number of the function to which the last state belongs.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -62,46 +62,48 @@ use crate::trajectory::Method;
 /// # }
 /// ```
 ///
-/// **What is seen.** A function is evaluated after each step, or at more points of each step with
+/// **Detected zeros.** A function is evaluated after each step, or at more points of each step with
 /// [`samples`](Self::samples). A zero between two of these points is found if the function has
-/// different signs there. Two zeros between them are not seen, and of three one is found: take
-/// smaller steps or more samples if a function returns so fast. A function that is 0 at the start
-/// is not at a crossing there; a value of exactly 0 after a step is a crossing at that step.
+/// different signs at them. Two zeros between them are not detected, and of three zeros one is
+/// found: take smaller steps or more samples if a function returns so fast. A function that is 0 at
+/// the start has no crossing at the start; a value of exactly 0 after a step is a crossing at that
+/// step.
 ///
-/// **How accurate.** The step is solved anew with a part θh of its length until the function is
-/// zero to rounding. So the state is as accurate as a step of the rule: its error at an event in
-/// the first step is of order 3 for `midpoint` and `stormer_verlet`, of order 2s + 1 for
-/// `gauss(s)`. An event costs about five steps.
+/// **Accuracy.** The step is solved anew with a part θh of its length until the function is zero to
+/// rounding. So the state is as accurate as a step of the rule: its error at an event in the first
+/// step is of order 3 for `midpoint` and `stormer_verlet`, of order 2s + 1 for `gauss(s)`. An event
+/// costs about five steps.
 ///
 /// **With noise** the increment of the part comes from the Brownian bridge: the path within a step
-/// is a function of seed, path and step, the same whatever is looked for, down to 2⁻³² of the step.
-/// A function whose value moves with the noise itself, such as a momentum that the noise pushes,
-/// has infinitely many zeros near each of its zeros. One of them is found. The source has to know
-/// its path within steps, as [`Wiener`](crate::noise::Wiener) and
-/// [`NoNoise`](crate::noise::NoNoise) do; a rule with [stage noise](crate::StageNoise) is a compile
-/// error. A [refined](Trajectory::refine) trajectory has no events: of a step that fails there is
-/// no part.
+/// is a function of seed, path and step, the same for every function, down to 2⁻³² of the step. A
+/// function whose value moves with the noise itself, such as a momentum that the noise pushes, has
+/// infinitely many zeros near each of its zeros. One of them is found. The source has to know its
+/// path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise)
+/// do; a rule with [stage noise](crate::StageNoise) is a compile error. A
+/// [refined](Trajectory::refine) trajectory has no events, since a step that fails has no part.
 ///
 /// **After a change** the trajectory makes the rest of the step from the changed state, with the
-/// rest of the increment, and then whole steps at the times that it would have had. What the method
-/// carries from step to step is dropped, and so are the low parts of
-/// [compensated](Trajectory::compensated) sums. The side on which the motion goes on is the sign of
-/// the function a little later, after 2⁻²⁴ of the step. Changes by one function within 2⁻¹² of a
+/// rest of the increment, and then whole steps at the times that it would have had. The numbers
+/// that the method carries from step to step are dropped, and so are the low parts of
+/// [compensated](Trajectory::compensated) sums. The motion continues on the side given by the sign
+/// of the function a little later, after 2⁻²⁴ of the step. Changes by one function within 2⁻¹² of a
 /// step are an error: a ball that comes to rest on a floor has to be stopped before.
 ///
 /// It dereferences to the [`Trajectory`], which is after the last whole step. A
+/// [snapshot](Trajectory::snapshot) does not contain the functions: give them again.
 /// [snapshot](Trajectory::snapshot) knows nothing of the functions: give them again.
 pub struct Events<'a, I: OneStepMethod, W> {
     trajectory: Trajectory<'a, I, W>,
     functions: Vec<EventFunction<'a, I::System>>,
-    /// The states after whole steps are yielded too, and not the states at crossings alone.
+    /// True if the states after whole steps are yielded too, and not the states at crossings alone.
     yields_steps: bool,
-    /// Parts of a step at whose ends the functions are evaluated.
+    /// Number of parts of a step at whose ends the functions are evaluated.
     samples: u32,
     /// States found in the last step, with the number of the function.
     found: VecDeque<(StateOf<I::System>, Option<usize>)>,
     event: Option<usize>,
-    /// The error of the last step, until what was found in it has been yielded.
+    /// The error of the last step. It is kept until the states found in this step have been
+    /// yielded.
     failure: Option<StepError>,
     has_begun: bool,
     has_ended: bool,
@@ -123,14 +125,15 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// impl HenonHeiles {
     ///     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
     ///         let [x, y] = q;
-    ///         0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * (x * x + y * y) - x * x * y + y * y * y / 3.0
+    ///         let potential = 0.5 * (x * x + y * y) + x * x * y - y * y * y / 3.0;
+    ///         0.5 * (v[0] * v[0] + v[1] * v[1]) - potential
     ///     }
     /// }
     ///
     /// # fn main() -> Result<(), StepError> {
     /// let motion = Integrator::new(HenonHeiles, Midpoint);
-    /// let start = State::new([0.0, 0.1], [0.4, 0.0]);
-    /// let section = motion.trajectory(start, 0.1, NoNoise).crossings(|_, state| state.q[0]).rising();
+    /// let path = motion.trajectory(State::new([0.0, 0.1], [0.4, 0.0]), 0.1, NoNoise);
+    /// let section = path.crossings(|_, state| state.q[0]).rising();
     /// for state in section.take(10) {
     ///     let state = state?;
     ///     assert!(state.q[0].abs() < 1e-15 && state.p[0] > 0.0);
@@ -140,7 +143,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// # }
     /// ```
     ///
-    /// [`Events`] tells what is seen and how accurate it is.
+    /// [`Events`] describes which zeros are detected, and how accurate the states are.
     #[must_use]
     pub fn crossings<F, O>(self, function: F) -> Events<'a, I, W>
     where
@@ -152,8 +155,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         Events::new(self).crossings(function)
     }
 
-    /// Ends the trajectory at the first zero of a function, with the state there as its last one;
-    /// see [`Events`].
+    /// Ends the trajectory at the first zero of a function, with the state at this zero as its last
+    /// state; see [`Events`].
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -188,14 +191,15 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     }
 
     /// Changes the state at each zero of a function: a ball that bounces, a kick at a place. The
-    /// trajectory goes on from the changed state; see [`Events`].
+    /// trajectory continues from the changed state; see [`Events`].
     ///
-    /// The time of the state stays as it is. The change may lead back to the side from which the
-    /// motion came, as a bounce, or let it pass, as a kick.
+    /// The time of the state does not change. The change may lead back to the side from which the
+    /// motion came, as a bounce does, or let the motion pass, as a kick does.
     ///
     #[doc = include_str!("../../example.md")]
     /// // a kick wherever the pendulum hangs down
-    /// let kicked = pendulum.trajectory(start, 0.01, NoNoise).change_at(|_, s| s.q[0], |_, s| s.p[0] *= 1.01);
+    /// let path = pendulum.trajectory(start, 0.01, NoNoise);
+    /// let kicked = path.change_at(|_, s| s.q[0], |_, s| s.p[0] *= 1.01);
     /// assert_eq!(kicked.take(100).count(), 100);
     #[doc = include_str!("../../example_end.md")]
     #[must_use]
@@ -237,8 +241,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self
     }
 
-    /// Yields the states at the zeros of one more function, and no more those after whole steps;
-    /// see [`Trajectory::crossings`].
+    /// Yields the states at the zeros of one more function, and no longer the states after whole
+    /// steps; see [`Trajectory::crossings`].
     ///
     #[doc = include_str!("../../example.md")]
     /// let path = pendulum.trajectory(start, 0.01, NoNoise);
@@ -256,11 +260,12 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self.with(function, Action::Yield)
     }
 
-    /// Ends at the first zero of one more function; see [`Trajectory::stop_at`]. Beside
-    /// [`crossings`](Self::crossings) the state at the end is not yielded.
+    /// Ends at the first zero of one more function; see [`Trajectory::stop_at`]. If there are
+    /// [`crossings`](Self::crossings), the state at the end is not yielded.
     ///
     #[doc = include_str!("../../example.md")]
-    /// let path = pendulum.trajectory(start, 0.01, NoNoise).crossings(|_, s| s.q[0]).stop_at(|_, s| s.t - 5.0);
+    /// let path = pendulum.trajectory(start, 0.01, NoNoise);
+    /// let path = path.crossings(|_, s| s.q[0]).stop_at(|_, s| s.t - 5.0);
     /// assert!(path.count() > 3);
     #[doc = include_str!("../../example_end.md")]
     #[must_use]
@@ -316,11 +321,11 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self
     }
 
-    /// Takes the last function for an angle in radians: it is zero at every multiple of 2π, and a
+    /// Treats the last function as an angle in radians: it is zero at every multiple of 2π, and a
     /// jump from near π to near −π is no zero.
     ///
     /// The angle may be reduced to a turn or count turns. It has to change by less than π between
-    /// two points at which it is evaluated. Without this, a function that jumps is an error.
+    /// two points at which it is evaluated. Without this option, a function that jumps is an error.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -334,7 +339,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
     ///
     /// # fn main() -> Result<(), StepError> {
     /// let rotor = Integrator::new(Rotor, Midpoint);
-    /// let turns = rotor.trajectory(State::new([1.0], [1.0]), 0.1, NoNoise).crossings(|_, state| state.q[0]).angle();
+    /// let path = rotor.trajectory(State::new([1.0], [1.0]), 0.1, NoNoise);
+    /// let turns = path.crossings(|_, state| state.q[0]).angle();
     /// for (k, state) in (1..=5).zip(turns) {
     ///     assert!((state?.q[0] - f64::from(k) * std::f64::consts::TAU).abs() < 1e-13);
     /// }
@@ -347,12 +353,13 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         self
     }
 
-    /// Evaluates the functions at the ends of so many equal parts of each step, to see zeros that
-    /// lie close together. Each further part costs a step.
+    /// Evaluates the functions at the ends of so many equal parts of each step, to detect zeros
+    /// that lie close together. Each further part costs a step.
     ///
     #[doc = include_str!("../../example.md")]
-    /// // the pendulum is below 0.99 for a large part of each step: without samples that is not seen
-    /// let path = pendulum.trajectory(start, 2.0, NoNoise).crossings(|_, s| s.q[0] - 0.99).samples(50);
+    /// // the pendulum is below 0.99 for a large part of each step: only samples detect the zeros
+    /// let path = pendulum.trajectory(start, 2.0, NoNoise);
+    /// let path = path.crossings(|_, s| s.q[0] - 0.99).samples(50);
     /// assert!(path.take(4).all(|state| state.is_ok()));
     #[doc = include_str!("../../example_end.md")]
     #[must_use]
@@ -367,8 +374,8 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
             .expect("events begin with a function")
     }
 
-    /// The number of the function, in the order in which they were given, at whose zero the last
-    /// state is; `None` if it is the state after a whole step.
+    /// Returns the number of the function, in the order in which they were given, whose zero is the
+    /// last state; `None` if it is the state after a whole step.
     pub fn event(&self) -> Option<usize> {
         self.event
     }

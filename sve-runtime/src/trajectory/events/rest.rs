@@ -1,4 +1,4 @@
-//! A step, or what an event left of it, and the states within.
+//! A step, or the part of a step after an event, and the states within it.
 //!
 //! Input: the state at the beginning, and the path of the noise within the step. Output: the state
 //! at any fraction of the step. Invariant: a state is a function of the state at the beginning, the
@@ -10,8 +10,8 @@ use crate::system::{IncrementsOf, StateOf, System};
 use crate::time::is_next_time;
 use crate::trajectory::Method;
 
-/// The fraction of a step after an event at which the function says on which side the motion goes
-/// on.
+/// The fraction of a step after an event at which the function is evaluated to find the side on
+/// which the motion continues.
 pub(super) const PROBE: f64 = 1.0 / (1_u64 << 24) as f64;
 
 /// The part of a step from a fraction to its end.
@@ -24,7 +24,7 @@ pub(super) struct Rest<S: System> {
     pub(super) times: [f64; 2],
     /// The fraction of the step at which this part begins.
     pub(super) from: f64,
-    /// The state there.
+    /// The state at the beginning of this part.
     pub(super) state: StateOf<S>,
     /// Increments over the whole step.
     pub(super) whole: IncrementsOf<S>,
@@ -33,7 +33,7 @@ pub(super) struct Rest<S: System> {
 }
 
 impl<S: System> Rest<S> {
-    /// Returns the part from a fraction on, with this state there.
+    /// Returns the part from a fraction on, with the given state at this fraction.
     pub(super) fn after<W: Halves>(&self, from: f64, state: StateOf<S>, noise: &W) -> Self {
         Self {
             from,
@@ -49,7 +49,7 @@ impl<S: System> Rest<S> {
         increments_until(path, self.step, self.h, fraction, &self.whole).unwrap_or(self.whole)
     }
 
-    /// Returns whether the part ends before a function can say on which side the motion goes on.
+    /// Returns whether the part ends before a function can tell on which side the motion continues.
     pub(super) fn is_short(&self) -> bool {
         1.0 - self.from <= PROBE
     }
@@ -64,7 +64,7 @@ impl<S: System> Rest<S> {
     }
 
     /// Solves the step anew from the beginning of this part to a fraction of the whole step.
-    /// Returns the state there.
+    /// Returns the state at this fraction.
     pub(super) fn state_at<I, W>(
         &self,
         method: &I,

@@ -1,8 +1,8 @@
 //! The zero of a function between two points at which it has different signs.
 //!
 //! Input: a function that can fail, a bracket and the values at its ends. Output: a point at which
-//! the function is zero or changes its sign to the next numbers. Invariant: the bracket always
-//! contains a change of sign, so continuity is all that the function needs.
+//! the function is zero, or next to which it changes its sign. Invariant: the bracket always
+//! contains a change of sign, so the function only has to be continuous.
 //!
 //! Source: T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of
 //! a nonlinear function without using derivatives*, Advances in Engineering Software 28 (1997)
@@ -32,7 +32,7 @@ pub(super) fn zero_between<E>(
     bracket: [Point; 2],
 ) -> Result<Zero, E> {
     let [first, second] = bracket;
-    // `new` and `other` bracket the zero; `before` is the point that was discarded last
+    // `new` and `other` bracket the zero; `before` is the point that was discarded last.
     let (mut other, mut new) = (first, second);
     let mut fraction = new.1 / (new.1 - other.1);
     for _ in 0..EVALUATIONS {
@@ -68,7 +68,7 @@ pub(super) fn zero_between<E>(
 }
 
 /// Returns the next point as a fraction of the way from `new` to `other`: by inverse quadratic
-/// interpolation where that is monotone, else the middle.
+/// interpolation if the interpolation is monotone, otherwise the middle.
 fn next_fraction(new: Point, other: Point, before: Point) -> f64 {
     let x = (new.0 - other.0) / (before.0 - other.0);
     let y = (new.1 - other.1) / (before.1 - other.1);

@@ -23,8 +23,8 @@ const LEAST_INTERVAL: f64 = 1.0 / (1_u64 << 12) as f64;
 /// Difference of two fractions of a step below which two functions are zero at the same state.
 const SAME: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Largest value at a zero, as a fraction of the change of the function within the step. A
-/// continuous function is far below.
+/// Largest value at a zero, as a fraction of the change of the function within the step. The value
+/// of a continuous function is far smaller.
 const JUMP: f64 = 1.0 / 1024.0;
 
 /// A zero of a function within a step.
@@ -39,7 +39,7 @@ struct Hit<T> {
 type Hits<I> = Vec<Hit<StateOf<<I as OneStepMethod>::System>>>;
 
 impl<I: Method, W: Halves> Events<'_, I, W> {
-    /// Makes a step and collects its states. Returns whether there was one.
+    /// Makes a step and collects its states. Returns whether a step was made.
     pub(super) fn advance(&mut self) -> Result<bool, StepError> {
         let before = *self.trajectory.state();
         if !self.has_begun {
@@ -77,8 +77,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(true)
     }
 
-    /// Searches the rest of a step for events. Returns what is left of the step after a change of
-    /// the state.
+    /// Searches the rest of a step for events. After a change of the state, returns the part of the
+    /// step that is left.
     fn search(&mut self, rest: &Rest<I::System>) -> Result<Option<Rest<I::System>>, StepError> {
         self.find_sides(rest)?;
         for sample in 1..=self.samples {
@@ -103,7 +103,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
             }
             for function in &mut self.functions {
                 function.at = fraction;
-                // what is left of the step is too short to tell, and the next step does
+                // If the remaining part of the step is too short to find the side, the next step
+                // finds it.
                 if function.side != Side::None || !rest.is_short() {
                     function.arrive(function.next);
                 }
@@ -112,8 +113,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(None)
     }
 
-    /// Evaluates the functions that are zero at the beginning a little later, where they say on
-    /// which side the motion goes on.
+    /// Evaluates the functions that are zero at the beginning a little later, to find the side on
+    /// which the motion continues.
     fn find_sides(&mut self, rest: &Rest<I::System>) -> Result<(), StepError> {
         for number in 0..self.functions.len() {
             self.functions[number].at = rest.from;
@@ -194,7 +195,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         self.has_ended = true;
     }
 
-    /// Changes the state at a hit, and makes the rest of the step. Returns that rest; `None` if the
+    /// Changes the state at a hit, and makes the rest of the step. Returns this rest; `None` if the
     /// hit is at its end, or a stop is at the same state.
     fn change(
         &mut self,
@@ -241,7 +242,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         self.go_on(rest, fraction, state)
     }
 
-    /// Makes the rest of the step from a changed state. Returns that rest, if there is one.
+    /// Makes the rest of the step from a changed state. Returns this rest, if there is one.
     fn go_on(
         &mut self,
         rest: &Rest<I::System>,
@@ -285,7 +286,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         Ok(())
     }
 
-    /// Takes the values that were evaluated last for the values at the last point.
+    /// Stores the values that were evaluated last as the values at the last point.
     fn arrive(&mut self) {
         for function in &mut self.functions {
             function.arrive(function.next);

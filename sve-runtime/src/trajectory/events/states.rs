@@ -1,4 +1,4 @@
-//! The states of [`Events`], one after the other, and the trajectory behind them.
+//! The states of [`Events`], one after the other, and the underlying trajectory.
 
 use core::fmt;
 use core::ops::Deref;
@@ -40,7 +40,7 @@ impl<I: Method, W: Halves> Iterator for Events<'_, I, W> {
                 self.event = event;
                 return Some(Ok(state));
             }
-            // what was found before an error comes before it
+            // States that were found before an error are yielded before it.
             if let Some(error) = self.failure.take() {
                 return Some(Err(error));
             }

@@ -1,9 +1,10 @@
-//! The states of a trajectory that are saved: every n-th, those at given times, those up to a time.
+//! The states of a trajectory that are saved: every n-th state, the states at given times, the
+//! states up to a time.
 //!
-//! Input: a trajectory, plain or refined, and what to save. Output: an iterator over the saved
-//! states. Invariant: the trajectory makes its own steps, with its own bits; a state within a step
-//! is computed apart, by a step of a part of the length, and the trajectory goes on as if there
-//! were none.
+//! Input: a trajectory, plain or refined, and the points to save. Output: an iterator over the
+//! saved states. Invariant: the trajectory makes its own steps, with its own bits. A state within a
+//! step is computed separately, by a step of a part of the length, and does not affect the
+//! trajectory.
 
 mod search;
 mod write;
@@ -52,14 +53,14 @@ pub struct Saved<T> {
 /// The states that are saved.
 #[derive(Debug)]
 enum Wanted {
-    /// From a step on, every so many.
+    /// From the step `next` on, one state for each `every` steps.
     Steps { next: u64, every: u64 },
     /// At these times.
     Times(VecDeque<f64>),
 }
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
-    /// Saves the state that the trajectory is at, and every `n`-th state after it.
+    /// Saves the present state of the trajectory, and every `n`-th state after it.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -123,7 +124,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
         Saved::at(self, times)
     }
 
-    /// Ends the trajectory at a time: the last state is there.
+    /// Ends the trajectory at a time, with the state at this time as its last state.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -155,7 +156,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
 }
 
 impl<I: Method, W: Halves> RefinedTrajectory<'_, I, W> {
-    /// Saves the state that the trajectory is at, and every `n`-th state after it; see
+    /// Saves the present state of the trajectory, and every `n`-th state after it; see
     /// [`Trajectory::every`], which has an example.
     #[must_use]
     pub fn every(self, n: u64) -> Saved<Self> {
@@ -204,7 +205,7 @@ impl<T: Steps> Saved<T> {
         Self::new(path, Wanted::Times(times))
     }
 
-    /// Ends at a time: the last state is there, also if it is not one that would be saved
+    /// Ends at a time. The state at this time is the last one, even if it would not be saved
     /// otherwise.
     ///
     /// ```

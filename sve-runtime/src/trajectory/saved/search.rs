@@ -16,11 +16,11 @@ use crate::trajectory::{RefinedTrajectory, Trajectory};
 /// A trajectory whose states can be saved.
 pub(crate) trait Steps: Iterator<Item = Result<StateOf<Self::System>, StepError>> {
     type System: System;
-    /// The times after its steps.
+    /// Returns the times after its steps.
     fn times(&self) -> WrittenTimes;
-    /// Number of steps made.
+    /// Returns the number of steps made.
     fn steps_made(&self) -> u64;
-    /// The state reached.
+    /// Returns the state reached.
     fn reached(&self) -> StateOf<Self::System>;
     /// Returns the state at a time within the next step.
     fn state_within(&mut self, t: f64) -> Result<StateOf<Self::System>, StepError>;
@@ -131,7 +131,7 @@ impl<T: Steps> Saved<T> {
         Ok(Some(Point::Time(end)))
     }
 
-    /// Returns the number of whole steps before a time, and whether the time is that after these
+    /// Returns the number of whole steps before a time, and whether the time is the end of these
     /// steps.
     fn place_of(&self, t: f64) -> Result<(u64, bool), StepError> {
         let position = self.times.position(t);
@@ -145,8 +145,8 @@ impl<T: Steps> Saved<T> {
             })
     }
 
-    /// Goes to a point. Returns the state there; `None` where a trajectory without an end is over,
-    /// as at the end of a recorded path.
+    /// Goes to a point. Returns the state at it; `None` if a trajectory without an end has ended,
+    /// for example at the end of a recorded path.
     fn go_to(&mut self, point: &Point) -> Result<Option<StateOf<T::System>>, StepError> {
         let (steps, t, is_whole) = match *point {
             Point::Step(step) => (step, self.times.after(step), true),
@@ -157,7 +157,7 @@ impl<T: Steps> Saved<T> {
         };
         while self.path.steps_made() < steps {
             if self.path.next().transpose()?.is_none() {
-                // a trajectory that is to end later ends with its recorded path otherwise
+                // A trajectory that has to end later ends with its recorded path otherwise.
                 let wanted = match *point {
                     Point::Time(t) => Some(t),
                     Point::Step(_) => self.end,
@@ -176,7 +176,7 @@ impl<T: Steps> Saved<T> {
 
     fn advance(&mut self) -> Result<Option<StateOf<T::System>>, StepError> {
         if !self.times.are_known() {
-            // the first step says why
+            // The first step returns the reason.
             return self.path.next().transpose();
         }
         match self.next_point()? {

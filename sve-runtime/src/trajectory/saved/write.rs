@@ -31,7 +31,7 @@ impl<T: Steps> Saved<T> {
     }
 
     /// Makes the steps and writes the saved states as CSV into a file: a line of names, then one
-    /// for each state.
+    /// line for each state.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -40,7 +40,9 @@ impl<T: Steps> Saved<T> {
     ///
     /// #[variational(midpoint)]
     /// impl Pendulum {
-    ///     fn lagrangian(&self, theta: f64, omega: f64) -> f64 { 0.5 * omega * omega + self.g * theta.cos() }
+    ///     fn lagrangian(&self, theta: f64, omega: f64) -> f64 {
+    ///         0.5 * omega * omega + self.g * theta.cos()
+    ///     }
     /// }
     ///
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
