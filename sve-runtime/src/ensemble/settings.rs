@@ -92,55 +92,19 @@ impl<'a, I: Method> Settings<'a, I> {
         ensemble: &'a Ensemble<'a, I>,
         leg: &Leg<'a, I>,
     ) -> Result<Self, EnsembleError> {
-        let missing = |what, write| EnsembleError::Missing { what, write };
-        let zero = |setting, remedy| Err(EnsembleError::Zero { setting, remedy });
-        let paths = leg
-            .paths
-            .or(ensemble.paths)
+        let paths = (leg.paths.or(ensemble.paths))
             .ok_or_else(|| missing("number of paths", ".paths(1000)"))?;
-        let (h, ensemble_steps) = ensemble
-            .steps
+        let (h, ensemble_steps) = (ensemble.steps)
             .ok_or_else(|| missing("step size and number of steps", ".steps(0.01, 1000)"))?;
-        let start = leg
-            .start
-            .ok_or_else(|| missing("start", ".start(State::new([1.0], [0.0]))"))?;
-        if paths == 0 {
-            return zero("paths", "how many paths are to be averaged over?");
-        }
-        if ensemble_steps == 0 {
-            return zero("steps", "how many steps is a path to make?");
-        }
-        if ensemble.every == Some(0) {
-            return zero("every", "write 1 to record each step");
-        }
-        if ensemble.execution.threads == Some(0) {
-            return zero("threads", "leave it out to use every core");
-        }
-        #[cfg(feature = "checkpoint")]
-        if ensemble.execution.resume && ensemble.execution.checkpoint.is_none() {
-            let write = ".checkpoint(\"run.sve\", Duration::from_secs(60))";
-            return Err(missing("file to resume from", write));
-        }
-        if ensemble.is_antithetic() && !paths.is_multiple_of(2) {
-            return Err(EnsembleError::OddPaths { paths });
-        }
+        let start =
+            (leg.start).ok_or_else(|| missing("start", ".start(State::new([1.0], [0.0]))"))?;
+        check_numbers(ensemble, paths, ensemble_steps)?;
         let parts = 1_u64.checked_shl(leg.halvings).unwrap_or(u64::MAX);
-        let (h, every) = (
-            h / parts as f64,
-            ensemble
-                .every
-                .unwrap_or(ensemble_steps)
-                .saturating_mul(parts),
-        );
-        let steps = ensemble_steps.saturating_mul(parts);
+        let h = h / parts as f64;
+        let every = ensemble.every.unwrap_or(ensemble_steps);
+        let [every, steps] = [every, ensemble_steps].map(|count| count.saturating_mul(parts));
         leg.method.prepare(h).map_err(EnsembleError::Prepare)?;
-        let mut noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
-        noise.first_path = noise.first_path.wrapping_add(leg.first_path);
-        noise.is_antithetic = ensemble.is_antithetic();
-        noise.is_coarsened = leg.is_coarsened;
-        if leg.is_coarsened && noise.distribution.is_some_and(|of| !of.has_sums()) {
-            return Err(EnsembleError::NoSums);
-        }
+        let noise = noise_of(ensemble, leg, h)?;
         check_steps(ensemble, leg.of, &noise)?;
         let start_seed = ensemble.seed.unwrap_or(noise.seed);
         let drawn;
@@ -266,6 +230,57 @@ impl<'a, I: Method> Settings<'a, I> {
             description: self.description(),
         }
     }
+}
+
+/// The error of a setting that a run needs; `write` is an example of it.
+fn missing(what: &'static str, write: &'static str) -> EnsembleError {
+    EnsembleError::Missing { what, write }
+}
+
+/// Checks the numbers of paths, steps and threads, and the file to resume from.
+fn check_numbers<I: Method>(
+    ensemble: &Ensemble<'_, I>,
+    paths: u64,
+    steps: u64,
+) -> Result<(), EnsembleError> {
+    let zero = |setting, remedy| Err(EnsembleError::Zero { setting, remedy });
+    if paths == 0 {
+        return zero("paths", "how many paths are to be averaged over?");
+    }
+    if steps == 0 {
+        return zero("steps", "how many steps is a path to make?");
+    }
+    if ensemble.every == Some(0) {
+        return zero("every", "write 1 to record each step");
+    }
+    if ensemble.execution.threads == Some(0) {
+        return zero("threads", "leave it out to use every core");
+    }
+    #[cfg(feature = "checkpoint")]
+    if ensemble.execution.resume && ensemble.execution.checkpoint.is_none() {
+        let write = ".checkpoint(\"run.sve\", Duration::from_secs(60))";
+        return Err(missing("file to resume from", write));
+    }
+    if ensemble.is_antithetic() && !paths.is_multiple_of(2) {
+        return Err(EnsembleError::OddPaths { paths });
+    }
+    Ok(())
+}
+
+/// Returns the noise of a leg, whose paths are numbered from the first path of the leg.
+fn noise_of<I: Method>(
+    ensemble: &Ensemble<'_, I>,
+    leg: &Leg<'_, I>,
+    h: f64,
+) -> Result<PathNoise, EnsembleError> {
+    let mut noise = PathNoise::new(ensemble.noise, ensemble.seed.unwrap_or(0), h)?;
+    noise.first_path = noise.first_path.wrapping_add(leg.first_path);
+    noise.is_antithetic = ensemble.is_antithetic();
+    noise.is_coarsened = leg.is_coarsened;
+    if leg.is_coarsened && noise.distribution.is_some_and(|of| !of.has_sums()) {
+        return Err(EnsembleError::NoSums);
+    }
+    Ok(noise)
 }
 
 /// Checks the settings that divide steps against the noise, and against settings that take other
