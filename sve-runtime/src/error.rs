@@ -1,4 +1,5 @@
-//! Errors of steps, and the conversion of solver errors. Each message has the numbers in question and what to change.
+//! Errors of steps, and the conversion of solver errors. Each message has the numbers in question
+//! and what to change.
 
 mod convert;
 mod messages;
@@ -84,8 +85,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         tolerance: f64,
     },
-    /// The solution that is connected with the limit of no noise and h → 0 ends before the whole step. Other
-    /// solutions of the equations belong to another branch and are not accepted.
+    /// The solution that is connected with the limit of no noise and h → 0 ends before the whole
+    /// step. Other solutions of the equations belong to another branch and are not accepted.
     #[error("{}", branch_lost(*t, *h, dw, *step, *reached))]
     BranchLost {
         /// Time at the start of the step.
@@ -99,7 +100,8 @@ pub enum StepError {
         /// Fraction of the step size up to which the solution was followed without noise.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         step: f64,
-        /// Fraction of the increments up to which the solution was followed at the whole step size; 0 if the whole step size was not reached.
+        /// Fraction of the increments up to which the solution was followed at the whole step size;
+        /// 0 if the whole step size was not reached.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
@@ -121,7 +123,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         magnitude: f64,
     },
-    /// The gradients of the constraints are linearly dependent, as in a linkage that is folded or stretched into a line.
+    /// The gradients of the constraints are linearly dependent, as in a linkage that is folded or
+    /// stretched into a line.
     #[error(
         "the constraint `{constraint}` depends on those before it at t = {t}, q = {q:?} (pivot {pivot:e} of ∂φ/∂q M⁻¹ ∂φ/∂q, 1 if it were independent): \
          the constraint forces are not determined there, as in a folded linkage; remove the constraint if it repeats others, or start elsewhere"
@@ -140,7 +143,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         pivot: f64,
     },
-    /// The gradient of a constraint vanishes where the constraint holds, as that of f² does for every f: a function with a double root is no constraint.
+    /// The gradient of a constraint vanishes where the constraint holds, as that of f² does for
+    /// every f: a function with a double root is no constraint.
     #[error(
         "the gradient of the constraint `{constraint}` vanishes where the constraint does, near t = {t}, q = {q:?}: the constraint is {value:e} with terms of size {magnitude:e}, its gradient is \
          {gradient:?}, and that changes by {change:.2} of itself as far as its value and rounding errors are open; the constraint forces are not determined there; \
@@ -162,11 +166,13 @@ pub enum StepError {
         magnitude: f64,
         /// ∂φ/∂q.
         gradient: Vec<f64>,
-        /// Change of the gradient along its own direction, relative to the gradient, over the distance at which the constraint changes by its value and its rounding errors.
+        /// Change of the gradient along its own direction, relative to the gradient, over the
+        /// distance at which the constraint changes by its value and its rounding errors.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         change: f64,
     },
-    /// The step passes a place near which the gradients of the constraints become dependent, such as a linkage that is almost stretched into a line: the motion turns there within a distance
+    /// The step passes a place near which the gradients of the constraints become dependent, such
+    /// as a linkage that is almost stretched into a line: the motion turns there within a distance
     /// that is short beside the step.
     #[error(
         "the step from t = {t} with h = {h:e} passes near a fold of the constraints: at {step:.3} of h and {noise:.3} of the increments ∂φ/∂q M⁻¹ ∂φ/∂qᵀ has shrunk to {part:e} of that at the \
@@ -189,7 +195,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         part: f64,
     },
-    /// The step is longer than the curvature of the constraints allows: their solution ends within the step.
+    /// The step is longer than the curvature of the constraints allows: their solution ends within
+    /// the step.
     #[error(
         "the step from t = {t} with h = {h:e} loses the constraints: its solution was followed to {step:.3} of h without noise and to {noise:.3} of the increments, and ends there; \
          with the velocity of the start, h |v| = {distance:e}, the constraint `{constraint}` leaves zero by {violation:e} of its terms; take a smaller h"
@@ -235,7 +242,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         value: f64,
     },
-    /// No velocity with the momentum was found: none that is connected with the reference velocity of the Legendre transform, which is rest where L is defined there.
+    /// No velocity with the momentum was found: none that is connected with the reference velocity
+    /// of the Legendre transform, which is rest where L is defined there.
     #[error(
         "no velocity with the momentum p = {p:?} was found at t = {t}, q = {q:?}, and a step needs one to start with: from a reference velocity, which is rest where L allows it, \
          velocities were followed to {reached:.3} of the way to p, where ∂²L/∂v² is singular or ∂L/∂v has no larger value; \
@@ -252,7 +260,8 @@ pub enum StepError {
         /// Fraction of the path to the momentum along which velocities were found.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
-        /// Distance of the momentum from that of the last velocity found: the largest of its components.
+        /// Distance of the momentum from that of the last velocity found: the largest of its
+        /// components.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         distance: f64,
     },
@@ -290,7 +299,9 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         angle: f64,
     },
-    /// The mass matrix ∂²L/∂v² is singular at the start, so velocities are no differentiable function of the momentum there: none has it, or many, or one next to which the function has no derivative.
+    /// The mass matrix ∂²L/∂v² is singular at the start, so velocities are no differentiable
+    /// function of the momentum there: none has it, or many, or one next to which the function has
+    /// no derivative.
     #[error("{}", singular_mass([*t, *h], q, p, found))]
     SingularMass {
         /// Time at the start of the step.
@@ -322,7 +333,8 @@ pub enum StepError {
         /// Newton iteration; 0 for a linear system.
         iteration: u32,
     },
-    /// The momentum of a coordinate without mass is not that of its configuration, or an algebraic coordinate does not solve its equation.
+    /// The momentum of a coordinate without mass is not that of its configuration, or an algebraic
+    /// coordinate does not solve its equation.
     #[error(
         "{what} is {value} at t = {t}, and L makes it {expected}: this Lagrangian is degenerate, so this value follows from the configuration; \
          start from `State::from_configuration`"
@@ -340,7 +352,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         expected: f64,
     },
-    /// The two-form of a degenerate Lagrangian has no inverse: nothing determines the velocities there.
+    /// The two-form of a degenerate Lagrangian has no inverse: nothing determines the velocities
+    /// there.
     #[error(
         "the two-form ω = Dαᵀ − Dα of the degenerate Lagrangian is singular near q = {q:?} at t = {t} (step h = {h:e}, determinant {determinant:e}): \
          choose coordinates that are regular there, or start elsewhere"
@@ -369,7 +382,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
-    /// The step left the numbers: an overflow, or a point where L or its derivatives are not defined.
+    /// The step left the numbers: an overflow, or a point where L or its derivatives are not
+    /// defined.
     #[error(
         "the step from t = {t} with h = {h:e} gave a non-finite result from q = {q:?}, p = {p:?}: \
          L or a derivative is undefined nearby, the motion overflowed, or a parameter is not finite; take a smaller h, or look at L there"
@@ -399,7 +413,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         end: f64,
     },
-    /// A snapshot of a compensated trajectory was given to a method that makes no compensated steps.
+    /// A snapshot of a compensated trajectory was given to a method that makes no compensated
+    /// steps.
     #[error(
         "the snapshot at t = {t} has the low parts of compensated sums, and this method makes no compensated steps: resume it with the integrator that made it"
     )]
@@ -408,7 +423,8 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
-    /// A snapshot has numbers that its method carries from step to step, and the system or the method have changed since, so that the numbers are of other steps.
+    /// A snapshot has numbers that its method carries from step to step, and the system or the
+    /// method have changed since, so that the numbers are of other steps.
     #[error(
         "the snapshot at t = {t} has numbers that its method carried from step to step ({numbers} of them), and it was made with other {differs}: \
          resume it with the integrator as it was, or begin a new trajectory at its state, \
@@ -460,7 +476,8 @@ pub enum StepError {
         /// Step size.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
-        /// Number of increments of a process in a step: 1, or the stages of a rule with stage noise.
+        /// Number of increments of a process in a step: 1, or the stages of a rule with stage
+        /// noise.
         stages: usize,
     },
     /// A recorded path ends before a time at which a state is to be saved.

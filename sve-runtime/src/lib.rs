@@ -1,7 +1,8 @@
 #![doc = include_str!("../docs/crate.md")]
 // Badges of features, on docs.rs alone: rustdoc needs a nightly compiler for them.
 #![cfg_attr(docsrs, feature(doc_cfg))]
-// The links of the map. Without its feature an item is not there, and its link leads to the table of features.
+// The links of the map. Without its feature an item is not there, and its link leads to the table
+// of features.
 #![doc = ""]
 #![cfg_attr(feature = "ensemble", doc = "[ensemble]: crate::ensemble::Ensemble")]
 #![cfg_attr(feature = "ensemble", doc = "[summary]: crate::ensemble::Summary")]
@@ -12,8 +13,9 @@
 #![cfg_attr(feature = "plot", doc = "[plot]: crate::plot")]
 #![cfg_attr(not(feature = "plot"), doc = "[plot]: crate#features")]
 
-// Examples of single functions begin with the hidden lines of `example.md`, which make an integrator `pendulum` of a `system` and its `start`, and end with
-// those of `example_end.md`. Ensembles and studies have lines of their own.
+// Examples of single functions begin with the hidden lines of `example.md`, which make an
+// integrator `pendulum` of a `system` and its `start`, and end with the lines of `example_end.md`.
+// Ensembles and studies have lines of their own.
 
 #[doc(hidden)]
 pub mod __private;
@@ -80,7 +82,8 @@ pub use trajectory::{
     Adjoint, Events, Gradient, Method, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
 };
 
-/// The parts of a [`Plan`]: what is solved in a step, by which formulas, with which orders and operations.
+/// The parts of a [`Plan`]: what is solved in a step, by which formulas, with which orders and
+/// operations.
 pub mod plan {
     pub use crate::system::plan::{
         Block, BlockKind, DegenerateStep, Formulas, Operations, StrongOrder, Substeps,

@@ -1,12 +1,19 @@
 //! Lyapunov exponents: the rates at which small changes of the start grow along a path.
 //!
-//! Input: an integrator, a start, a step size and a noise. Output: the states along the path, and the leading exponents with their statistical errors. Invariant: the states are those of repeated steps.
+//! Input: an integrator, a start, a step size and a noise. Output: the states along the path, and
+//! the leading exponents with their statistical errors. Invariant: the states are those of repeated
+//! steps.
 //!
-//! The tangent maps of the steps act on a frame of orthonormal vectors, which the Gram–Schmidt process makes orthonormal again after each step. The averages of the logarithms of the lengths that it
-//! divides by are the exponents. The first frame is v₁ … vₙ, Jvₙ … Jv₁ with vectors v that span a Lagrangian subspace: symplectic maps keep this form, so their exponents have the exact
+//! The tangent maps of the steps act on a frame of orthonormal vectors, which the Gram–Schmidt
+//! process makes orthonormal again after each step. The averages of the logarithms of the lengths
+//! that it divides by are the exponents. The first frame is v₁ … vₙ, Jvₙ … Jv₁ with vectors v that
+//! span a Lagrangian subspace: symplectic maps keep this form, so their exponents have the exact
 //! pairs λ, −λ for every length of the path, up to rounding.
 //!
-//! Source: D. D. Carpintero, J. C. Muzzio, *On the correct computation of all Lyapunov exponents in Hamiltonian dynamical systems* (2023), for the order of the frame; G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, *Lyapunov characteristic exponents for smooth dynamical systems and for Hamiltonian systems*, Meccanica 15 (1980) 9–30.
+//! Source: D. D. Carpintero, J. C. Muzzio, *On the correct computation of all Lyapunov exponents in
+//! Hamiltonian dynamical systems* (2023), for the order of the frame; G. Benettin, L. Galgani, A.
+//! Giorgilli, J.-M. Strelcyn, *Lyapunov characteristic exponents for smooth dynamical systems and
+//! for Hamiltonian systems*, Meccanica 15 (1980) 9–30.
 
 use core::fmt;
 
@@ -20,7 +27,8 @@ use crate::rule::Rule;
 use crate::system::{Dims, Increments as _, StateOf, System};
 use crate::time::{is_next_time, time_after};
 
-/// Part of its length before the Gram–Schmidt process below which what is left of a vector is only rounding error.
+/// Part of its length before the Gram–Schmidt process below which what is left of a vector is only
+/// rounding error.
 const ROUNDING: f64 = 1e-13;
 
 impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
@@ -29,8 +37,9 @@ where
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
-    /// Returns the states along a path, as [`trajectory`](Self::trajectory) does, and computes its first `count` Lyapunov exponents, the largest ones first: of all 2N of the system
-    /// if there are so many.
+    /// Returns the states along a path, as [`trajectory`](Self::trajectory) does, and computes its
+    /// first `count` Lyapunov exponents, the largest ones first: of all 2N of the system if there
+    /// are so many.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -55,9 +64,11 @@ where
     /// # }
     /// ```
     ///
-    /// With noise they are the exponents of the random motion along this path, the same for almost all paths; a mean over several paths is a sharper estimate.
-    /// A direction that the step maps to zero has the exponent −∞: directions across constraints, and the momenta of massless coordinates.
-    /// Steps of [compositions](crate::Composed) and [splittings](crate::Split) have the product of the tangent maps of their substeps.
+    /// With noise they are the exponents of the random motion along this path, the same for almost
+    /// all paths; a mean over several paths is a sharper estimate. A direction that the step maps
+    /// to zero has the exponent −∞: directions across constraints, and the momenta of massless
+    /// coordinates. Steps of [compositions](crate::Composed) and [splittings](crate::Split) have
+    /// the product of the tangent maps of their substeps.
     pub fn lyapunov<W: Noise>(
         &self,
         state: State<Q>,
@@ -81,7 +92,8 @@ where
     }
 }
 
-/// A path with its Lyapunov exponents, from [`Integrator::lyapunov`]: an iterator over the states after each step.
+/// A path with its Lyapunov exponents, from [`Integrator::lyapunov`]: an iterator over the states
+/// after each step.
 ///
 /// Ends after an error, and at the end of a recorded path.
 pub struct Lyapunov<'a, S: System, R, W> {
@@ -103,7 +115,7 @@ pub struct Lyapunov<'a, S: System, R, W> {
 #[derive(Clone, Debug, Default)]
 struct Growth {
     rates: Blocking,
-    /// Whether the vector was mapped to zero.
+    /// True if the vector was mapped to zero.
     has_vanished: bool,
 }
 
@@ -154,7 +166,8 @@ where
         Ok(None)
     }
 
-    /// Maps the frame, makes it orthonormal again and adds the rates at which its vectors have grown.
+    /// Maps the frame, makes it orthonormal again and adds the rates at which its vectors have
+    /// grown.
     fn grow(&mut self, tangent: &Tangent<N>) {
         for i in 0..self.frame.len() {
             let (before, rest) = self.frame.split_at_mut(i);
@@ -185,14 +198,17 @@ where
 }
 
 impl<S: System, R, W> Lyapunov<'_, S, R, W> {
-    /// Begins the averages anew: the first steps, in which the frame turns to the directions of the exponents, then do not count.
+    /// Begins the averages anew: the first steps, in which the frame turns to the directions of the
+    /// exponents, then do not count.
     pub fn restart(&mut self) {
         for growth in &mut self.growth {
             growth.rates = Blocking::new();
         }
     }
 
-    /// The exponents, in units of 1/time: averages over all steps since the [restart](Self::restart); NaN before the first step, and −∞ for a direction that a step maps to zero.
+    /// The exponents, in units of 1/time: averages over all steps since the
+    /// [restart](Self::restart); NaN before the first step, and −∞ for a direction that a step maps
+    /// to zero.
     pub fn exponents(&self) -> Vec<f64> {
         let exponent = |growth: &Growth| {
             if growth.has_vanished {
@@ -204,13 +220,15 @@ impl<S: System, R, W> Lyapunov<'_, S, R, W> {
         self.growth.iter().map(exponent).collect()
     }
 
-    /// Statistical errors of the exponents, by [`Blocking`]; `None` for a path that is too short to tell.
+    /// Statistical errors of the exponents, by [`Blocking`]; `None` for a path that is too short to
+    /// tell.
     pub fn standard_errors(&self) -> Vec<Option<f64>> {
         let errors = self.growth.iter();
         errors.map(|growth| growth.rates.standard_error()).collect()
     }
 
-    /// Returns the rates of growth of an exponent over all steps since the restart, as a running average; `None` if there are not so many exponents.
+    /// Returns the rates of growth of an exponent over all steps since the restart, as a running
+    /// average; `None` if there are not so many exponents.
     pub fn rates(&self, exponent: usize) -> Option<&Blocking> {
         self.growth.get(exponent).map(|growth| &growth.rates)
     }

@@ -11,7 +11,7 @@ use crate::system::System;
 
 /// The method by which a number is made from the values of a function along a path.
 pub(super) trait Accumulate: Copy + Send + Sync {
-    /// What becomes of the values.
+    /// The kind of the observable.
     const KIND: Kind;
 
     /// Sets the step at which averages begin.

@@ -36,7 +36,7 @@ pub(super) enum Kind {
 
 /// A function, and the treatment of its values along a path.
 pub(super) trait Observable<S: System>: Sync {
-    /// What becomes of the values.
+    /// Returns the kind of the observable.
     fn kind(&self) -> Kind;
 
     /// The function.

@@ -6,7 +6,8 @@ use crate::phase::state::State;
 use crate::solve::{SingularRow, SolveError};
 use crate::time::is_next_time;
 
-/// Converts the error of a solver to that of a step from `state`. An input that is not finite is reported first.
+/// Converts the error of a solver to that of a step from `state`. An input that is not finite is
+/// reported first.
 ///
 /// The caller passes copies of state and increments, so that its own can stay in registers.
 #[cold]
@@ -87,7 +88,8 @@ pub(crate) fn step_error<F: FlatConfiguration<N>, const N: usize>(
         },
         SolveError::LargeRotation { angle } => StepError::LargeRotation { t, h, angle },
         SolveError::Singular { iteration } => StepError::Singular { t, h, q, iteration },
-        // Configuration and momentum are finite, and the new time is not, or does not change. Outside of a step h is 0.
+        // Configuration and momentum are finite, and the new time is not, or does not change.
+        // Outside of a step h is 0.
         SolveError::NonFinite if h != 0.0 && !is_next_time(t, t + h) => {
             StepError::Time { t, h, end: t + h }
         }

@@ -31,7 +31,8 @@ pub(super) fn within_step(t: f64, from: f64, h: f64, stages: usize) -> String {
     )
 }
 
-/// Number of iterations from which on the limit may be too small: a step within reach of the method takes fewer.
+/// Number of iterations from which on the limit may be too small: a step within reach of the method
+/// takes fewer.
 const MANY: u32 = 8;
 
 /// The part of a message about the limit of iterations.

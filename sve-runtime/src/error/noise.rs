@@ -60,7 +60,8 @@ pub enum NoiseError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         tau: f64,
     },
-    /// The exponent of a truncation is below 1 or not finite, or its time is not positive and finite.
+    /// The exponent of a truncation is below 1 or not finite, or its time is not positive and
+    /// finite.
     #[error(
         "the truncation exponent k = {k} must be finite and at least 1, where 2 keeps strong order 1, \
          and the time τ = {tau} positive and finite"
@@ -166,7 +167,8 @@ pub enum NoiseError {
 
 debug_is_display!(NoiseError);
 
-/// Accepts finite step sizes other than zero. Increments over a step back in time have the variance |h|.
+/// Accepts finite step sizes other than zero. Increments over a step back in time have the
+/// variance |h|.
 #[inline]
 pub(crate) fn check_step(h: f64) -> Result<(), NoiseError> {
     if h != 0.0 && h.is_finite() {

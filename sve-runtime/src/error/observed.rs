@@ -1,4 +1,5 @@
-//! The results of functions of a state that users give: observables, functions whose zeros are events, weights.
+//! The results of functions of a state that users give: observables, functions whose zeros are
+//! events, weights.
 //!
 //! Input: a number, or a number or an error. Output: the latter.
 

@@ -67,7 +67,7 @@ where
     Err(explain_step(walker, error, state, h, dw))
 }
 
-/// What a step returns, or the failure of its solve.
+/// The increments and unknowns of a step, or the failure of its solve.
 type Solved<S, R, const N: usize> =
     Result<([f64; N], [f64; N], <S as StepEquations<R>>::Unknowns), SolveError>;
 

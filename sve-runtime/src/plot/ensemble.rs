@@ -19,10 +19,12 @@ const LEGEND: f64 = 0.15;
 const SYMBOLS: usize = 12;
 
 impl Summary {
-    /// Writes a page that says what was run (system with its parameters, method, steps, paths, noise and seed), with pictures of the means, histograms and first
-    /// passages, and tables of the statistics at the end and of the rates of first passages.
+    /// Writes a page that says what was run (system with its parameters, method, steps, paths,
+    /// noise and seed), with pictures of the means, histograms and first passages, and tables of
+    /// the statistics at the end and of the rates of first passages.
     ///
-    /// Bands and bars have two standard errors on either side; of a histogram's bin with n of N paths that is √(n (1 − n/N)).
+    /// Bands and bars have two standard errors on either side; of a histogram's bin with n of N
+    /// paths that is √(n (1 − n/N)).
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -191,7 +193,8 @@ fn mean(times: &[f64], statistics: &Statistics) -> Panel {
     panel.with(layer).legend(corner)
 }
 
-/// Returns a corner with room for a legend of half of the width, in which no point and no end of a bar is.
+/// Returns a corner with room for a legend of half of the width, in which no point and no end of a
+/// bar is.
 fn free_corner(
     points: &[(f64, f64)],
     ends: &[(f64, f64)],

@@ -44,7 +44,7 @@ pub(crate) struct Sharp {
     constant_error: f64,
 }
 
-/// Whether a number is zero, judged by its bounds.
+/// The result of a test for zero by the bounds of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     /// Zero within its rounding errors.

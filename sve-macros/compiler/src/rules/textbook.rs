@@ -69,7 +69,7 @@ pub(crate) struct Features {
     pub(crate) degrees_of_freedom: usize,
     /// True if L or a noise depends on time.
     pub(crate) is_timed: bool,
-    /// Whether the force depends on time; `None` without a force.
+    /// True if the force depends on time; `None` without a force.
     pub(crate) force_is_timed: Option<bool>,
     /// ½κ of the option `weak2`, if the action has its term.
     pub(crate) potential: Option<f64>,

@@ -39,7 +39,7 @@ pub(crate) struct Written {
     pub(crate) kind: Kind,
     pub(crate) rows: Size,
     pub(crate) columns: Size,
-    /// Whether the entries are `f64`; `None` if the source does not say their type.
+    /// True if the entries are `f64`; `None` if the source does not say their type.
     pub(crate) has_floats: Option<bool>,
 }
 

@@ -38,7 +38,7 @@ pub(crate) struct MomentumMap {
     pub(crate) value: Expr,
     /// True if ξ is affine in q and independent of time. The steps then conserve the momentum too.
     pub(crate) is_affine: bool,
-    /// Whether the invariance along ξ is proved or found at random points.
+    /// The evidence of the invariance along ξ: a proof, or values at random points.
     pub(crate) evidence: Vanishing,
 }
 

@@ -145,7 +145,8 @@ fn domain(texts: &StepTexts) -> Option<TokenStream> {
 }
 
 /// The values of the unknowns in the limit of no noise and h → 0, where nothing moves and the
-/// acceleration is that of the motion. Unknowns of later stages stand behind those of the first.
+/// acceleration is that of the motion. Unknowns of later stages stand behind the unknowns of
+/// the first.
 fn start(unknowns: &[Symbol], coordinates: usize, symbols: &Symbols) -> TokenStream {
     let entries = unknowns.iter().map(|&symbol| {
         let Meaning::Unknown(Unknown { family, index }) = *symbols.meaning(symbol) else {

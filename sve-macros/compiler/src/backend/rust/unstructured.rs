@@ -85,7 +85,7 @@ fn evaluation(iteration: &Iteration<Expr>, formulas: Formulas<'_>) -> (TokenStre
     (tokens, operations)
 }
 
-/// What `increment` returns once the unknowns are known, with its operations.
+/// The result of `increment` once the unknowns are known, with its operations.
 fn results(
     scheme: &Scheme<Expr>,
     solved: &TokenStream,
