@@ -110,7 +110,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         .seed(options.seed)
         .steps(H, RECORDS * EVERY)
         .every(EVERY)
-        .start(Starts::each(|_, rng| State::new([-1.0], [WELL.kt.sqrt() * rng.normal()])))
+        .start(Starts::each(|_, rng| {
+            State::new([-1.0], [WELL.kt.sqrt() * rng.normal()])
+        }))
         .observe("left", |_, state| if state.q[0] < 0.0 { 1.0 } else { -1.0 })
         .first_passage("arrival", |_, state| state.q[0] - 1.0)
         .stop_on_failure(true)

@@ -57,7 +57,9 @@ pub(crate) fn with_all(method: &Method, paths: u64) -> Ensemble<'_, Method> {
         .seed(3)
         .steps(0.05, 30)
         .every(7)
-        .start(Starts::each(|_, rng| State::new([rng.normal()], [rng.uniform()])))
+        .start(Starts::each(|_, rng| {
+            State::new([rng.normal()], [rng.uniform()])
+        }))
         .observe("q", |_, s| if s.q[0] > 2.5 { f64::NAN } else { s.q[0] })
         .observe("energy", |system, s| system.hamiltonian(s))
         .histogram("q", -2.0..2.0, 9)
