@@ -17,9 +17,9 @@ pub mod lane {
         Solved, factored, has_digits, inverse, is_regular, solve, solved,
     };
     pub use crate::lanes::{Aligned, LANES, Lane, Mask, marked, needs_scalar_step, rows};
-    pub use crate::phase::lanes::StateLanes;
+    pub use crate::phase::lanes::{LaneStates, StateLanes};
     pub use crate::phase::tangents::{
-        KeepUnknowns, LaneDirections, TangentLanes, regular_inverse, seeds, unfinished,
+        FieldLanes, KeepUnknowns, LaneDirections, TangentLanes, regular_inverse, seeds, unfinished,
     };
     pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     pub use crate::system::aliases::TangentLanesOf;

@@ -128,9 +128,8 @@ impl Scheduler<'_> {
                 (None, None) => {}
             },
             Operation::Mul(a, b) | Operation::Div(a, b) => {
-                if let (x, y) = (inner(a), inner(b))
-                    && (x.is_some() || y.is_some())
-                {
+                let (x, y) = (inner(a), inner(b));
+                if x.is_some() || y.is_some() {
                     let (a, b) = (x.unwrap_or(a), y.unwrap_or(b));
                     let product = self.push(match operation {
                         Operation::Mul(..) => Operation::Mul(a, b),
