@@ -9,7 +9,7 @@ use crate::differences::derivatives;
 use crate::oracle::name;
 use crate::orders::numbers;
 
-/// Largest error of a derivative by differences, relative to 1 and the derivative: see
+/// Largest error of a derivative by differences, relative to the larger of 1 and the derivative: see
 /// `differences`, with derivatives of the seventh order below 100.
 const DIFFERENCES: f64 = 1e-9;
 
@@ -46,7 +46,7 @@ fn compare(what: &str, derived: &[f64], function: impl Fn(f64) -> Vec<f64>) {
     assert_eq!(derived.len(), differences.len(), "{what}");
     for (row, (derived, expected)) in derived.iter().zip(differences).enumerate() {
         assert!(
-            (derived - expected).abs() <= DIFFERENCES * (1.0 + expected.abs()),
+            (derived - expected).abs() <= DIFFERENCES * expected.abs().max(1.0),
             "{what}, row {row}: {derived:e}, by differences {expected:e}"
         );
     }

@@ -112,26 +112,26 @@ where
     let (line, double) = (State::new([1.0], [0.3]), State::new([1.0, 0.5], [0.1, 0.2]));
     let planet = State::new([1.0, 0.1], [0.1, 1.0]);
     let (m, l, g) = ([1.0, 0.7], [1.0, 1.2], 9.8);
-    let paths: [(&str, &PathBits<'_>); 5] = [
-        ("Oscillator", &|sigma, noise| {
+    let paths: [(&str, f64, &PathBits<'_>); 5] = [
+        ("Oscillator", 1e-20, &|sigma, noise| {
             bits(Oscillator { sigma }, rule, line, noise)
         }),
-        ("Kepler", &|sigma, noise| {
+        ("Kepler", 1e-22, &|sigma, noise| {
             bits(Kepler { k: 1.0, sigma }, rule, planet, noise)
         }),
-        ("Fourth", &|s, noise| {
+        ("Fourth", 1e-22, &|s, noise| {
             bits(Fourth { s, beta: 1.0 }, rule, line, noise)
         }),
-        ("Kubo", &|sigma, noise| {
+        ("Kubo", 1e-22, &|sigma, noise| {
             bits(Kubo { a: 1.0, sigma }, rule, line, noise)
         }),
-        ("DoublePendulum", &|s, noise| {
+        ("DoublePendulum", 1e-22, &|s, noise| {
             bits(DoublePendulum { m, l, g, s }, rule, double, noise)
         }),
     ];
-    for (name, path) in paths {
+    for (name, tiny, path) in paths {
         let still = path(0.7, &mut NoNoise);
-        for sigma in [0.0, 1e-22, 1e-300] {
+        for sigma in [0.0, tiny, 1e-300] {
             let quiet = path(sigma, &mut Wiener::new(2));
             assert_eq!(quiet, still, "{name}, σ = {sigma:e}");
         }

@@ -24,7 +24,7 @@ fn adjoint(rule: &str) -> &str {
 }
 
 fn returns(there: &dyn Case, back: &dyn Case, random: &mut Random) {
-    for _ in 0..20 {
+    for _ in 0..50 {
         let start = there.model().point(random);
         let dw = random.vector(there.dimensions().1, -0.1, 0.1);
         let mut state = there.stepped(&start, H, &dw);

@@ -55,7 +55,7 @@ fn defect(m: &[Vec<f64>]) -> f64 {
 
 fn tangents_are_derivatives(case: &dyn Case, random: &mut Random) {
     let (h, model) = (0.1, case.model());
-    for _ in 0..5 {
+    for _ in 0..50 {
         let start = model.point(random);
         let dw = random.vector(case.dimensions().1, -0.3, 0.3);
         let row = format!("{} at {start:?}, {dw:?}", case.name());
