@@ -60,19 +60,11 @@ impl RootTest {
         }
     }
 
-    /// Returns whether the root of an iteration is accepted at once. Otherwise the segment from the
-    /// guess has to be followed.
+    /// Returns whether the root of an iteration is accepted without following the segment from the
+    /// guess.
     #[inline(always)]
-    fn accepts<const K: usize>(self, iteration: &Iteration<K>) -> Result<bool, SolveError> {
-        let accepts_any = self.accepts_without_contraction(K);
-        if iteration.is_contracting || (accepts_any && self.sign.is_unknown()) {
-            return Ok(true);
-        }
-        if accepts_any {
-            Ok(false)
-        } else {
-            Err(SolveError::OtherBranch)
-        }
+    fn accepts<const K: usize>(self, iteration: &Iteration<K>) -> bool {
+        iteration.is_contracting || (self.accepts_without_contraction(K) && self.sign.is_unknown())
     }
 }
 
@@ -205,8 +197,11 @@ impl Newton {
                 }
             };
             if is_root {
-                if test.accepts(&iteration)? {
+                if test.accepts(&iteration) {
                     return Ok(iteration.x);
+                }
+                if !test.accepts_without_contraction(K) {
+                    return Err(SolveError::OtherBranch);
                 }
                 iteration = iteration.into_verification(guess);
             }
