@@ -228,10 +228,9 @@ fn an_order_is_not_claimed_where_there_is_none() {
     assert!(whole.to_string().contains("conjugate"));
     let generic = study(2.1 * std::f64::consts::TAU);
     println!("{generic}");
-    if let Some(order) = generic.orders().first() {
-        assert!((order.order.value - 1.0).abs() < order.order.standard_error.max(1e-3));
-        assert!(!order.exceeds_method());
-    }
+    let order = &generic.orders()[0];
+    assert!((order.order.value - 1.0).abs() < order.order.standard_error.max(1e-3));
+    assert!(!order.exceeds_method());
 }
 
 /// Kubo's oscillator against the rotation by `t + σ W(t)`.
