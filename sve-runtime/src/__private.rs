@@ -25,6 +25,11 @@ pub mod lane {
     pub use crate::system::aliases::TangentLanesOf;
 }
 
+/// The interface of generated scenes.
+pub mod scene {
+    pub use crate::scene::*;
+}
+
 pub use crate::angle_addition::sin_cos_of_sum;
 pub use crate::error::StepError;
 pub use crate::lanes::{LANES, Lane, Mask};

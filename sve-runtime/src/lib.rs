@@ -47,6 +47,7 @@ pub mod plot;
 mod power;
 mod readable;
 mod rule;
+mod scene;
 mod solve;
 #[cfg(feature = "study")]
 pub mod study;

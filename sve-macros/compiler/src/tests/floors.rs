@@ -47,6 +47,7 @@ const RUNTIME: &[&str] = &[
     "gauss",
     "noise",
     "rule",
+    "scene",
     "method",
     "integrator",
     "fingerprint",

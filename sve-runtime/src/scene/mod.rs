@@ -1,0 +1,219 @@
+//! Scenes: systems of any number of sites, whose loops are known when the program runs.
+//!
+//! | file | part |
+//! | --- | --- |
+//! | `rows.rs` | the numbers of a site |
+//! | `streams.rs` | what a printed loop reads: slices that advance by one from node to node |
+//! | `indices.rs` | the instances of the loops, cut into runs of consecutive indices |
+//! | `segments.rs` | the runs, seen from the nodes that they contribute to |
+//! | `sweep.rs` | the impulses of all loops, added to the momenta |
+//!
+//! The folder knows arrays and no mechanics. A loop of the user is a list of instances, and each
+//! instance reads some nodes, which are sites of the configuration. Where the nodes of consecutive
+//! instances are consecutive, the derivatives are computed from slices; any other loop is made as
+//! the user wrote it.
+
+mod rows;
+mod streams;
+
+pub use rows::Row;
+pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};
+
+use core::fmt;
+
+/// The loops of a system of any number of sites. Implemented by `#[variational(…)]`.
+///
+/// A *term* is a summand of a loop together with the conditions around it, and an *instance* of a
+/// term is one execution. The nodes that an instance reads are its *slots*. A *pair* is a term with
+/// one of its slots: it contributes to the impulse of the node in the slot.
+pub trait Scene {
+    /// The numbers of a site.
+    type Row: Row;
+    /// The numbers of streams that [`node`](Self::node) reads: of rows, of columns and of
+    /// increments, each in the order of [`PAIRS`](Self::PAIRS).
+    type Counts: StreamCounts;
+    /// The outermost loops.
+    const LOOPS: &'static [Loop];
+    /// The terms of all loops.
+    const TERMS: &'static [Term];
+    /// The pairs of the loops that are streams, by term and slot.
+    const PAIRS: &'static [Pair];
+    /// True if a derivative of the Lagrangian or of a noise depends on the time itself.
+    const READS_TIME: bool;
+
+    /// Visits the instances of a loop in the order in which the loop is executed.
+    ///
+    /// # Errors
+    /// A [`Stop`] of the visitor, or an index of a field that is out of range.
+    fn instances(&self, number: usize, n: usize, to: &mut Instances) -> Result<(), Stop>;
+
+    /// Adds the mass of each component of each of `n` sites.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn masses(&self, n: usize, masses: &mut [Self::Row]) -> Result<(), IndexError>;
+
+    /// Returns the impulse h ∂L/∂q + Σ ΔW ∂γ/∂q of a node to which each of the pairs contributes
+    /// once. `#[inline(always)]`.
+    ///
+    /// `dw` has all increments of the step, in source order of the functions.
+    fn node(&self, h: f64, t: f64, dw: &[f64], reads: &impl Reads<Self::Row>) -> Self::Row;
+
+    /// Adds the impulses of one pair to consecutive nodes, with [`add`]. `#[inline(always)]`.
+    ///
+    /// The streams are those of the pair alone.
+    fn contribution(
+        &self,
+        pair: usize,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        streams: &Streams<'_, Self::Row>,
+        to: &mut [Self::Row],
+    );
+
+    /// Adds the impulses of a loop as it is written, to an array of the length of `q`.
+    /// `#[inline(always)]`.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn nest(
+        &self,
+        number: usize,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        q: &[Self::Row],
+        to: &mut [Self::Row],
+    ) -> Result<(), IndexError>;
+
+    /// Returns the Lagrangian.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn lagrangian(&self, t: f64, q: &[Self::Row], v: &[Self::Row]) -> Result<f64, IndexError>;
+
+    /// Returns the number of Wiener processes for `n` sites.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn processes(&self, n: usize) -> Result<usize, IndexError>;
+}
+
+/// An outermost loop.
+#[derive(Clone, Copy, Debug)]
+pub struct Loop {
+    /// Its place: "the loop at line 9 of `lagrangian`".
+    pub text: &'static str,
+    /// False if the loop is always made as it is written: an index is read from a field, or an
+    /// inner bound depends on an outer counter.
+    pub is_stream: bool,
+}
+
+/// A summand of a loop.
+#[derive(Clone, Copy, Debug)]
+pub struct Term {
+    /// Number of its outermost loop.
+    pub in_loop: usize,
+    /// The nodes that it reads, each as it is written: "`q[i - 1]` in `lagrangian`".
+    pub slots: &'static [&'static str],
+    /// Number of fields that it reads with an index.
+    pub columns: usize,
+    /// True for a noise with a process for each instance.
+    pub has_increment: bool,
+}
+
+/// A term with one of its slots.
+#[derive(Clone, Copy, Debug)]
+pub struct Pair {
+    /// Number of the term.
+    pub term: usize,
+    /// Number of the slot, whose node gets the impulse.
+    pub slot: usize,
+    /// The other slots that the impulse depends on.
+    pub rows: &'static [usize],
+    /// The columns of the term that the impulse depends on.
+    pub columns: &'static [usize],
+    /// True if the impulse depends on the increment of the instance.
+    pub reads_increment: bool,
+}
+
+/// An index that is out of range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IndexError {
+    /// The indexed expression and its function: "`q[i - 1]` in `lagrangian`".
+    pub text: &'static str,
+    /// The index.
+    pub index: i64,
+    /// The length of the array.
+    pub length: usize,
+}
+
+impl fmt::Display for IndexError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            text,
+            index,
+            length,
+        } = self;
+        write!(
+            f,
+            "{text} has the index {index}, and the length is {length}"
+        )
+    }
+}
+
+/// The reason why a visit of instances ends early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// An index is out of range.
+    Index(IndexError),
+    /// The loop has too many instances, or too few consecutive ones.
+    AsWritten,
+}
+
+impl From<IndexError> for Stop {
+    fn from(error: IndexError) -> Self {
+        Self::Index(error)
+    }
+}
+
+/// Returns an entry of an array.
+///
+/// # Errors
+/// The index, if it is out of range.
+#[inline(always)]
+pub fn entry<'a, T>(array: &'a [T], index: i64, text: &'static str) -> Result<&'a T, IndexError> {
+    let length = array.len();
+    let found = usize::try_from(index).ok().and_then(|at| array.get(at));
+    found.ok_or(IndexError {
+        text,
+        index,
+        length,
+    })
+}
+
+/// The instances of a loop, as they are visited.
+#[derive(Debug)]
+pub struct Instances {
+    n: usize,
+}
+
+impl Instances {
+    /// Adds an instance of a term: the indices of its slots, the values of its columns, and the
+    /// number of its increment among all increments of a step (0 for a term without one).
+    ///
+    /// # Errors
+    /// A slot that is out of range; the end of a visit that found no long runs.
+    #[inline]
+    pub fn instance(
+        &mut self,
+        term: usize,
+        slots: &[i64],
+        columns: &[f64],
+        increment: usize,
+    ) -> Result<(), Stop> {
+        let _ = (self.n, term, slots, columns, increment);
+        Ok(())
+    }
+}
