@@ -39,6 +39,7 @@ mod lanes;
 mod lyapunov;
 mod mechanics;
 mod method;
+mod neighbours;
 pub mod noise;
 mod parameter;
 mod phase;
@@ -64,6 +65,7 @@ pub use mechanics::Mechanics;
 pub use method::OneStepMethod;
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
+pub use neighbours::{NeighbourError, Neighbours, SpaceOrder};
 pub use phase::configuration::{Configuration, Reduced};
 pub use phase::dual::{Dual, DualRotation, DualState};
 pub use phase::state::State;
@@ -102,8 +104,8 @@ pub mod prelude {
     };
     pub use crate::{
         BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, Integrator, KahanLi8,
-        Mechanics, Method, Midpoint, Newton, OneStepMethod, Snapshot, Split, StageNoise, State,
-        StepError, StormerVerlet, Taylor2, Weak2, variational,
+        Mechanics, Method, Midpoint, NeighbourError, Neighbours, Newton, OneStepMethod, Snapshot,
+        Split, StageNoise, State, StepError, StormerVerlet, Taylor2, Weak2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

@@ -37,6 +37,7 @@ const RUNTIME: &[&str] = &[
     "time",
     "file",
     "blocking",
+    "neighbours",
     "floats",
     "solve",
     "lanes",
