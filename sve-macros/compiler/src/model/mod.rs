@@ -10,6 +10,7 @@ pub(crate) mod configuration;
 pub(crate) mod domain;
 mod names;
 mod nodes;
+pub(crate) mod scene;
 mod symbols;
 mod unknowns;
 

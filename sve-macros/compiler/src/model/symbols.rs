@@ -39,6 +39,11 @@ pub(crate) enum Meaning {
     End(usize),
     /// Half the width of a box around a point, in the direction of a coordinate.
     Radius(Argument),
+    /// A kept loop of a scene, and a read with an index (`model/scene.rs`).
+    #[allow(dead_code)]
+    Sum(usize),
+    #[allow(dead_code)]
+    Slot(usize),
 }
 
 /// A coordinate of the space of times, configurations, velocities and momenta.
@@ -124,6 +129,8 @@ impl Symbols {
             Meaning::NodeEntry(i) => format!("node_{i}"),
             Meaning::Attitude(i) => format!("attitude_{i}"),
             Meaning::End(i) => format!("p1_{i}"),
+            Meaning::Sum(i) => format!("sum_{i}"),
+            Meaning::Slot(i) => format!("slot_{i}"),
             Meaning::Radius(Argument::Time) => "radius_t".to_owned(),
             Meaning::Radius(Argument::Position(i)) => format!("radius_q{i}"),
             Meaning::Radius(Argument::Velocity(i)) => format!("radius_v{i}"),

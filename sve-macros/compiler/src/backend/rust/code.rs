@@ -284,7 +284,9 @@ fn input(meaning: &Meaning, place: Place) -> Option<TokenStream> {
         | Meaning::Limit(_)
         | Meaning::End(_)
         | Meaning::NodeEntry(_)
-        | Meaning::Attitude(_) => return None,
+        | Meaning::Attitude(_)
+        | Meaning::Sum(_)
+        | Meaning::Slot(_) => return None,
     };
     let i = Literal::usize_unsuffixed(i);
     Some(quote!(#row[#i]))

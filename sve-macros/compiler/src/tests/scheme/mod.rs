@@ -83,7 +83,9 @@ impl Case {
             | Meaning::End(_)
             | Meaning::NodeEntry(_)
             | Meaning::Attitude(_)
-            | Meaning::Radius(_) => f64::NAN,
+            | Meaning::Radius(_)
+            | Meaning::Sum(_)
+            | Meaning::Slot(_) => f64::NAN,
             Meaning::Unknown(unknown) => {
                 let (list, symbols) = (&self.action.internal, &self.symbols);
                 let same = |s: &&Symbol| matches!(symbols.meaning(**s), Meaning::Unknown(u) if u == unknown);

@@ -1,0 +1,147 @@
+//! A scene: a system whose number of coordinates is known when the program runs. Its loops are kept
+//! as sums.
+//!
+//! Invariant: a sum occurs once, in the summand of its parent or in one root of the scene, and
+//! parents come before their children. A condition contains no sum.
+
+#![allow(dead_code)]
+
+mod integers;
+
+use proc_macro2::{Span, TokenStream};
+
+use super::Symbols;
+use crate::algebra::{Expr, Symbol};
+#[allow(unused_imports)]
+pub(crate) use integers::{Access, Array, Counter, Int, IntNode, Integers, Step};
+
+/// The number of a sum. Its symbol has the meaning `Meaning::Sum`.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(crate) struct SumId(pub(crate) usize);
+
+/// A kept loop: a sum over its rounds.
+#[derive(Clone, Debug)]
+pub(crate) struct Sum {
+    pub(crate) parent: Option<SumId>,
+    pub(crate) head: Head,
+    pub(crate) summand: Expr,
+    /// The place of the loop.
+    pub(crate) at: Span,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Head {
+    /// `for counter in from..to`.
+    For {
+        counter: Counter,
+        from: Int,
+        to: Int,
+    },
+    /// The summand if the condition holds, else nothing.
+    If(Condition),
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(crate) enum Comparison {
+    Equal,
+    Less,
+    LessOrEqual,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Condition {
+    Integers(Comparison, Int, Int),
+    /// A cut-off.
+    Numbers(Comparison, Expr, Expr),
+    Not(Box<Condition>),
+    And(Box<Condition>, Box<Condition>),
+    Or(Box<Condition>, Box<Condition>),
+}
+
+/// A read of a row or a field with an index. Its symbol has the meaning `Meaning::Slot`; equal
+/// reads have one symbol.
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Slot {
+    pub(crate) array: SlotArray,
+    /// The component of a row; 0 for numbers.
+    pub(crate) component: usize,
+}
+
+#[derive(Clone, PartialEq, Eq, Hash)]
+pub(crate) enum SlotArray {
+    Configuration(Int),
+    Velocity(Int),
+    /// A number that a field holds.
+    Field(Access),
+    /// An integer as a number.
+    Number(Int),
+}
+
+/// The type of a row of the configuration.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Row {
+    /// `&[f64]`.
+    Number,
+    /// `&[[f64; D]]`.
+    Array(usize),
+    /// `&[SVector<f64, D>]`.
+    Vector(usize),
+}
+
+impl Row {
+    /// Returns the number of components of a row.
+    pub(crate) fn len(self) -> usize {
+        match self {
+            Self::Number => 1,
+            Self::Array(n) | Self::Vector(n) => n,
+        }
+    }
+}
+
+/// A system of any number of sites.
+#[derive(Clone)]
+pub(crate) struct Scene {
+    pub(crate) symbols: Symbols,
+    pub(crate) time: Symbol,
+    pub(crate) row: Row,
+    pub(crate) integers: Integers,
+    pub(crate) slots: Vec<Slot>,
+    pub(crate) sums: Vec<Sum>,
+    pub(crate) lagrangian: Expr,
+    pub(crate) noises: Vec<SceneNoise>,
+    /// As in [`Model`](super::Model).
+    pub(crate) constants: Vec<(TokenStream, f64)>,
+}
+
+/// A function γ.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneNoise {
+    /// Source name.
+    pub(crate) name: String,
+    /// The place of the name.
+    pub(crate) at: Span,
+    pub(crate) processes: Processes,
+}
+
+/// The processes of a γ.
+#[derive(Clone, Debug)]
+pub(crate) enum Processes {
+    /// γ of each process, of a function that returns `f64` or `[f64; M]`.
+    Listed(Vec<Expr>),
+    /// A function that returns a `Vec`. The summand of the sum, a `For`, is γ of the process
+    /// `counter − from`.
+    Each(SumId),
+}
+
+impl Scene {
+    /// Returns a slot as the source may spell it.
+    pub(crate) fn text(&self, slot: &Slot) -> String {
+        let rows = |name: &str, index: Int| format!("{name}[{}]", self.integers.text(index));
+        match &slot.array {
+            SlotArray::Configuration(index) => rows("q", *index),
+            SlotArray::Velocity(index) => rows("v", *index),
+            SlotArray::Field(access) => self.integers.path_text(access),
+            SlotArray::Number(integer) => self.integers.text(*integer),
+        }
+    }
+}
