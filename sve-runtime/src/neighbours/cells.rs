@@ -140,48 +140,59 @@ impl<const D: usize> Cells<D> {
         }
     }
 
-    /// Adds the particles with greater numbers within reach of a particle.
-    pub(super) fn add_neighbours_after(&self, i: usize, reach2: f64, list: &mut Vec<usize>) {
-        let (cell, here) = self.places[i];
-        let half = self.lengths.map(|length| 0.5 * length);
+    /// Adds the particles with greater numbers within reach of a particle to a row. A particle half
+    /// a box away, both images of which are within reach, is added twice.
+    pub(super) fn add_neighbours_after(&self, i: usize, reach2: f64, row: &mut Vec<usize>) {
+        let (cell, at) = self.places[i];
         let (touching, count) = self.touching(cell);
-        for &bucket in &touching[..count] {
-            for &(j, there) in &self.content[self.start[bucket]..self.start[bucket + 1]] {
-                // Both are in the box, so that the nearest image is at most one length away. The
-                // half of an open axis is infinite.
-                let way = core::array::from_fn(|axis| {
-                    let way = there[axis] - here[axis];
-                    if way > half[axis] {
-                        way - self.lengths[axis]
-                    } else if way < -half[axis] {
-                        way + self.lengths[axis]
-                    } else {
-                        way
-                    }
-                });
-                if j > i && squared::<D>(way) <= reach2 {
-                    list.push(j);
-                }
+        for &(bucket, shift) in &touching[..count] {
+            let here: [f64; D] = core::array::from_fn(|axis| at[axis] + shift[axis]);
+            let content = &self.content[self.start[bucket]..self.start[bucket + 1]];
+            // The numbers in a bucket ascend.
+            if content.last().is_none_or(|(last, _)| *last <= i) {
+                continue;
             }
+            // One particle in twelve is a neighbour with a greater number. Each is written, and
+            // kept by counting it, since a branch would often be predicted wrongly.
+            let first = row.len();
+            row.resize(first + content.len(), 0);
+            let (room, mut found) = (&mut row[first..], 0);
+            for &(j, there) in content {
+                let way = core::array::from_fn(|axis| there[axis] - here[axis]);
+                room[found] = j;
+                found += usize::from((j > i) & (squared::<D>(way) <= reach2));
+            }
+            row.truncate(first + found);
         }
     }
 
-    /// Returns the buckets of the cells that touch a cell, each once, and their number.
-    fn touching(&self, cell: [usize; D]) -> ([usize; TOUCHING], usize) {
-        let (mut touching, mut count) = ([0; TOUCHING], 1);
+    /// Returns the buckets of the cells that touch a cell, each with the way by which the cell is
+    /// moved to lie beside their content, and the number of buckets.
+    fn touching(&self, cell: [usize; D]) -> ([(usize, [f64; D]); TOUCHING], usize) {
+        let (mut touching, mut count) = ([(0, [0.0; D]); TOUCHING], 1);
         for axis in 0..D {
-            let buckets = self.buckets[axis];
-            let cells = self.count[axis];
-            let along = |step| (cell[axis] + cells + step - 1) % cells % buckets;
+            let (cells, buckets) = (self.count[axis], self.buckets[axis]);
+            let length = Some(self.lengths[axis]).filter(|length| length.is_finite());
+            let along = |step| {
+                let next = cell[axis] + step;
+                let shift = match next {
+                    0 => 1.0,
+                    _ if next > cells => -1.0,
+                    _ => 0.0,
+                };
+                let bucket = (next + cells - 1) % cells % buckets;
+                (bucket, length.map_or(0.0, |length| shift * length))
+            };
             let [a, b, c] = [along(0), along(1), along(2)];
-            // Few cells or buckets, or the border of the box, can make them the same.
+            // Cells that share a bucket are looked through once.
             let options = [Some(a), Some(b).filter(|b| *b != a)];
             let last = Some(c).filter(|c| *c != a && *c != b);
             let before = (touching, count);
             count = 0;
-            for option in options.into_iter().chain([last]).flatten() {
-                for &bucket in &before.0[..before.1] {
-                    touching[count] = bucket * buckets + option;
+            for (along, by) in options.into_iter().chain([last]).flatten() {
+                for &(bucket, mut shift) in &before.0[..before.1] {
+                    shift[axis] = by;
+                    touching[count] = (bucket * buckets + along, shift);
                     count += 1;
                 }
             }

@@ -149,10 +149,13 @@ impl<const D: usize> Neighbours<D> {
         self.start.clear();
         self.list.clear();
         self.start.push(0);
+        let mut row = Vec::new();
         for i in 0..positions.len() {
-            let first = self.list.len();
-            cells.add_neighbours_after(i, reach * reach, &mut self.list);
-            self.list[first..].sort_unstable();
+            row.clear();
+            cells.add_neighbours_after(i, reach * reach, &mut row);
+            row.sort_unstable();
+            row.dedup();
+            self.list.extend(&row);
             self.start.push(self.list.len());
         }
         self.positions = positions;
