@@ -4,7 +4,8 @@
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use sve_runtime::noise::{
-    DyadicInterval, FromRng, NoNoise, Noise, NoiseError, Recorded, ThreePoint, Truncated, Wiener,
+    DyadicInterval, FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint,
+    Truncated, Wiener,
 };
 
 use crate::draw;
@@ -52,6 +53,54 @@ fn fewer_or_more_processes_do_not_change_a_process() -> Result<(), NoiseError> {
     let none: [f64; 0] = draw(&mut path, 5, 0.1)?;
     assert!(none.is_empty());
     Ok(())
+}
+
+/// Checks sources around the others with many processes, in numbers that fill no chunk, at steps in any
+/// order.
+#[test]
+fn every_process_of_many_has_its_own_bits() -> Result<(), NoiseError> {
+    fn check(mut source: impl Noise, of: impl Fn(u64, usize) -> f64) -> Result<(), NoiseError> {
+        for (step, processes) in [
+            (5, 1003),
+            (1 << 40, 65),
+            (4, 2048),
+            (7, 999),
+            (5, 130),
+            (0, 64),
+        ] {
+            let mut dw = vec![f64::NAN; processes];
+            source.increments(step, 0.3, &mut dw)?;
+            for (process, dw) in dw.iter().enumerate() {
+                assert_eq!(
+                    dw.to_bits(),
+                    of(step, process).to_bits(),
+                    "{step} {process}"
+                );
+            }
+        }
+        Ok(())
+    }
+    let (normal, three) = (Wiener::new(3).path(11), ThreePoint::new(3).path(11));
+    check(normal, |step, process| normal.increment(step, process, 0.3))?;
+    check(three, |step, process| three.increment(step, process, 0.3))?;
+    let truncated = Truncated::new(normal).deviations(1.0)?;
+    let largest = truncated.largest(0.3)?;
+    check(truncated, |step, process| {
+        normal
+            .increment(step, process, 0.3)
+            .clamp(-largest, largest)
+    })?;
+    check(normal.from_step(9), |step, process| {
+        normal.increment(step + 9, process, 0.3)
+    })?;
+    check(normal.refine(2)?, |step, process| {
+        let whole = DyadicInterval::whole(step / 4);
+        let halves = whole.halves().expect("a whole step has halves");
+        let (half, quarter) = ((step / 2 % 2) as usize, (step % 2) as usize);
+        let increment = normal.increment(step / 4, process, 1.2);
+        let increment = normal.halves(whole, process, 1.2, increment)[half];
+        normal.halves(halves[half], process, 0.6, increment)[quarter]
+    })
 }
 
 #[test]
