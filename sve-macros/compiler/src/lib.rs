@@ -31,6 +31,7 @@ mod model;
 mod operations;
 mod program;
 mod rules;
+mod scene;
 mod settings;
 mod structure;
 mod syntax;

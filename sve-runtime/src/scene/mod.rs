@@ -6,6 +6,7 @@
 //! | `streams.rs` | what a printed loop reads: slices that advance by one from node to node |
 //! | `indices.rs` | the instances of the loops, cut into runs of consecutive indices |
 //! | `segments.rs` | the runs, seen from the nodes that they contribute to |
+//! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `sweep.rs` | the impulses of all loops, added to the momenta |
 //!
 //! The folder knows arrays and no mechanics. A loop of the user is a list of instances, and each
@@ -15,9 +16,13 @@
 
 mod rows;
 mod streams;
+mod written;
 
 pub use rows::Row;
 pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};
+pub use written::{
+    Integer, accumulate, check, integer, place, position, quotient, remainder, row_if_any,
+};
 
 use core::fmt;
 
@@ -38,6 +43,9 @@ pub trait Scene {
     const TERMS: &'static [Term];
     /// The pairs of the loops that are streams, by term and slot.
     const PAIRS: &'static [Pair];
+    /// The number of pairs that [`node`](Self::node) adds, the first of [`PAIRS`](Self::PAIRS). The
+    /// others are those of few nodes, such as the ends of a chain.
+    const NODE_PAIRS: usize;
     /// True if a derivative of the Lagrangian or of a noise depends on the time itself.
     const READS_TIME: bool;
 

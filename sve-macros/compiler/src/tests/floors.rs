@@ -14,6 +14,7 @@ const COMPILER: &[&str] = &[
     "syntax",
     "model",
     "interpret",
+    "scene",
     "system",
     "rules",
     "discretise",

@@ -51,6 +51,19 @@ impl<'a> Formulas<'a> {
         Scheduler::of_one_tier(self.arena, self.symbols, roots)
     }
 
+    /// Prints a part of the body of a loop that the compiler turns into vector instructions: the
+    /// statements, and an array.
+    pub(super) fn within_loop(self, values: &[Expr]) -> (TokenStream, Vec<TokenStream>) {
+        let array = Array::unnamed(values);
+        let kernel = Kernel::new(self.scheduler(values), &[array]);
+        let printer = self.printer(&kernel, Place::WithinLoop);
+        let tiers = [Tier::Prepare, Tier::State];
+        let statements = tiers.map(|tier| printer.statements(tier));
+        let values = kernel.arrays[0].entries();
+        let values = values.map(|value| printer.operand(value)).collect();
+        (quote!(#(#statements)*), values)
+    }
+
     /// Prints a function of one tier.
     pub(super) fn print(self, kernel: &Kernel) -> Printed {
         let printer = self.printer(kernel, Place::Single);

@@ -28,6 +28,7 @@ mod plan;
 mod print;
 mod rounding;
 mod rule;
+mod scene;
 mod scopes;
 mod solve;
 mod stages;

@@ -76,6 +76,11 @@ impl Integers {
         self.integer(IntNode::Constant(value))
     }
 
+    /// Returns the name of a counter in the source.
+    pub(crate) fn name(&self, counter: Counter) -> &str {
+        &self.counters[counter.0 as usize]
+    }
+
     /// Returns the value of an integer that is known at compile time.
     pub(crate) fn value(&self, int: Int) -> Option<i64> {
         match self.node(int) {

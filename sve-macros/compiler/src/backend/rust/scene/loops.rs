@@ -1,0 +1,298 @@
+//! `impl Scene`: the loops of a scene.
+
+use proc_macro2::{Literal, TokenStream};
+use quote::{format_ident, quote};
+use syn::Type;
+
+use super::super::function::Formulas;
+use super::super::{attributes, verbatim};
+use super::nodes::{contribution, node};
+use super::walk::{Action, Leaf, Walk};
+use crate::model::scene::Head;
+use crate::scene::{Derived, Pair, Root};
+
+pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -> TokenStream {
+    let (private, attributes) = (formulas.private, attributes());
+    let size = Literal::usize_unsuffixed(derived.scene.row.len());
+    let counts = derived.node.counts.map(Literal::usize_unsuffixed);
+    let tables = tables(derived, formulas);
+    let (node, contribution) = (node(derived, formulas), contribution(derived, formulas));
+    let loops = Loops { derived, formulas };
+    let (instances, nest) = (loops.instances(), loops.nest());
+    let (masses, lagrangian) = (loops.masses(), loops.lagrangian());
+    let processes = loops.processes();
+    quote! {
+        #attributes
+        impl #private::scene::Scene for #self_ty {
+            type Row = [f64; #size];
+            type Counts = #private::scene::Counts<#(#counts),*>;
+            #tables
+            #instances
+            #masses
+            #node
+            #contribution
+            #nest
+            #lagrangian
+            #processes
+        }
+    }
+}
+
+/// The constants.
+fn tables(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
+    let private = formulas.private;
+    let roots = derived.roots.iter().map(|root| {
+        let (text, is_stream) = (verbatim(&text(root, derived)), root.is_stream);
+        quote!(#private::scene::Loop { text: #text, is_stream: #is_stream })
+    });
+    let terms = derived.terms.iter().map(|term| {
+        let (in_loop, columns) = (term.root, term.columns.len());
+        let function = &derived.roots[term.root].function;
+        let sites = term.sites.iter().map(|&site| {
+            let index = derived.scene.integers.text(site);
+            verbatim(&format!("`q[{index}]` in `{function}`"))
+        });
+        let has_increment = term.increment.is_some();
+        quote! {
+            #private::scene::Term {
+                in_loop: #in_loop,
+                slots: &[#(#sites),*],
+                columns: #columns,
+                has_increment: #has_increment,
+            }
+        }
+    });
+    let pairs = derived.pairs.iter().map(|(pair, _)| {
+        let Pair {
+            term,
+            site,
+            rows,
+            columns,
+            reads_increment,
+            ..
+        } = pair;
+        quote! {
+            #private::scene::Pair {
+                term: #term,
+                slot: #site,
+                rows: &[#(#rows),*],
+                columns: &[#(#columns),*],
+                reads_increment: #reads_increment,
+            }
+        }
+    });
+    let mut impulses = derived
+        .terms
+        .iter()
+        .flat_map(|term| term.impulses.iter().flatten());
+    let reads_time = impulses.any(|&e| formulas.arena.contains(e, derived.scene.time));
+    let common = derived.common;
+    quote! {
+        const LOOPS: &'static [#private::scene::Loop] = &[#(#roots),*];
+        const TERMS: &'static [#private::scene::Term] = &[#(#terms),*];
+        const PAIRS: &'static [#private::scene::Pair] = &[#(#pairs),*];
+        const NODE_PAIRS: usize = #common;
+        const READS_TIME: bool = #reads_time;
+    }
+}
+
+/// The place of a root, for messages.
+fn text(root: &Root, derived: &Derived) -> String {
+    let (function, integers) = (&root.function, &derived.scene.integers);
+    let head = root.sum.map(|sum| &derived.scene.sums[sum.0].head);
+    match head {
+        Some(&Head::For { counter, from, to }) => {
+            let (counter, from, to) = (
+                integers.name(counter),
+                integers.text(from),
+                integers.text(to),
+            );
+            format!("the loop `for {counter} in {from}..{to}` in `{function}`")
+        }
+        _ => format!("`{function}`"),
+    }
+}
+
+/// The functions with loops as they are written.
+struct Loops<'a> {
+    derived: &'a Derived,
+    formulas: Formulas<'a>,
+}
+
+impl Loops<'_> {
+    /// The loops of a root around summands.
+    fn loops(&self, root: usize, leaves: Vec<Leaf>) -> TokenStream {
+        let Root { sum, function, .. } = &self.derived.roots[root];
+        Walk::new(self.derived, self.formulas, function, leaves).root(*sum)
+    }
+
+    /// A `match` over the roots that `wanted` accepts, with loops around the summands of terms.
+    fn by_root(&self, wanted: impl Fn(&Root) -> bool, leaf: impl Fn(usize) -> Leaf) -> TokenStream {
+        let arms = self.derived.roots.iter().enumerate();
+        let arms = arms
+            .filter(|(_, root)| wanted(root))
+            .filter_map(|(root, _)| {
+                let terms = self.derived.terms.iter().enumerate();
+                let terms: Vec<usize> = terms.filter(|t| t.1.root == root).map(|t| t.0).collect();
+                if terms.is_empty() {
+                    return None;
+                }
+                let each = terms
+                    .iter()
+                    .find_map(|&term| self.derived.terms[term].increment);
+                let offset = each.map(|each| self.offset(each));
+                let body = self.loops(root, terms.into_iter().map(&leaf).collect());
+                let root = Literal::usize_unsuffixed(root);
+                Some(quote!(#root => { #offset #body }))
+            });
+        quote! {
+            match number {
+                #(#arms)*
+                _ => {}
+            }
+            ::core::result::Result::Ok(())
+        }
+    }
+
+    /// The number of the first process of a function that returns a `Vec`.
+    fn offset(&self, each: usize) -> TokenStream {
+        let (count, name) = (self.count(each), format_ident!("offset_{each}"));
+        quote!(let #name: i64 = { #count };)
+    }
+
+    /// The number of the listed processes and of those of the first functions that return a `Vec`.
+    fn count(&self, functions: usize) -> TokenStream {
+        let listed = Literal::i64_suffixed(self.derived.listed as i64);
+        let mut code = quote!(let mut count = #listed;);
+        for &(_, sum) in &self.derived.each[..functions] {
+            let mut roots = self.derived.roots.iter();
+            let function = roots.find(|root| root.sum == Some(sum));
+            let function = function.map_or("", |root| &root.function);
+            let mut walk = Walk::new(self.derived, self.formulas, function, Vec::new());
+            if let Head::For { from, to, .. } = self.derived.scene.sums[sum.0].head {
+                let [from, to] = [from, to].map(|bound| walk.integer(bound, &mut code));
+                code.extend(quote!(count += i64::max(0, i64::saturating_sub(#to, #from));));
+            }
+        }
+        quote!(#code count)
+    }
+
+    fn instances(&self) -> TokenStream {
+        let private = self.formulas.private;
+        let body = self.by_root(
+            |root| root.is_stream,
+            |term| Leaf {
+                sum: self.derived.terms[term].sum,
+                values: Vec::new(),
+                action: Action::Visit(term),
+            },
+        );
+        quote! {
+            fn instances(
+                &self,
+                number: usize,
+                n: usize,
+                to: &mut #private::scene::Instances,
+            ) -> ::core::result::Result<(), #private::scene::Stop> {
+                #body
+            }
+        }
+    }
+
+    fn nest(&self) -> TokenStream {
+        let private = self.formulas.private;
+        let body = self.by_root(
+            |_| true,
+            |term| {
+                let term = &self.derived.terms[term];
+                Leaf {
+                    sum: term.sum,
+                    values: term.impulses.concat(),
+                    action: Action::AddRows(term.sites.clone()),
+                }
+            },
+        );
+        quote! {
+            #[inline(always)]
+            fn nest(
+                &self,
+                number: usize,
+                h: f64,
+                time: f64,
+                dw: &[f64],
+                q: &[Self::Row],
+                to: &mut [Self::Row],
+            ) -> ::core::result::Result<(), #private::scene::IndexError> {
+                let n = q.len();
+                let to = &mut to[..n];
+                #body
+            }
+        }
+    }
+
+    fn masses(&self) -> TokenStream {
+        let private = self.formulas.private;
+        let roots = 0..self.derived.roots.len();
+        let loops = roots.map(|root| {
+            let masses = self.derived.masses.iter().filter(|mass| mass.root == root);
+            let leaves = masses.map(|mass| Leaf {
+                sum: mass.sum,
+                values: vec![mass.value],
+                action: Action::AddComponent(mass.site, mass.component),
+            });
+            self.loops(root, leaves.collect())
+        });
+        quote! {
+            fn masses(
+                &self,
+                n: usize,
+                to: &mut [Self::Row],
+            ) -> ::core::result::Result<(), #private::scene::IndexError> {
+                let to = &mut to[..n];
+                #({ #loops })*
+                ::core::result::Result::Ok(())
+            }
+        }
+    }
+
+    fn lagrangian(&self) -> TokenStream {
+        let private = self.formulas.private;
+        let roots = 0..self.derived.roots.len();
+        let loops = roots.map(|root| {
+            let summands = self.derived.lagrangian.iter().filter(|s| s.root == root);
+            let leaves = summands.map(|summand| Leaf {
+                sum: summand.sum,
+                values: vec![summand.value],
+                action: Action::AddValue,
+            });
+            self.loops(root, leaves.collect())
+        });
+        quote! {
+            fn lagrangian(
+                &self,
+                time: f64,
+                q: &[Self::Row],
+                v: &[Self::Row],
+            ) -> ::core::result::Result<f64, #private::scene::IndexError> {
+                let n = q.len();
+                let mut value = 0f64;
+                #({ #loops })*
+                ::core::result::Result::Ok(value)
+            }
+        }
+    }
+
+    fn processes(&self) -> TokenStream {
+        let private = self.formulas.private;
+        let count = self.count(self.derived.each.len());
+        quote! {
+            fn processes(
+                &self,
+                n: usize,
+            ) -> ::core::result::Result<usize, #private::scene::IndexError> {
+                let count: i64 = { #count };
+                ::core::result::Result::Ok(count as usize)
+            }
+        }
+    }
+}

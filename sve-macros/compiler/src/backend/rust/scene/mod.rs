@@ -1,0 +1,32 @@
+//! The implementations of a scene.
+
+#![allow(dead_code)]
+
+mod loops;
+mod nodes;
+mod system;
+mod walk;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use super::function::Formulas;
+use super::{bounded, private};
+use crate::algebra::Arena;
+use crate::scene::Derived;
+use crate::syntax::parse::Annotated;
+
+/// Prints all that was derived from the block of a scene.
+pub(crate) fn print(derived: &Derived, block: &Annotated, arena: &Arena) -> TokenStream {
+    let private = &private(block);
+    let formulas = Formulas {
+        arena,
+        symbols: &derived.scene.symbols,
+        private,
+    };
+    let system = system::system(derived, block, formulas);
+    let scene = loops::scene(derived, &block.item.self_ty, formulas);
+    let rules = block.arguments.rules.iter();
+    let rules = rules.map(|listed| system::rule(listed.rule, derived, block, formulas));
+    bounded(quote!(#system #scene #(#rules)*))
+}

@@ -1,0 +1,559 @@
+//! Loops as the user wrote them, with checked indices.
+//!
+//! Input: summands, each with what is done in an instance. Output: the loops and conditions around
+//! them. Integers, rows and fields are read where they are first needed. A site whose index does
+//! not change in the innermost loop is read before that loop, and what is added to the site is
+//! gathered in a variable until the end of the loop; the index is checked where the site is used.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+use super::super::function::Formulas;
+use super::super::{ident, number, verbatim};
+use crate::algebra::{Expr, Symbol};
+use crate::model::scene::{
+    Access, Array, Comparison, Condition, Head, Int, IntNode, Scene, Slot, SlotArray, Step, SumId,
+};
+use crate::program::symbol_name;
+use crate::scene::Derived;
+
+/// A summand in print.
+pub(super) struct Leaf {
+    pub(super) sum: Option<SumId>,
+    /// The values to be computed.
+    pub(super) values: Vec<Expr>,
+    pub(super) action: Action,
+}
+
+/// What is done with the values of a summand.
+pub(super) enum Action {
+    /// The values, a row each, are added to these sites, of the array `to`.
+    AddRows(Vec<Int>),
+    /// The value is added to a component of a site, of the array `to`.
+    AddComponent(Int, usize),
+    /// The value is added to `value`.
+    AddValue,
+    /// The sites and columns of a term are shown to a visitor `to`.
+    Visit(usize),
+}
+
+/// Prints the loops of a root.
+pub(super) struct Walk<'a> {
+    derived: &'a Derived,
+    formulas: Formulas<'a>,
+    function: &'a str,
+    leaves: Vec<Leaf>,
+    /// All integers that have names, and those that are known where the code stands.
+    integers: Vec<Int>,
+    known: Vec<Int>,
+    /// The symbols that are known where the code stands.
+    symbols: Vec<Symbol>,
+    /// The rows that are known where the code stands.
+    rows: Vec<Row>,
+    /// The sites with a variable for what is added to them.
+    gathered: Vec<Int>,
+    places: usize,
+}
+
+/// A row that has been read.
+#[derive(Clone, PartialEq)]
+struct Row {
+    array: SlotArray,
+    is_checked: bool,
+}
+
+impl<'a> Walk<'a> {
+    pub(super) fn new(
+        derived: &'a Derived,
+        formulas: Formulas<'a>,
+        function: &'a str,
+        leaves: Vec<Leaf>,
+    ) -> Self {
+        Self {
+            derived,
+            formulas,
+            function,
+            leaves,
+            integers: Vec::new(),
+            known: Vec::new(),
+            symbols: Vec::new(),
+            rows: Vec::new(),
+            gathered: Vec::new(),
+            places: 0,
+        }
+    }
+
+    /// Prints a root with the loop `sum`, or without a loop.
+    pub(super) fn root(&mut self, sum: Option<SumId>) -> TokenStream {
+        self.block(None, sum.into_iter().collect())
+    }
+
+    fn scene(&self) -> &'a Scene {
+        &self.derived.scene
+    }
+
+    /// Prints the body of a sum with these inner sums; without a sum, what is around a root.
+    fn block(&mut self, sum: Option<SumId>, inner: Vec<SumId>) -> TokenStream {
+        let [known, symbols, rows, gathered] = [
+            self.known.len(),
+            self.symbols.len(),
+            self.rows.len(),
+            self.gathered.len(),
+        ];
+        let checked = self.rows.clone();
+        let mut code = TokenStream::new();
+        for site in self.sites_before_loops(sum) {
+            self.read_ahead(site, &mut code);
+        }
+        for at in 0..self.leaves.len() {
+            if self.leaves[at].sum == sum {
+                self.leaf(at, &mut code);
+            }
+        }
+        for sum in inner {
+            self.sum(sum, &mut code);
+        }
+        for site in self.gathered.split_off(gathered) {
+            let (private, at) = (self.formulas.private, self.integer(site, &mut code));
+            let gathered = self.gathered_name(site);
+            code.extend(quote!(#private::scene::accumulate(to, #at, #gathered);));
+        }
+        self.known.truncate(known);
+        self.symbols.truncate(symbols);
+        self.rows.truncate(rows);
+        self.rows.clone_from_slice(&checked);
+        code
+    }
+
+    /// Prints a sum, unless it has no summand in print.
+    fn sum(&mut self, sum: SumId, code: &mut TokenStream) {
+        let scene = self.scene();
+        let is_within = |leaf: &Leaf| scene.around(leaf.sum).any(|around| around == sum);
+        if !self.leaves.iter().any(is_within) {
+            return;
+        }
+        let sums = scene.sums.iter().enumerate();
+        let inner = sums.filter(|(_, inner)| inner.parent == Some(sum));
+        let inner: Vec<SumId> = inner.map(|(at, _)| SumId(at)).collect();
+        match &scene.sums[sum.0].head {
+            Head::For { counter, from, to } => {
+                let [from, to] = [from, to].map(|bound| self.integer(*bound, code));
+                let counter = format_ident!("counter_{}", counter.0);
+                let body = self.block(Some(sum), inner);
+                code.extend(quote!(for #counter in #from..#to { #body }));
+            }
+            Head::If(condition) => {
+                let condition = self.condition(condition, code);
+                let body = self.block(Some(sum), inner);
+                code.extend(quote!(if #condition { #body }));
+            }
+        }
+    }
+
+    /// Returns the sites that are read in the body of a sum, before its inner loops: their index is
+    /// fixed there and used in a loop within.
+    fn sites_before_loops(&self, sum: Option<SumId>) -> Vec<Int> {
+        let scene = self.scene();
+        let mut sites = Vec::new();
+        for leaf in &self.leaves {
+            let Action::AddRows(of_leaf) = &leaf.action else {
+                continue;
+            };
+            let loops = scene.around(leaf.sum);
+            let loops = loops.filter_map(|sum| match scene.sums[sum.0].head {
+                Head::For { counter, .. } => Some((sum, counter)),
+                Head::If(_) => None,
+            });
+            let loops: Vec<_> = loops.collect();
+            for &site in of_leaf {
+                let fixed_in = loops.iter().position(|l| scene.has_counter(site, l.1));
+                let home = fixed_in.map(|at| loops[at].0);
+                let is_before_loop = fixed_in != Some(0) && !loops.is_empty();
+                let may_fail = |node: &IntNode| {
+                    matches!(
+                        node,
+                        IntNode::Field(_)
+                            | IntNode::Length(Array::Field(_))
+                            | IntNode::Div(..)
+                            | IntNode::Rem(..)
+                    )
+                };
+                if is_before_loop
+                    && home == sum
+                    && !scene.reads(site, &may_fail)
+                    && !sites.contains(&site)
+                {
+                    sites.push(site);
+                }
+            }
+        }
+        sites
+    }
+
+    fn read_ahead(&mut self, site: Int, code: &mut TokenStream) {
+        let private = self.formulas.private;
+        let at = self.integer(site, code);
+        let array = SlotArray::Configuration(site);
+        let (row, gathered) = (self.row_name(&array), self.gathered_name(site));
+        code.extend(quote! {
+            let #row = #private::scene::row_if_any(q, #at);
+            let mut #gathered = <Self::Row as #private::scene::Row>::ZERO;
+        });
+        let is_checked = false;
+        self.rows.push(Row { array, is_checked });
+        self.gathered.push(site);
+    }
+
+    /// Prints an instance of a summand.
+    fn leaf(&mut self, at: usize, code: &mut TokenStream) {
+        let private = self.formulas.private;
+        let arena = self.formulas.arena;
+        let values = self.leaves[at].values.clone();
+        if let Action::AddRows(sites) = &self.leaves[at].action {
+            for site in sites.clone() {
+                self.row(&SlotArray::Configuration(site), code);
+            }
+        }
+        for &value in &values {
+            for symbol in arena.symbols_of(value) {
+                self.symbol(symbol, code);
+            }
+        }
+        let (statements, values) = self.formulas.within_loop(&values);
+        code.extend(statements);
+        match &self.leaves[at].action {
+            Action::AddRows(sites) => {
+                let size = self.scene().row.len();
+                for (site, row) in sites.clone().into_iter().zip(values.chunks(size)) {
+                    let target = if self.gathered.contains(&site) {
+                        let name = self.gathered_name(site);
+                        quote!(#name)
+                    } else {
+                        let at = self.integer(site, code);
+                        quote!(to[#at as usize])
+                    };
+                    let components = (0..size).map(Literal::usize_unsuffixed);
+                    code.extend(quote!(#(#target[#components] += #row;)*));
+                }
+            }
+            &Action::AddComponent(site, component) => {
+                let component = Literal::usize_unsuffixed(component);
+                let (at, text) = (
+                    self.integer(site, code),
+                    self.text_of(&SlotArray::Velocity(site)),
+                );
+                code.extend(quote! {
+                    #private::scene::check(#at, n, #text)?;
+                    to[#at as usize][#component] += #(#values)*;
+                });
+            }
+            Action::AddValue => code.extend(quote!(value += #(#values)*;)),
+            &Action::Visit(term) => self.visit(term, code),
+        }
+    }
+
+    /// Shows an instance of a term to the visitor.
+    fn visit(&mut self, number: usize, code: &mut TokenStream) {
+        let term = &self.derived.terms[number];
+        let sites: Vec<TokenStream> = term.sites.iter().map(|&s| self.integer(s, code)).collect();
+        for &column in &term.columns {
+            self.symbol(column, code);
+        }
+        let columns = term.columns.iter();
+        let columns: Vec<Ident> = columns.map(|&column| self.symbol_name(column)).collect();
+        let increment = match term.increment {
+            Some(each) => {
+                let index = self.increment(each, code);
+                quote!(#index as usize)
+            }
+            None => quote!(0),
+        };
+        let number = Literal::usize_unsuffixed(number);
+        code.extend(quote!(to.instance(#number, &[#(#sites),*], &[#(#columns),*], #increment)?;));
+    }
+
+    /// Returns the number of the increment of an instance of a function that returns a `Vec`.
+    fn increment(&mut self, each: usize, code: &mut TokenStream) -> TokenStream {
+        let sum = self.derived.each[each].1;
+        let offset = format_ident!("offset_{each}");
+        let Head::For { counter, from, .. } = self.scene().sums[sum.0].head else {
+            return quote!(#offset);
+        };
+        let from = self.integer(from, code);
+        let counter = format_ident!("counter_{}", counter.0);
+        quote!((#offset + (#counter - #from)))
+    }
+
+    /// Reads a symbol, unless it is known.
+    fn symbol(&mut self, symbol: Symbol, code: &mut TokenStream) {
+        if self.symbols.contains(&symbol) {
+            // the row may be known from before a loop and not be checked
+            if let Some(slot) = self.scene().slot(symbol) {
+                self.check(&slot.array, code);
+            }
+            return;
+        }
+        let private = self.formulas.private;
+        let each = self.derived.each.iter().position(|each| each.0 == symbol);
+        let value = if let Some(each) = each {
+            let index = self.increment(each, code);
+            let text = verbatim(&format!("the increment of `{}`", self.function));
+            quote!(*#private::scene::entry(dw, #index, #text)?)
+        } else if let Some(Slot { array, component }) = self.scene().slot(symbol) {
+            match array {
+                SlotArray::Configuration(_) | SlotArray::Velocity(_) => {
+                    let component = Literal::usize_unsuffixed(*component);
+                    let row = self.row(array, code);
+                    quote!(#row[#component])
+                }
+                SlotArray::Field(access) => {
+                    let place = self.field(access, code);
+                    number(&quote!(*#place), private)
+                }
+                SlotArray::Number(integer) => {
+                    let integer = self.integer(*integer, code);
+                    quote!(#integer as f64)
+                }
+            }
+        } else {
+            return;
+        };
+        self.symbols.push(symbol);
+        let name = self.symbol_name(symbol);
+        code.extend(quote!(let #name: f64 = #value;));
+    }
+
+    fn symbol_name(&self, symbol: Symbol) -> Ident {
+        ident(&symbol_name(self.formulas.symbols, symbol))
+    }
+
+    /// Returns the row of a site. The index is in range after the printed code.
+    fn row(&mut self, array: &SlotArray, code: &mut TokenStream) -> Ident {
+        let name = self.row_name(array);
+        if self.rows.iter().any(|row| row.array == *array) {
+            self.check(array, code);
+            return name;
+        }
+        let (private, text) = (self.formulas.private, self.text_of(array));
+        let (rows, site) = match array {
+            SlotArray::Velocity(site) => (quote!(v), *site),
+            SlotArray::Configuration(site) => (quote!(q), *site),
+            SlotArray::Field(_) | SlotArray::Number(_) => return name,
+        };
+        let at = self.integer(site, code);
+        code.extend(quote!(let #name = *#private::scene::entry(#rows, #at, #text)?;));
+        let array = array.clone();
+        let is_checked = true;
+        self.rows.push(Row { array, is_checked });
+        name
+    }
+
+    /// Checks the index of a row that was read before a loop.
+    fn check(&mut self, array: &SlotArray, code: &mut TokenStream) {
+        let is_open = |row: &&mut Row| row.array == *array && !row.is_checked;
+        let Some(row) = self.rows.iter_mut().find(is_open) else {
+            return;
+        };
+        row.is_checked = true;
+        if let SlotArray::Configuration(site) = array {
+            let (private, text) = (self.formulas.private, self.text_of(array));
+            let at = self.integer(*site, code);
+            code.extend(quote!(#private::scene::check(#at, q.len(), #text)?;));
+        }
+    }
+
+    fn row_name(&mut self, array: &SlotArray) -> Ident {
+        match array {
+            SlotArray::Velocity(site) => format_ident!("velocity_{}", self.number_of(*site)),
+            SlotArray::Configuration(site) => format_ident!("row_{}", self.number_of(*site)),
+            SlotArray::Field(_) | SlotArray::Number(_) => format_ident!("none"),
+        }
+    }
+
+    fn gathered_name(&mut self, site: Int) -> Ident {
+        format_ident!("gathered_{}", self.number_of(site))
+    }
+
+    fn number_of(&mut self, int: Int) -> usize {
+        let known = self.integers.iter().position(|known| *known == int);
+        known.unwrap_or_else(|| {
+            self.integers.push(int);
+            self.integers.len() - 1
+        })
+    }
+
+    /// Returns a read and its function, for messages.
+    fn text_of(&self, array: &SlotArray) -> Literal {
+        let slot = Slot {
+            array: array.clone(),
+            component: 0,
+        };
+        self.text(&self.scene().text(&slot))
+    }
+
+    fn text(&self, what: &str) -> Literal {
+        verbatim(&format!("`{what}` in `{}`", self.function))
+    }
+
+    /// Returns an integer as an expression without effects.
+    pub(super) fn integer(&mut self, int: Int, code: &mut TokenStream) -> TokenStream {
+        let (scene, private) = (self.scene(), self.formulas.private);
+        match scene.integers.node(int) {
+            IntNode::Constant(value) => {
+                let literal = Literal::i64_suffixed(*value);
+                return quote!((#literal));
+            }
+            IntNode::Counter(counter) => {
+                let counter = format_ident!("counter_{}", counter.0);
+                return quote!(#counter);
+            }
+            IntNode::Length(Array::Sites) => return quote!((n as i64)),
+            _ => {}
+        }
+        let name = format_ident!("int_{}", self.number_of(int));
+        if self.known.contains(&int) {
+            return quote!(#name);
+        }
+        let value = match scene.integers.node(int) {
+            IntNode::Length(Array::Field(access)) => {
+                let place = self.field(access, code);
+                quote!(#place.len() as i64)
+            }
+            IntNode::Field(access) => {
+                let place = self.field(access, code);
+                quote!(#private::scene::integer(*#place))
+            }
+            &IntNode::Add(a, b) => self.method(a, "wrapping_add", b, code),
+            &IntNode::Sub(a, b) => self.method(a, "wrapping_sub", b, code),
+            &IntNode::Mul(a, b) => self.method(a, "wrapping_mul", b, code),
+            &IntNode::Min(a, b) => self.method(a, "min", b, code),
+            &IntNode::Max(a, b) => self.method(a, "max", b, code),
+            IntNode::Div(a, b) | IntNode::Rem(a, b) => {
+                let function = match scene.integers.node(int) {
+                    IntNode::Div(..) => ident("quotient"),
+                    _ => ident("remainder"),
+                };
+                let [a, b] = [*a, *b].map(|operand| self.integer(operand, code));
+                let text = self.text(&scene.integers.text(int));
+                quote!(#private::scene::#function(#a, #b, #text)?)
+            }
+            IntNode::Constant(_) | IntNode::Counter(_) | IntNode::Length(Array::Sites) => {
+                TokenStream::new()
+            }
+        };
+        self.known.push(int);
+        code.extend(quote!(let #name: i64 = #value;));
+        quote!(#name)
+    }
+
+    fn method(&mut self, a: Int, name: &str, b: Int, code: &mut TokenStream) -> TokenStream {
+        let [a, b] = [a, b].map(|operand| self.integer(operand, code));
+        let name = match name {
+            "min" | "max" => {
+                let name = ident(name);
+                quote!(::core::cmp::Ord::#name)
+            }
+            _ => {
+                let name = ident(name);
+                quote!(i64::#name)
+            }
+        };
+        quote!(#name(#a, #b))
+    }
+
+    /// Returns the place of a field, as an expression that can be borrowed.
+    fn field(&mut self, access: &Access, code: &mut TokenStream) -> TokenStream {
+        let private = self.formulas.private;
+        let mut place = quote!(self);
+        let mut is_reference = true;
+        for (at, step) in access.steps.iter().enumerate() {
+            let found = match step {
+                Step::Member(member) => {
+                    place = quote!(#place.#member);
+                    is_reference = false;
+                    continue;
+                }
+                Step::Index(index) => {
+                    let index = self.integer(*index, code);
+                    quote! {
+                        #place.get(#private::scene::position(#index)),
+                        #index,
+                        #place.len(),
+                    }
+                }
+                Step::Pair(row, column) => {
+                    let [row, column] = [*row, *column].map(|index| self.integer(index, code));
+                    quote! {
+                        #place.get((#private::scene::position(#row), #private::scene::position(#column))),
+                        if #private::scene::position(#row) < #place.nrows() { #column } else { #row },
+                        if #private::scene::position(#row) < #place.nrows() { #place.ncols() } else { #place.nrows() },
+                    }
+                }
+            };
+            let steps = access.steps[..=at].to_vec();
+            let text = self.text(&self.scene().integers.path_text(&Access { steps }));
+            let name = format_ident!("place_{}", self.places);
+            self.places += 1;
+            code.extend(quote!(let #name = #private::scene::place(#found #text)?;));
+            place = quote!(#name);
+            is_reference = true;
+        }
+        if is_reference {
+            place
+        } else {
+            quote!((&#place))
+        }
+    }
+
+    /// Returns a condition as an expression.
+    fn condition(&mut self, condition: &Condition, code: &mut TokenStream) -> TokenStream {
+        match condition {
+            Condition::Integers(comparison, a, b) => {
+                let [a, b] = [*a, *b].map(|operand| self.integer(operand, code));
+                let comparison = operator(*comparison);
+                quote!((#a #comparison #b))
+            }
+            Condition::Numbers(comparison, a, b) => {
+                let arena = self.formulas.arena;
+                for symbol in [*a, *b].into_iter().flat_map(|e| arena.symbols_of(e)) {
+                    self.symbol(symbol, code);
+                }
+                let (statements, values) = self.formulas.within_loop(&[*a, *b]);
+                let (comparison, [a, b]) = (operator(*comparison), [&values[0], &values[1]]);
+                quote!({ #statements #a #comparison #b })
+            }
+            Condition::Not(inner) => {
+                let inner = self.condition(inner, code);
+                quote!((!#inner))
+            }
+            Condition::And(a, b) => {
+                let [a, b] = [self.condition(a, code), self.condition_alone(b)];
+                quote!((#a && #b))
+            }
+            Condition::Or(a, b) => {
+                let [a, b] = [self.condition(a, code), self.condition_alone(b)];
+                quote!((#a || #b))
+            }
+        }
+    }
+
+    /// Returns a condition that reads in its own block, since another one decides whether it may.
+    fn condition_alone(&mut self, condition: &Condition) -> TokenStream {
+        let [known, symbols] = [self.known.len(), self.symbols.len()];
+        let rows = self.rows.clone();
+        let mut code = TokenStream::new();
+        let value = self.condition(condition, &mut code);
+        self.known.truncate(known);
+        self.symbols.truncate(symbols);
+        self.rows = rows;
+        quote!({ #code #value })
+    }
+}
+
+fn operator(comparison: Comparison) -> TokenStream {
+    match comparison {
+        Comparison::Equal => quote!(==),
+        Comparison::Less => quote!(<),
+        Comparison::LessOrEqual => quote!(<=),
+    }
+}

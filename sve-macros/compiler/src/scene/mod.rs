@@ -1,0 +1,372 @@
+//! Scenes: the tree of sums → terms with their derivatives.
+//!
+//! Input: a [`Scene`]. Output: the sum of all loops as one flat list. A *term* is the summand of a
+//! sum without its inner sums, multiplied by the weight with which the sum enters the Lagrangian
+//! or the noise. The weight of a sum c of P is `ω(c) = ω(P) ∂summand(P)/∂c`, and it contains no sum.
+//! So `h L + Σ γ ΔW` is the sum of all terms over all instances, and an impulse of a site is the
+//! sum of the derivatives of the terms that read the site.
+
+#![allow(dead_code)]
+
+mod gather;
+mod kinetic;
+mod streams;
+#[cfg(test)]
+mod tests;
+
+use std::collections::{BTreeSet, HashMap};
+
+use crate::algebra::{Arena, Expr, Purpose, Symbol};
+use crate::errors::Errors;
+use crate::model::Meaning;
+use crate::model::scene::{Head, Int, Processes, Scene, Slot, SlotArray, SumId};
+pub(crate) use gather::{Gather, Read};
+pub(crate) use streams::Pair;
+
+/// A scene with its derivatives.
+pub(crate) struct Derived {
+    pub(crate) scene: Scene,
+    /// The step size.
+    pub(crate) step: Symbol,
+    /// The outermost loops, and the functions outside of their loops.
+    pub(crate) roots: Vec<Root>,
+    /// The summands of the Lagrangian.
+    pub(crate) lagrangian: Vec<Summand>,
+    pub(crate) masses: Vec<Mass>,
+    /// The terms of potentials and noises.
+    pub(crate) terms: Vec<Term>,
+    /// The terms of streams with their sites, those of most nodes first, each as a loop over nodes
+    /// computes it.
+    pub(crate) pairs: Vec<(Pair, Gather)>,
+    /// The number of pairs that most nodes have, and their impulses together.
+    pub(crate) common: usize,
+    pub(crate) node: Gather,
+    /// Number of the processes of functions that return numbers or arrays.
+    pub(crate) listed: usize,
+    /// The increment of each function that returns a `Vec`, with the sum over its processes.
+    pub(crate) each: Vec<(Symbol, SumId)>,
+}
+
+/// An outermost loop, or a function outside of its loops.
+pub(crate) struct Root {
+    pub(crate) sum: Option<SumId>,
+    /// Name of the function.
+    pub(crate) function: String,
+    /// True if the instances of the loop may be made ahead and executed by consecutive nodes.
+    pub(crate) is_stream: bool,
+}
+
+/// A term, with the sum whose summand it is; without one it stands outside of all loops.
+pub(crate) struct Summand {
+    pub(crate) root: usize,
+    pub(crate) sum: Option<SumId>,
+    pub(crate) value: Expr,
+}
+
+/// The mass of a component of a site, in each instance of a sum.
+pub(crate) struct Mass {
+    pub(crate) root: usize,
+    pub(crate) sum: Option<SumId>,
+    pub(crate) site: Int,
+    pub(crate) component: usize,
+    pub(crate) value: Expr,
+}
+
+/// A term that depends on the configuration.
+pub(crate) struct Term {
+    pub(crate) root: usize,
+    pub(crate) sum: Option<SumId>,
+    /// True for a term of a noise, which is multiplied by increments; false for a term of the
+    /// Lagrangian, whose derivative the step size multiplies.
+    pub(crate) is_noise: bool,
+    /// The sites that the term reads.
+    pub(crate) sites: Vec<Int>,
+    /// The fields and integers that the derivatives read.
+    pub(crate) columns: Vec<Symbol>,
+    /// For each site, the derivative in each component.
+    pub(crate) gradient: Vec<Vec<Expr>>,
+    /// For each site, the impulse in each component: the derivative, times h for a term of the
+    /// Lagrangian.
+    pub(crate) impulses: Vec<Vec<Expr>>,
+    /// For a noise with a process for each instance, its number in [`Derived::each`].
+    pub(crate) increment: Option<usize>,
+}
+
+/// Derives a scene.
+pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
+    let mut errors = Errors::new();
+    let mut terms = Terms::new(scene, arena, &mut errors);
+    let summands = terms.lagrangian();
+    let masses = kinetic::masses(&mut terms, &summands);
+    let at_rest: Vec<Summand> = summands.iter().map(|s| terms.at_rest(s)).collect();
+    let noises = terms.noises();
+    let mut list = Vec::new();
+    for (summands, is_noise) in [(at_rest, false), (noises, true)] {
+        let all = summands.iter().filter_map(|s| terms.term(s, is_noise));
+        list.extend(all);
+    }
+    let mut derived = Derived {
+        step: terms.scene.symbols.declare(Meaning::StepSize),
+        roots: terms.roots,
+        lagrangian: summands,
+        masses,
+        terms: list,
+        listed: terms.listed,
+        each: terms.each,
+        scene: terms.scene,
+        pairs: Vec::new(),
+        common: 0,
+        node: Gather::default(),
+    };
+    errors.finish(())?;
+    let gradients = derived.terms.iter_mut().flat_map(|t| &mut t.gradient);
+    arena.stabilise(Purpose::Step, gradients.flatten().collect());
+    let values = derived.lagrangian.iter_mut().map(|s| &mut s.value);
+    arena.stabilise(Purpose::Values, values.collect());
+    let step = arena.symbol(derived.step);
+    for term in &mut derived.terms {
+        let mut impulse = |&slope: &Expr| {
+            if term.is_noise {
+                slope
+            } else {
+                arena.mul(step, slope)
+            }
+        };
+        let rows = term.gradient.iter();
+        term.impulses = rows
+            .map(|row| row.iter().map(&mut impulse).collect())
+            .collect();
+    }
+    derived.mark_streams();
+    derived.gather(arena);
+    Ok(derived)
+}
+
+/// The work of a derivation.
+struct Terms<'a> {
+    scene: Scene,
+    arena: &'a mut Arena,
+    errors: &'a mut Errors,
+    /// The symbols of the sums.
+    sums: HashMap<Symbol, SumId>,
+    roots: Vec<Root>,
+    listed: usize,
+    each: Vec<(Symbol, SumId)>,
+}
+
+impl<'a> Terms<'a> {
+    fn new(scene: Scene, arena: &'a mut Arena, errors: &'a mut Errors) -> Self {
+        let meanings = scene.symbols.meanings().iter().enumerate();
+        let sums = meanings.filter_map(|(at, meaning)| match meaning {
+            Meaning::Sum(sum) => Some((Symbol(at as u32), SumId(*sum))),
+            _ => None,
+        });
+        Self {
+            sums: sums.collect(),
+            scene,
+            arena,
+            errors,
+            roots: Vec::new(),
+            listed: 0,
+            each: Vec::new(),
+        }
+    }
+
+    /// Returns the summands of the Lagrangian.
+    fn lagrangian(&mut self) -> Vec<Summand> {
+        let one = self.arena.constant(1.0);
+        let mut found = Vec::new();
+        self.function("lagrangian", self.scene.lagrangian, one, &mut found);
+        found
+    }
+
+    /// Returns the summands of all noises, each times its increment.
+    fn noises(&mut self) -> Vec<Summand> {
+        let one = self.arena.constant(1.0);
+        let mut found = Vec::new();
+        for noise in self.scene.noises.clone() {
+            match noise.processes {
+                Processes::Listed(gammas) => {
+                    let mut products = Vec::new();
+                    for gamma in gammas {
+                        let increment = Meaning::Wiener(self.listed);
+                        self.listed += 1;
+                        let increment = self.scene.symbols.declare(increment);
+                        let increment = self.arena.symbol(increment);
+                        products.push((1.0, self.arena.mul(increment, gamma)));
+                    }
+                    let total = self.arena.sum(0.0, &products);
+                    self.function(&noise.name, total, one, &mut found);
+                }
+                Processes::Each(sum) => {
+                    let increment = Meaning::Slot(self.scene.symbols.meanings().len());
+                    let increment = self.scene.symbols.declare(increment);
+                    self.each.push((increment, sum));
+                    let weight = self.arena.symbol(increment);
+                    let root = self.root(Some(sum), &noise.name);
+                    self.sum(root, sum, weight, &mut found);
+                }
+            }
+        }
+        found
+    }
+
+    /// Adds the summands of a function: those outside of its loops, and those of each loop.
+    fn function(&mut self, name: &str, value: Expr, weight: Expr, to: &mut Vec<Summand>) {
+        let (own, inner) = self.parts(value, weight);
+        if self.arena.constant_value(own) != Some(0.0) {
+            let (root, sum) = (self.root(None, name), None);
+            let value = own;
+            to.push(Summand { root, sum, value });
+        }
+        for (sum, weight) in inner {
+            let root = self.root(Some(sum), name);
+            self.sum(root, sum, weight, to);
+        }
+    }
+
+    fn root(&mut self, sum: Option<SumId>, function: &str) -> usize {
+        self.roots.push(Root {
+            sum,
+            function: function.to_owned(),
+            is_stream: false,
+        });
+        self.roots.len() - 1
+    }
+
+    /// Adds the summand of a sum with a weight, and those of its inner sums.
+    fn sum(&mut self, root: usize, sum: SumId, weight: Expr, to: &mut Vec<Summand>) {
+        let mut open = vec![(sum, weight)];
+        while let Some((sum, weight)) = open.pop() {
+            let (value, inner) = self.parts(self.scene.sums[sum.0].summand, weight);
+            if self.arena.constant_value(value) != Some(0.0) {
+                let sum = Some(sum);
+                to.push(Summand { root, sum, value });
+            }
+            open.extend(inner.into_iter().rev());
+        }
+    }
+
+    /// Splits an expression into its part without sums, and the sums in it with their weights;
+    /// both times `weight`.
+    fn parts(&mut self, value: Expr, weight: Expr) -> (Expr, Vec<(SumId, Expr)>) {
+        let symbols = self.arena.symbols_of(value);
+        let mut sums: Vec<(SumId, Symbol)> = symbols
+            .filter_map(|symbol| Some((*self.sums.get(&symbol)?, symbol)))
+            .collect();
+        sums.sort_by_key(|sum| sum.0.0);
+        let zero = self.arena.constant(0.0);
+        let mut inner = Vec::new();
+        for &(sum, symbol) in &sums {
+            let slope = self.arena.diff(value, symbol);
+            if sums.iter().any(|&(_, s)| self.arena.contains(slope, s)) {
+                let message = "this loop's sum enters another formula, which needs two passes over the loop, and is not kept yet: use the sum with a factor and plus or minus, or give the number of sites at compile time, `[f64; N]`";
+                self.errors.push(self.scene.sums[sum.0].at, message);
+                continue;
+            }
+            inner.push((sum, self.arena.mul(weight, slope)));
+        }
+        let none: HashMap<Symbol, Expr> = sums.iter().map(|&(_, symbol)| (symbol, zero)).collect();
+        let own = self.arena.substitute(value, &none);
+        (self.arena.mul(weight, own), inner)
+    }
+
+    /// Returns the slots in an expression, in the order of their symbols.
+    fn slots_of(&self, value: Expr) -> Vec<(Symbol, &SlotArray, usize)> {
+        let slot = |symbol| {
+            let slot = self.scene.slot(symbol)?;
+            Some((symbol, &slot.array, slot.component))
+        };
+        self.arena.symbols_of(value).filter_map(slot).collect()
+    }
+
+    /// Returns a summand without velocities.
+    fn at_rest(&mut self, summand: &Summand) -> Summand {
+        let zero = self.arena.constant(0.0);
+        let slots = self.slots_of(summand.value).into_iter();
+        let velocities = slots.filter(|slot| matches!(slot.1, SlotArray::Velocity(_)));
+        let velocities = velocities.map(|slot| (slot.0, zero)).collect();
+        Summand {
+            value: self.arena.substitute(summand.value, &velocities),
+            ..*summand
+        }
+    }
+
+    /// Returns a term with its derivatives; `None` if it does not depend on the configuration.
+    fn term(&mut self, summand: &Summand, is_noise: bool) -> Option<Term> {
+        let Summand { root, sum, value } = *summand;
+        let coordinates: Vec<(Symbol, Int, usize)> = self
+            .slots_of(value)
+            .into_iter()
+            .filter_map(|(symbol, array, component)| match array {
+                SlotArray::Configuration(site) => Some((symbol, *site, component)),
+                _ => None,
+            })
+            .collect();
+        let mut sites: Vec<Int> = Vec::new();
+        for &(_, site, _) in &coordinates {
+            if !sites.contains(&site) {
+                sites.push(site);
+            }
+        }
+        let zero = self.arena.constant(0.0);
+        let mut gradient = vec![vec![zero; self.scene.row.len()]; sites.len()];
+        for (symbol, site, component) in coordinates {
+            let slope = self.arena.diff(value, symbol);
+            let at = sites.iter().position(|s| *s == site)?;
+            gradient[at][component] = slope;
+        }
+        let slopes: Vec<Expr> = gradient.iter().flatten().copied().collect();
+        if self.arena.zeros(&slopes).into_iter().all(|is_zero| is_zero) {
+            return None;
+        }
+        let read = slopes.iter().flat_map(|&slope| self.slots_of(slope));
+        let is_column = |array| matches!(array, &SlotArray::Field(_) | &SlotArray::Number(_));
+        let columns: BTreeSet<Symbol> =
+            read.filter(|slot| is_column(slot.1)).map(|s| s.0).collect();
+        let of_each = self.each.iter();
+        let mut of_each = of_each.map(|&(symbol, _)| self.arena.contains(value, symbol));
+        Some(Term {
+            root,
+            sum,
+            is_noise,
+            sites,
+            columns: columns.into_iter().collect(),
+            impulses: Vec::new(),
+            gradient,
+            increment: of_each.position(|is_read| is_read),
+        })
+    }
+}
+
+impl Scene {
+    /// Returns a sum with the sums around it, the innermost first.
+    pub(crate) fn around(&self, sum: Option<SumId>) -> impl Iterator<Item = SumId> + '_ {
+        std::iter::successors(sum, |sum| self.sums[sum.0].parent)
+    }
+
+    /// Returns the symbols of the components of a site, with the numbers of the components.
+    pub(crate) fn row_of(&self, site: Int) -> impl Iterator<Item = (Symbol, usize)> + '_ {
+        let symbols = (0..self.symbols.meanings().len() as u32).map(Symbol);
+        symbols.filter_map(move |symbol| match self.slot(symbol)? {
+            Slot {
+                array: SlotArray::Configuration(of),
+                component,
+            } if *of == site => Some((symbol, *component)),
+            _ => None,
+        })
+    }
+
+    /// Returns the slot that a symbol denotes.
+    pub(crate) fn slot(&self, symbol: Symbol) -> Option<&Slot> {
+        match self.symbols.meaning(symbol) {
+            Meaning::Slot(slot) => self.slots.get(*slot),
+            _ => None,
+        }
+    }
+
+    /// Returns the heads of a sum and of the sums around it, the innermost first.
+    pub(crate) fn heads(&self, sum: Option<SumId>) -> impl Iterator<Item = &Head> + '_ {
+        self.around(sum).map(|sum| &self.sums[sum.0].head)
+    }
+}
