@@ -33,6 +33,64 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
     },
+    /// An index in a function of a scene is out of range.
+    #[error(
+        "{text} has the index {index} at t = {t}, and the length is {length}: let the loop run over indices that exist, \
+         put an `if` around this term, or look at the fields that give the index"
+    )]
+    Index {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The indexed expression and its function.
+        text: Box<str>,
+        /// The index.
+        index: i64,
+        /// The length of the array.
+        length: usize,
+    },
+    /// An array of a scene has another length than the others.
+    #[error("{what} has {found} entries at t = {t}, and {expected} are needed")]
+    Length {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The array: `p`, which is as long as `q`, or `dw`, which has an entry for each process.
+        what: Box<str>,
+        /// Its length.
+        found: usize,
+        /// The length that it has to have.
+        expected: usize,
+    },
+    /// The mass of a component of a scene has no inverse.
+    #[error(
+        "the mass of {what} is {mass} at t = {t}: each component needs a kinetic energy ½ m v² with a finite mass that is not zero"
+    )]
+    Mass {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The velocity: `v[5]`.
+        what: String,
+        /// Its mass.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        mass: f64,
+    },
+    /// The step of a scene left the numbers.
+    #[error(
+        "the step from t = {t} with h = {h:e} gave a {what} that is not finite: \
+         L or a derivative is undefined nearby, the motion overflowed, or a parameter is not finite; take a smaller h, or look at L there"
+    )]
+    NonFiniteCoordinate {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// The first number of the result that is not finite: `q[0]`, `p[7][2]`.
+        what: String,
+    },
     /// The loss of a gradient or one of its derivatives is not finite.
     #[error(
         "the loss of the state at t = {t} is {value}, or one of its derivatives is not finite; is it smooth there?"

@@ -7,18 +7,28 @@
 //! | `indices.rs` | the instances of the loops, cut into runs of consecutive indices |
 //! | `segments.rs` | the runs, seen from the nodes that they contribute to |
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
-//! | `sweep.rs` | the impulses of all loops, added to the momenta |
+//! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
+//! | `shear.rs` | steps that are lists of drifts and kicks, in place |
+//! | `layout.rs` | what is known about the loops of a scene of known size |
 //!
 //! The folder knows arrays and no mechanics. A loop of the user is a list of instances, and each
 //! instance reads some nodes, which are sites of the configuration. Where the nodes of consecutive
 //! instances are consecutive, the derivatives are computed from slices; any other loop is made as
 //! the user wrote it.
 
+mod indices;
+mod layout;
 mod rows;
+mod segments;
+mod shear;
 mod streams;
+mod sweep;
 mod written;
 
+pub use indices::Instances;
+pub use layout::Layout;
 pub use rows::Row;
+pub use shear::{Phase, Prepared, Shear};
 pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};
 pub use written::{
     Integer, accumulate, check, integer, place, position, quotient, remainder, row_if_any,
@@ -43,8 +53,8 @@ pub trait Scene {
     const TERMS: &'static [Term];
     /// The pairs of the loops that are streams, by term and slot.
     const PAIRS: &'static [Pair];
-    /// The number of pairs that [`node`](Self::node) adds, the first of [`PAIRS`](Self::PAIRS). The
-    /// others are those of few nodes, such as the ends of a chain.
+    /// The number of pairs that [`node`](Self::node) adds: the first ones. The other pairs belong to
+    /// terms for few nodes, such as the end of a chain.
     const NODE_PAIRS: usize;
     /// True if a derivative of the Lagrangian or of a noise depends on the time itself.
     const READS_TIME: bool;
@@ -61,10 +71,10 @@ pub trait Scene {
     /// An index that is out of range.
     fn masses(&self, n: usize, masses: &mut [Self::Row]) -> Result<(), IndexError>;
 
-    /// Returns the impulse h ∂L/∂q + Σ ΔW ∂γ/∂q of a node to which each of the pairs contributes
-    /// once. `#[inline(always)]`.
+    /// Returns the impulse h ∂L/∂q + Σ ΔW ∂γ/∂q of a node to which each of the first
+    /// [`NODE_PAIRS`](Self::NODE_PAIRS) pairs contributes once. `#[inline(always)]`.
     ///
-    /// `dw` has all increments of the step, in source order of the functions.
+    /// `dw` has all increments of the step: those of listed processes, then those of terms.
     fn node(&self, h: f64, t: f64, dw: &[f64], reads: &impl Reads<Self::Row>) -> Self::Row;
 
     /// Adds the impulses of one pair to consecutive nodes, with [`add`]. `#[inline(always)]`.
@@ -199,29 +209,4 @@ pub fn entry<'a, T>(array: &'a [T], index: i64, text: &'static str) -> Result<&'
         index,
         length,
     })
-}
-
-/// The instances of a loop, as they are visited.
-#[derive(Debug)]
-pub struct Instances {
-    n: usize,
-}
-
-impl Instances {
-    /// Adds an instance of a term: the indices of its slots, the values of its columns, and the
-    /// number of its increment among all increments of a step (0 for a term without one).
-    ///
-    /// # Errors
-    /// A slot that is out of range; the end of a visit that found no long runs.
-    #[inline]
-    pub fn instance(
-        &mut self,
-        term: usize,
-        slots: &[i64],
-        columns: &[f64],
-        increment: usize,
-    ) -> Result<(), Stop> {
-        let _ = (self.n, term, slots, columns, increment);
-        Ok(())
-    }
 }

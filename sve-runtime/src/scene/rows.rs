@@ -3,7 +3,7 @@
 use core::fmt::Debug;
 
 /// The numbers of a site, `[f64; D]`; `[f64; 1]` for a configuration `&[f64]`.
-pub trait Row: Sealed + Copy + Debug + Send + Sync + 'static {
+pub trait Row: Sealed + Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Number of components.
     const LENGTH: usize;
     /// Zeros.

@@ -1,13 +1,13 @@
 //! What a printed loop reads: slices in which the index advances by one from node to node.
 //!
-//! The loops are here, and the body is a closure or a function of generated code. All slices are
+//! The loop is here, and its body is a closure or a function of generated code. All slices are
 //! arguments of the function with the loop and are cut to one length, so that the loop has no
 //! bounds to check, and the compiler knows that the written slice overlaps no other.
 
 use core::array::from_fn;
-use core::marker::PhantomData;
 
 use super::Row;
+use super::segments::PairStreams;
 
 /// What the impulse of a node reads.
 pub trait Reads<R> {
@@ -21,17 +21,29 @@ pub trait Reads<R> {
     fn increment(&self, number: usize) -> f64;
 }
 
-/// The streams of consecutive nodes.
+/// The streams of consecutive nodes: arrays, and the index in them for the first node.
 #[derive(Clone, Copy, Debug)]
 pub struct Streams<'a, R> {
-    /// The nodes themselves.
-    pub own: &'a [R],
-    /// The other rows.
-    pub rows: &'a [&'a [R]],
-    /// Columns of fields.
-    pub columns: &'a [&'a [f64]],
-    /// Increments of processes, each belonging to one instance.
-    pub increments: &'a [&'a [f64]],
+    pub(super) q: &'a [R],
+    pub(super) node: usize,
+    pub(super) rows: &'a [u32],
+    pub(super) fields: &'a [f64],
+    pub(super) columns: &'a [u32],
+    pub(super) dw: &'a [f64],
+    pub(super) increments: &'a [u32],
+}
+
+impl<R> Streams<'_, R> {
+    /// Returns the streams of one pair.
+    #[inline(always)]
+    pub(super) fn of(&self, pair: &PairStreams) -> Self {
+        Self {
+            rows: &self.rows[pair.rows.clone()],
+            columns: &self.columns[pair.columns.clone()],
+            increments: &self.increments[pair.increments.clone()],
+            ..*self
+        }
+    }
 }
 
 /// A place in streams of known numbers.
@@ -41,65 +53,106 @@ pub struct At<'s, 'a, R, const ROWS: usize, const COLUMNS: usize, const INCREMEN
     rows: &'s [&'a [R]; ROWS],
     columns: &'s [&'a [f64]; COLUMNS],
     increments: &'s [&'a [f64]; INCREMENTS],
-    at: usize,
+    place: usize,
 }
 
 impl<R: Row, const A: usize, const B: usize, const C: usize> Reads<R> for At<'_, '_, R, A, B, C> {
     #[inline(always)]
     fn own(&self) -> R {
-        self.own[self.at]
+        self.own[self.place]
     }
 
     #[inline(always)]
     fn row(&self, number: usize) -> R {
-        self.rows[number][self.at]
+        self.rows[number][self.place]
     }
 
     #[inline(always)]
     fn column(&self, number: usize) -> f64 {
-        self.columns[number][self.at]
+        self.columns[number][self.place]
     }
 
     #[inline(always)]
     fn increment(&self, number: usize) -> f64 {
-        self.increments[number][self.at]
+        self.increments[number][self.place]
     }
 }
 
-/// Adds `impulse` at each place of the streams to `to`. The streams have at least its length, and
-/// the numbers `ROWS`, `COLUMNS` and `INCREMENTS`.
+/// Adds `impulse` at each place of the streams to `to`. The streams have at least the numbers
+/// `ROWS`, `COLUMNS` and `INCREMENTS`.
 #[inline(always)]
 pub fn add<R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS: usize>(
     streams: &Streams<'_, R>,
     to: &mut [R],
     impulse: impl Fn(&At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
 ) {
+    add_times::<false, R, ROWS, COLUMNS, INCREMENTS>(streams, to, impulse);
+}
+
+/// Adds as [`add`], or adds each impulse twice, one addition after the other.
+#[inline(always)]
+fn add_times<
+    const TWICE: bool,
+    R: Row,
+    const ROWS: usize,
+    const COLUMNS: usize,
+    const INCREMENTS: usize,
+>(
+    streams: &Streams<'_, R>,
+    to: &mut [R],
+    impulse: impl Fn(&At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
+) {
     let m = to.len();
-    let own = &streams.own[..m];
-    let rows: [&[R]; ROWS] = from_fn(|k| &streams.rows[k][..m]);
-    let columns: [&[f64]; COLUMNS] = from_fn(|k| &streams.columns[k][..m]);
-    let increments: [&[f64]; INCREMENTS] = from_fn(|k| &streams.increments[k][..m]);
+    let own = &streams.q[streams.node..][..m];
+    let rows: [&[R]; ROWS] = from_fn(|k| &streams.q[streams.rows[k] as usize..][..m]);
+    let columns: [&[f64]; COLUMNS] =
+        from_fn(|k| &streams.fields[streams.columns[k] as usize..][..m]);
+    let increments: [&[f64]; INCREMENTS] =
+        from_fn(|k| &streams.dw[streams.increments[k] as usize..][..m]);
     for at in 0..m {
-        to[at].add(impulse(&At {
+        let impulse = impulse(&At {
             own,
             rows: &rows,
             columns: &columns,
             increments: &increments,
-            at,
-        }));
+            place: at,
+        });
+        to[at].add(impulse);
+        if TWICE {
+            to[at].add(impulse);
+        }
     }
+}
+
+/// The impulse of a node.
+#[doc(hidden)]
+pub trait Impulse<R> {
+    /// Returns the impulse.
+    fn at(&self, reads: &impl Reads<R>) -> R;
+}
+
+/// Numbers of streams as a type.
+pub trait StreamCounts {
+    /// Adds the impulse at each place of the streams to `to`, once or twice.
+    #[doc(hidden)]
+    fn add<const TWICE: bool, R: Row>(
+        streams: &Streams<'_, R>,
+        to: &mut [R],
+        impulse: &impl Impulse<R>,
+    );
 }
 
 /// Numbers of streams: of rows, of columns of fields, and of increments.
 #[derive(Clone, Copy, Debug)]
-pub struct Counts<const ROWS: usize, const COLUMNS: usize, const INCREMENTS: usize>(
-    PhantomData<[(); ROWS]>,
-);
+pub struct Counts<const ROWS: usize, const COLUMNS: usize, const INCREMENTS: usize>;
 
-/// Numbers of streams as a type.
-pub trait StreamCounts {}
-
-impl<const ROWS: usize, const COLUMNS: usize, const INCREMENTS: usize> StreamCounts
-    for Counts<ROWS, COLUMNS, INCREMENTS>
-{
+impl<const A: usize, const B: usize, const C: usize> StreamCounts for Counts<A, B, C> {
+    #[inline(always)]
+    fn add<const TWICE: bool, R: Row>(
+        streams: &Streams<'_, R>,
+        to: &mut [R],
+        impulse: &impl Impulse<R>,
+    ) {
+        add_times::<TWICE, R, A, B, C>(streams, to, |reads| impulse.at(reads));
+    }
 }

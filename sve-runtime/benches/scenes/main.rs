@@ -1,0 +1,484 @@
+//! Scenes against the best loops by hand: `cargo bench -p sve-runtime --bench scenes`, or with a
+//! word of the titles after `--`.
+//!
+//! Each round runs all cases of a group one after the other, and the table has medians: of the time
+//! of a site (or pair) and step, and of its ratio to the first case within a round. Times are those
+//! of the processor for this thread, where the system tells them.
+#![allow(unsafe_code)]
+
+mod hand;
+#[path = "../../tests/scene/scenes.rs"]
+#[allow(dead_code)]
+mod scenes;
+
+use std::hint::black_box;
+
+use hand::dispatch;
+use scenes::{Argon, Bodies, Chain, Lattice};
+use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene, Shear};
+
+const H: f64 = 0.02;
+const ROUNDS: usize = 15;
+
+fn main() {
+    let words: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|word| !word.starts_with('-'))
+        .collect();
+    let is_asked = |title: &str| words.is_empty() || words.iter().any(|word| title.contains(word));
+    for n in [100, 1000, 10_000, 1_000_000] {
+        chain(n, &is_asked);
+    }
+    for sides in [
+        [1, 10, 10],
+        [1, 100, 100],
+        [1, 1000, 1000],
+        [10, 10, 10],
+        [22, 22, 22],
+        [100, 100, 100],
+    ] {
+        lattice(sides, &is_asked);
+    }
+    for side in [4, 15, 69] {
+        molecules(side, &is_asked);
+    }
+    for n in [34, 334, 3334] {
+        all_pairs(n, &is_asked);
+    }
+}
+
+#[repr(C)]
+struct Time {
+    seconds: i64,
+    nanoseconds: i64,
+}
+
+/// Returns the time of the processor for this thread, in seconds.
+#[cfg(target_os = "linux")]
+fn now() -> f64 {
+    unsafe extern "C" {
+        fn clock_gettime(clock: i32, time: *mut Time) -> i32;
+    }
+    let mut time = Time {
+        seconds: 0,
+        nanoseconds: 0,
+    };
+    // Safety: the function writes to the structure that it is given.
+    unsafe { clock_gettime(3, &raw mut time) };
+    time.seconds as f64 + 1e-9 * time.nanoseconds as f64
+}
+
+#[cfg(not(target_os = "linux"))]
+fn now() -> f64 {
+    use std::sync::OnceLock;
+    use std::time::Instant;
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_secs_f64()
+}
+
+/// A case: its name, sites times steps of a call, and the call.
+type Case<'a> = (&'static str, f64, Box<dyn FnMut() + 'a>);
+
+fn compare(title: &str, is_asked: &dyn Fn(&str) -> bool, mut cases: Vec<Case<'_>>) {
+    if !is_asked(title) {
+        return;
+    }
+    let mut repeats = Vec::new();
+    for (_, _, call) in &mut cases {
+        let mut count = 1;
+        loop {
+            let start = now();
+            (0..count).for_each(|_| call());
+            let time = now() - start;
+            if time > 0.003 {
+                break;
+            }
+            count *= 2;
+        }
+        repeats.push(count);
+    }
+    let mut times = vec![Vec::new(); cases.len()];
+    for _ in 0..ROUNDS {
+        for (at, (_, units, call)) in cases.iter_mut().enumerate() {
+            let start = now();
+            (0..repeats[at]).for_each(|_| call());
+            times[at].push((now() - start) * 1e9 / (f64::from(repeats[at]) * *units));
+        }
+    }
+    let median = |mut of: Vec<f64>| {
+        of.sort_by(f64::total_cmp);
+        of[of.len() / 2]
+    };
+    println!("{title}");
+    for (at, (name, ..)) in cases.iter().enumerate() {
+        let ratios = times[at]
+            .iter()
+            .zip(&times[0])
+            .map(|(time, first)| time / first);
+        let [time, ratio] = [times[at].clone(), ratios.collect()].map(median);
+        println!("  {name:<32} {time:>8.3} ns  {ratio:.3}");
+    }
+}
+
+/// Returns the shears of the endpoint rule, or of the rule of Störmer and Verlet.
+fn shears(is_verlet: bool) -> Vec<Shear> {
+    let kick = |part: f64, at: f64| Shear::Kick {
+        h: part * H,
+        part,
+        at: at * H,
+    };
+    if is_verlet {
+        vec![kick(0.5, 0.0), Shear::Drift { h: H }, kick(0.5, 1.0)]
+    } else {
+        vec![Shear::Drift { h: H }, kick(1.0, 1.0)]
+    }
+}
+
+/// A trajectory of a scene.
+struct Path<'a, S: Scene> {
+    scene: &'a S,
+    prepared: Prepared<S::Row>,
+    shears: Vec<Shear>,
+    q: Vec<S::Row>,
+    p: Vec<S::Row>,
+}
+
+impl<'a, S: Scene> Path<'a, S> {
+    fn new(scene: &'a S, q: &[S::Row], is_verlet: bool) -> Self {
+        Self {
+            scene,
+            prepared: Prepared::new(scene, q.len(), 0.0).expect("indices in range"),
+            shears: shears(is_verlet),
+            q: q.to_vec(),
+            p: vec![S::Row::ZERO; q.len()],
+        }
+    }
+
+    fn advance(&mut self, steps: u64) {
+        let mut state = Phase {
+            q: black_box(&mut self.q),
+            p: &mut self.p,
+        };
+        let time = |step| step as f64 * H;
+        let (scene, shears) = (self.scene, &self.shears);
+        let made = self
+            .prepared
+            .advance(scene, shears, &mut state, &time, H, steps);
+        assert_eq!(made, (steps, Ok(())));
+    }
+
+    fn step(&mut self) {
+        let mut state = Phase {
+            q: black_box(&mut self.q),
+            p: &mut self.p,
+        };
+        let (scene, shears) = (self.scene, &self.shears);
+        let made = self.prepared.step(scene, shears, &mut state, [0.0, H], &[]);
+        assert_eq!(made, Ok(()));
+    }
+}
+
+/// Returns the number of steps of a call, with as many as a block has.
+fn steps(n: usize) -> u64 {
+    64 + (1 << 16) / (n as u64 + 1)
+}
+
+fn rows(q: &[f64]) -> &[[f64; 1]] {
+    q.as_chunks().0
+}
+
+fn chain(n: usize, is_asked: &dyn Fn(&str) -> bool) {
+    let scene = Chain::<true> {
+        beta: 0.7,
+        mass: 1.0,
+    };
+    let start: Vec<f64> = (0..n).map(|i| 0.3 * (0.01 * i as f64).sin()).collect();
+    let (count, units) = (steps(n), steps(n) as f64 * n as f64);
+    let state = || (start.clone(), vec![0.0; n]);
+    let (mut a, mut b) = (state(), state());
+    let mut endpoint = Path::new(&scene, rows(&start), false);
+    let mut verlet = Path::new(&scene, rows(&start), true);
+    let mut single = Path::new(&scene, rows(&start), false);
+    let beta = 0.7;
+    compare(
+        &format!("chain of {n}"),
+        is_asked,
+        vec![
+            (
+                "by hand, in place",
+                units,
+                Box::new(|| {
+                    for _ in 0..count {
+                        let (q, p) = (black_box(&mut *a.0), &mut *a.1);
+                        dispatch(hand::Chain { q, p, h: H, beta });
+                    }
+                }),
+            ),
+            (
+                "by hand, two plain loops",
+                units,
+                Box::new(|| {
+                    for _ in 0..count {
+                        hand::plain_chain(black_box(&mut b.0), &mut b.1, H, beta);
+                    }
+                }),
+            ),
+            (
+                "trajectory, endpoint",
+                units,
+                Box::new(|| endpoint.advance(count)),
+            ),
+            (
+                "trajectory, Störmer–Verlet",
+                units,
+                Box::new(|| verlet.advance(count)),
+            ),
+            (
+                "single steps, endpoint",
+                n as f64,
+                Box::new(|| single.step()),
+            ),
+        ],
+    );
+}
+
+fn lattice(sides: [usize; 3], is_asked: &dyn Fn(&str) -> bool) {
+    let n = sides.iter().product();
+    let start: Vec<f64> = (0..n).map(|i| (0.37 * i as f64).sin()).collect();
+    let (count, units) = (steps(n), steps(n) as f64 * n as f64);
+    let mut a = (start.clone(), vec![0.0; n]);
+    let title = format!("lattice of {sides:?}");
+    let by_hand: Case<'_> = (
+        "by hand, rows in place",
+        units,
+        Box::new(move || {
+            for _ in 0..count {
+                let (q, p) = (black_box(&mut *a.0), &mut *a.1);
+                dispatch(hand::Lattice { sides, q, p, h: H });
+            }
+        }),
+    );
+    let is_periodic = false;
+    if sides[0] == 1 {
+        let scene = Lattice::<2, true> {
+            sides: [sides[1], sides[2]],
+            is_periodic,
+        };
+        let mut path = Path::new(&scene, rows(&start), false);
+        let mut single = Path::new(&scene, rows(&start), false);
+        compare(
+            &title,
+            is_asked,
+            vec![
+                by_hand,
+                (
+                    "trajectory, endpoint",
+                    units,
+                    Box::new(|| path.advance(count)),
+                ),
+                (
+                    "single steps, endpoint",
+                    n as f64,
+                    Box::new(|| single.step()),
+                ),
+            ],
+        );
+    } else {
+        let scene = Lattice::<3, true> { sides, is_periodic };
+        let mut path = Path::new(&scene, rows(&start), false);
+        compare(
+            &title,
+            is_asked,
+            vec![
+                by_hand,
+                (
+                    "trajectory, endpoint",
+                    units,
+                    Box::new(|| path.advance(count)),
+                ),
+            ],
+        );
+    }
+}
+
+/// A grid of atoms, in an order in which neighbours are near.
+fn grid(side: usize) -> Vec<[f64; 3]> {
+    let turned = |at: usize, row: usize| {
+        if row.is_multiple_of(2) {
+            at
+        } else {
+            side - 1 - at
+        }
+    };
+    (0..side * side * side)
+        .map(|i| {
+            let (z, y) = (i / (side * side), i / side % side);
+            let site = [turned(i % side, y + z * side), turned(y, z), z];
+            let noise = |k: usize| 0.05 * ((i * 3 + k) as f64 * 12.9898).sin();
+            std::array::from_fn(|k| 1.06 * site[k] as f64 + noise(k))
+        })
+        .collect()
+}
+
+/// Returns a half list by rows of all pairs nearer than 2.5.
+fn half_list(x: &[[f64; 3]]) -> (Vec<usize>, Vec<usize>) {
+    let cell = |x: &[f64; 3]| x.map(|x| ((x + 0.06) / 2.5).max(0.0) as i64);
+    let mut cells = std::collections::HashMap::<[i64; 3], Vec<usize>>::new();
+    for (i, x) in x.iter().enumerate() {
+        cells.entry(cell(x)).or_default().push(i);
+    }
+    let (mut start, mut list) = (vec![0], Vec::new());
+    for (i, a) in x.iter().enumerate() {
+        let at = cell(a);
+        for near in 0..27 {
+            let near = [
+                at[0] + near / 9 - 1,
+                at[1] + near / 3 % 3 - 1,
+                at[2] + near % 3 - 1,
+            ];
+            let others = cells.get(&near).map_or(&[][..], Vec::as_slice);
+            list.extend(others.iter().filter(|&&j| {
+                let r2: f64 = (0..3).map(|k| (x[j][k] - a[k]).powi(2)).sum();
+                j > i && r2 < 6.25
+            }));
+        }
+        start.push(list.len());
+    }
+    (start, list)
+}
+
+fn molecules(side: usize, is_asked: &dyn Fn(&str) -> bool) {
+    let x = grid(side);
+    let n = x.len();
+    let h = 1e-6;
+    let shears = vec![
+        Shear::Kick {
+            h: 0.5 * h,
+            part: 0.5,
+            at: 0.0,
+        },
+        Shear::Drift { h },
+        Shear::Kick {
+            h: 0.5 * h,
+            part: 0.5,
+            at: h,
+        },
+    ];
+    let count = if n > 10_000 { 4 } else { 64 };
+    let state = || [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
+
+    let (start, list) = half_list(&x);
+    let [short_start, short] =
+        [&start, &list].map(|of| of.iter().map(|&i| i as u32).collect::<Vec<_>>());
+    let pairs = list.len() as f64 * count as f64;
+    let argon = Argon {
+        start,
+        list,
+        cut2: 6.25,
+        mass: 1.0,
+    };
+    let mut path = Path {
+        shears: shears.clone(),
+        ..Path::new(&argon, &x, true)
+    };
+    let [mut q, mut p, mut f] = state();
+    compare(
+        &format!("argon of {n} atoms, {} pairs", short.len()),
+        is_asked,
+        vec![
+            (
+                "by hand, half list",
+                pairs,
+                Box::new(|| {
+                    for _ in 0..count {
+                        hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                            hand::argon(&short_start, &short, x, f);
+                        });
+                    }
+                }),
+            ),
+            (
+                "trajectory, Störmer–Verlet",
+                pairs,
+                Box::new(|| path.advance(count)),
+            ),
+        ],
+    );
+
+    let bonds: Vec<[usize; 2]> = (1..n).filter(|i| i % 50 != 0).map(|i| [i - 1, i]).collect();
+    let short: Vec<[u32; 2]> = bonds.iter().map(|bond| bond.map(|i| i as u32)).collect();
+    let units = bonds.len() as f64 * count as f64;
+    let bodies = Bodies::<false> {
+        bonds,
+        k: 100.0,
+        length: 1.0,
+        softening: 0.0,
+    };
+    let mut path = Path {
+        shears,
+        ..Path::new(&bodies, &x, true)
+    };
+    let [mut q, mut p, mut f] = state();
+    compare(
+        &format!("bonds of {n} atoms"),
+        is_asked,
+        vec![
+            (
+                "by hand, plain list",
+                units,
+                Box::new(|| {
+                    for _ in 0..count {
+                        hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                            hand::bonds(&short, x, f);
+                        });
+                    }
+                }),
+            ),
+            (
+                "trajectory, Störmer–Verlet",
+                units,
+                Box::new(|| path.advance(count)),
+            ),
+        ],
+    );
+}
+
+fn all_pairs(n: usize, is_asked: &dyn Fn(&str) -> bool) {
+    let x = &grid(15)[..n];
+    let (h, softening) = (H, 0.01);
+    let pairs = 0.5 * n as f64 * (n - 1) as f64;
+    let scene = Bodies::<true> {
+        bonds: Vec::new(),
+        k: 1.0,
+        length: 0.0,
+        softening,
+    };
+    let mut path = Path::new(&scene, x, true);
+    let [mut q, mut p, mut f] = [x.to_vec(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
+    let mut arrays: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; n]);
+    compare(
+        &format!("all pairs of {n} bodies"),
+        is_asked,
+        vec![
+            (
+                "by hand, blocks of 16",
+                pairs,
+                Box::new(|| {
+                    hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                        dispatch(hand::AllPairs {
+                            x,
+                            f,
+                            arrays: &mut arrays,
+                            softening,
+                        });
+                    });
+                }),
+            ),
+            (
+                "trajectory, Störmer–Verlet",
+                pairs * 4.0,
+                Box::new(|| path.advance(4)),
+            ),
+        ],
+    );
+}

@@ -1,0 +1,268 @@
+//! A sweep: nodes move, and the impulses of all loops at their new places are added to the momenta.
+//!
+//! Both are done in place, tile by tile. The drift leads by what a piece of nodes reads, so that
+//! the momenta of a tile are still in the first cache when its impulses are added.
+
+use core::ops::Range;
+
+use super::segments::{Bases, Segments, TILE};
+use super::streams::Impulse;
+use super::{IndexError, Reads, Row, Scene, StreamCounts, Streams};
+use crate::lanes::dispatch::Kernel;
+
+/// Inverse masses of all components of all sites.
+#[derive(Clone, Debug)]
+pub(super) enum InverseMasses {
+    /// All have this one.
+    Uniform(f64),
+    /// One for each component.
+    Each(Vec<f64>),
+}
+
+/// The impulse over the time `h` at the time `t`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kick<'a> {
+    pub(super) h: f64,
+    pub(super) t: f64,
+    pub(super) dw: &'a [f64],
+}
+
+/// Arrays that a sweep needs.
+#[derive(Clone, Debug)]
+pub(super) struct Buffers<R> {
+    /// Impulses of the pairs of one piece.
+    of_piece: Vec<R>,
+    /// Impulses of all loops, if one of them is made as it is written: zeros between sweeps.
+    of_nests: Vec<R>,
+}
+
+impl<R: Row> Buffers<R> {
+    pub(super) fn new(segments: &Segments, n: usize) -> Self {
+        let of_nests = if segments.nests.is_empty() { 0 } else { n };
+        Self {
+            of_piece: vec![R::ZERO; TILE],
+            of_nests: vec![R::ZERO; of_nests],
+        }
+    }
+
+    /// Returns the number of numbers.
+    pub(super) fn len(&self) -> usize {
+        (self.of_piece.len() + self.of_nests.len()) * R::LENGTH
+    }
+}
+
+/// A drift over the time `drift`, if there is one, and then a kick, made `TWICE` or once.
+pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
+    pub(super) scene: &'a S,
+    pub(super) segments: &'a Segments,
+    pub(super) masses: &'a InverseMasses,
+    pub(super) drift: Option<f64>,
+    pub(super) kick: Kick<'a>,
+    pub(super) q: &'a mut [S::Row],
+    pub(super) p: &'a mut [S::Row],
+    pub(super) buffers: &'a mut Buffers<S::Row>,
+    /// Whether numbers are tested as long as they are in the first cache.
+    pub(super) is_tested: bool,
+}
+
+impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
+    /// Whether all numbers are finite, as far as they were tested.
+    type Output = Result<bool, IndexError>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self {
+            scene,
+            segments,
+            masses,
+            drift: time,
+            kick,
+            q,
+            p,
+            buffers,
+            is_tested,
+        } = self;
+        let Kick { h, t, dw } = kick;
+        let n = q.len();
+        let node = Node { scene, kick };
+        let mut is_finite = true;
+        let mut moved = 0;
+        let has_nests = !segments.nests.is_empty();
+        for (piece, bases) in segments.pieces() {
+            if let Some(time) = time
+                && moved < piece.ready()
+            {
+                let tiles = moved..piece.ready().next_multiple_of(TILE).min(n);
+                moved = tiles.end;
+                is_finite &= drift::<S::Row>(q, p, tiles, time, masses, is_tested);
+            }
+            let nodes = piece.nodes();
+            let streams = streams(q, nodes.start, segments, bases, dw);
+            // The impulse of a node is added as one number: two kicks in one have the bits of two.
+            if piece.has_others {
+                let sum = &mut buffers.of_piece[..nodes.len()];
+                sum.fill(S::Row::ZERO);
+                let mut first = 0;
+                if piece.is_full {
+                    S::Counts::add::<false, _>(&streams, sum, &node);
+                    first = S::NODE_PAIRS;
+                }
+                for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
+                    let streams = streams.of(&segments.streams[pair]);
+                    scene.contribution(pair, h, t, dw, &streams, sum);
+                }
+                if has_nests {
+                    add::<false, _>(&mut buffers.of_nests[nodes.clone()], sum);
+                } else {
+                    add::<TWICE, _>(&mut p[nodes.clone()], sum);
+                }
+            } else if has_nests {
+                S::Counts::add::<false, _>(&streams, &mut buffers.of_nests[nodes.clone()], &node);
+            } else {
+                S::Counts::add::<TWICE, _>(&streams, &mut p[nodes.clone()], &node);
+            }
+            if is_tested && !has_nests {
+                is_finite &= are_finite(S::Row::numbers(&p[nodes]));
+            }
+        }
+        if let Some(time) = time {
+            is_finite &= drift::<S::Row>(q, p, moved..n, time, masses, is_tested);
+        }
+        if !has_nests {
+            return Ok(is_finite);
+        }
+        let sum = &mut *buffers.of_nests;
+        for &number in &segments.nests {
+            if let Err(error) = scene.nest(number, h, t, dw, q, sum) {
+                sum.fill(S::Row::ZERO);
+                return Err(error);
+            }
+        }
+        for (to, sum) in p.chunks_mut(TILE).zip(sum.chunks_mut(TILE)) {
+            add::<TWICE, _>(to, sum);
+            sum.fill(S::Row::ZERO);
+            if is_tested {
+                is_finite &= are_finite(S::Row::numbers(to));
+            }
+        }
+        Ok(is_finite)
+    }
+}
+
+/// The impulse of a node to which the first pairs contribute.
+struct Node<'a, S> {
+    scene: &'a S,
+    kick: Kick<'a>,
+}
+
+impl<S: Scene> Impulse<S::Row> for Node<'_, S> {
+    #[inline(always)]
+    fn at(&self, reads: &impl Reads<S::Row>) -> S::Row {
+        let Kick { h, t, dw } = self.kick;
+        self.scene.node(h, t, dw, reads)
+    }
+}
+
+#[inline(always)]
+fn streams<'a, R>(
+    q: &'a [R],
+    node: usize,
+    segments: &'a Segments,
+    bases: Bases<'a>,
+    dw: &'a [f64],
+) -> Streams<'a, R> {
+    Streams {
+        q,
+        node,
+        rows: bases.rows,
+        fields: &segments.columns,
+        columns: bases.columns,
+        dw,
+        increments: bases.increments,
+    }
+}
+
+#[inline(always)]
+fn add<const TWICE: bool, R: Row>(to: &mut [R], sum: &[R]) {
+    let (to, sum) = (R::numbers_mut(to), R::numbers(sum));
+    for (to, sum) in to.iter_mut().zip(sum) {
+        *to += sum;
+        if TWICE {
+            *to += sum;
+        }
+    }
+}
+
+/// A drift of all nodes.
+pub(super) struct DriftAlone<'a, R> {
+    pub(super) masses: &'a InverseMasses,
+    pub(super) h: f64,
+    pub(super) q: &'a mut [R],
+    pub(super) p: &'a [R],
+    pub(super) is_tested: bool,
+}
+
+impl<R: Row> Kernel for DriftAlone<'_, R> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        let Self {
+            masses, h, q, p, ..
+        } = self;
+        drift::<R>(q, p, 0..q.len(), h, masses, self.is_tested)
+    }
+}
+
+/// Moves some nodes with their velocities for the time `h`. Returns whether their places are
+/// finite, if they are tested.
+#[inline(always)]
+fn drift<R: Row>(
+    q: &mut [R],
+    p: &[R],
+    nodes: Range<usize>,
+    h: f64,
+    masses: &InverseMasses,
+    is_tested: bool,
+) -> bool {
+    let first = nodes.start * R::LENGTH;
+    let (q, p) = (&mut q[nodes.clone()], &p[nodes]);
+    let (q, p) = (R::numbers_mut(q), R::numbers(p));
+    match masses {
+        InverseMasses::Uniform(inverse) => shift(q, p, h * inverse),
+        InverseMasses::Each(inverse) => shift_each(q, p, &inverse[first..], h),
+    }
+    !is_tested || are_finite(q)
+}
+
+#[inline(always)]
+fn shift(q: &mut [f64], p: &[f64], factor: f64) {
+    for (q, p) in q.iter_mut().zip(p) {
+        *q += factor * p;
+    }
+}
+
+#[inline(always)]
+fn shift_each(q: &mut [f64], p: &[f64], inverse: &[f64], h: f64) {
+    for ((q, p), inverse) in q.iter_mut().zip(p).zip(inverse) {
+        *q += h * inverse * p;
+    }
+}
+
+/// The test whether all numbers are finite.
+pub(super) struct AreFinite<'a>(pub(super) &'a [f64]);
+
+impl Kernel for AreFinite<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        are_finite(self.0)
+    }
+}
+
+#[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
+#[inline(always)]
+fn are_finite(numbers: &[f64]) -> bool {
+    (numbers.iter()).fold(0, |bits, x| bits | (x - x).to_bits()) == 0
+}

@@ -1,0 +1,233 @@
+//! A step that fails leaves the state as it was, and a trajectory ends before the step that fails.
+
+use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene, Shear};
+use sve_runtime::StepError;
+
+use super::gathered::{ENDPOINT, H, VERLET, numbers, rows};
+use super::scenes::{Argon, Chain, Lattice, Ring};
+
+/// Makes steps in blocks until one fails. Returns their number, the error and the state.
+fn until_failure<S: Scene<Row = [f64; 1]>>(
+    scene: &S,
+    shears: &[Shear],
+    start: &[Vec<[f64; 1]>; 2],
+) -> (u64, StepError, [Vec<[f64; 1]>; 2]) {
+    let mut prepared = Prepared::new(scene, start[0].len(), 0.0).unwrap();
+    let [mut q, mut p] = start.clone();
+    let mut state = Phase {
+        q: &mut q,
+        p: &mut p,
+    };
+    let time = |step| step as f64 * H;
+    let (made, result) = prepared.advance(scene, shears, &mut state, &time, H, 10_000);
+    (made, result.unwrap_err(), [q, p])
+}
+
+#[test]
+fn an_overflow_is_found_at_its_step_and_the_state_before_it_restored() {
+    // the quartic bonds are too stiff for this step
+    let chain = Chain::<true> {
+        beta: 500.0,
+        mass: 1.0,
+    };
+    for n in [2, 40, 1500] {
+        for shears in [&VERLET[..], &ENDPOINT] {
+            let start = [rows(n, 1), rows(n, 2)];
+            let (made, error, end) = until_failure(&chain, shears, &start);
+            assert!(made > 0, "{made}");
+            let mut prepared = Prepared::new(&chain, n, 0.0).unwrap();
+            let [mut q, mut p] = start;
+            for step in 0..made {
+                let (q, p) = (&mut q, &mut p);
+                let time = [step as f64 * H, H];
+                let result = prepared.step(&chain, shears, &mut Phase { q, p }, time, &[]);
+                assert_eq!(result, Ok(()));
+            }
+            assert_eq!(end, [q.clone(), p.clone()]);
+            let time = [made as f64 * H, H];
+            let mut state = Phase {
+                q: &mut q,
+                p: &mut p,
+            };
+            let result = prepared.step(&chain, shears, &mut state, time, &[]);
+            assert_eq!(result, Err(error.clone()));
+            assert_eq!(end, [q, p]);
+            assert!(
+                matches!(error, StepError::NonFiniteCoordinate { .. }),
+                "{error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn one_coordinate_of_many_that_is_not_finite_is_named() {
+    let n = 100_000;
+    let chain = Chain::<true> {
+        beta: 0.1,
+        mass: 1.0,
+    };
+    for at in [0, 600, n - 1] {
+        let mut start = [rows::<[f64; 1]>(n, 1), rows(n, 2)];
+        start[1][at][0] = f64::NAN;
+        let (made, error, [q, p]) = until_failure(&chain, &ENDPOINT, &start);
+        assert_eq!((made, &q), (0, &start[0]));
+        let bits = |rows: &[[f64; 1]]| rows.iter().map(|x| x[0].to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&p), bits(&start[1]));
+        let text = error.to_string();
+        assert!(
+            text.contains(&format!("gave a q[{at}] that is not finite")),
+            "{text}"
+        );
+        assert!(text.len() < 300);
+    }
+}
+
+fn ring<const STREAM: bool>(next: Vec<i64>) -> Ring<STREAM> {
+    let n = next.len();
+    Ring {
+        k: vec![1.0; n],
+        mass: vec![1.0; n],
+        sigma: 0.1,
+        s: vec![0.1; n],
+        next,
+    }
+}
+
+fn index(text: &str, index: i64, length: usize) -> StepError {
+    let text = text.into();
+    StepError::Index {
+        t: 0.0,
+        text,
+        index,
+        length,
+    }
+}
+
+/// Makes a step of a scene with all increments zero. Checks that the state is unchanged after an
+/// error.
+fn step<S: Scene>(scene: &S, n: usize) -> Result<(), StepError> {
+    let mut prepared = Prepared::new(scene, n, 0.0)?;
+    let start = [rows::<S::Row>(n, 1), rows(n, 2)];
+    let [mut q, mut p] = start.clone();
+    let mut state = Phase {
+        q: &mut q,
+        p: &mut p,
+    };
+    let dw = vec![0.0; prepared.processes()];
+    let result = prepared.step(scene, &VERLET, &mut state, [0.0, H], &dw);
+    if result.is_err() {
+        for (end, start) in [q, p].iter().zip(&start) {
+            assert_eq!(S::Row::numbers(end), S::Row::numbers(start));
+        }
+    }
+    result
+}
+
+#[test]
+fn indices_out_of_range() {
+    let n = 100;
+    let text = "`q[self.next[i]]` in `lagrangian`";
+    for wrong in [-1, n as i64, i64::MIN, i64::MAX] {
+        let mut next: Vec<i64> = (0..n as i64).rev().collect();
+        next[70] = wrong;
+        let expected = Err(index(text, wrong, n));
+        assert_eq!(step(&ring::<true>(next.clone()), n), expected);
+        assert_eq!(step(&ring::<false>(next), n), expected);
+    }
+    // fields that are too short
+    let next: Vec<i64> = (0..n as i64).collect();
+    for (field, text) in [
+        ("k", "`self.k[i]` in `lagrangian`"),
+        ("s", "`self.s[i]` in `noise`"),
+        ("mass", "`self.mass[i]` in `lagrangian`"),
+    ] {
+        let mut ring = ring::<true>(next.clone());
+        match field {
+            "k" => ring.k.truncate(60),
+            "s" => ring.s.truncate(60),
+            _ => ring.mass.truncate(60),
+        }
+        assert_eq!(step(&ring, n), Err(index(text, 60, 60)));
+        let as_written = Ring::<false> {
+            k: ring.k,
+            s: ring.s,
+            mass: ring.mass,
+            next: ring.next,
+            sigma: ring.sigma,
+        };
+        assert_eq!(step(&as_written, n), Err(index(text, 60, 60)));
+    }
+    // a list
+    let argon = Argon {
+        start: vec![0, 1, 2],
+        list: vec![1, 7],
+        cut2: 100.0,
+        mass: 1.0,
+    };
+    assert_eq!(
+        step(&argon, 2),
+        Err(index("`q[self.list[k]]` in `lagrangian`", 7, 2))
+    );
+    let message = step(&argon, 2).unwrap_err().to_string();
+    assert!(message.starts_with("`q[self.list[k]]` in `lagrangian` has the index 7 at t = 0"));
+}
+
+#[test]
+fn masses_without_an_inverse() {
+    for wrong in [0.0, f64::NAN, f64::INFINITY] {
+        let mut ring = ring::<true>((0..50).collect());
+        ring.mass[33] = wrong;
+        let error = step(&ring, 50).unwrap_err();
+        let start = format!("the mass of v[33] is {wrong} at t = 0");
+        assert!(error.to_string().starts_with(&start), "{error}");
+    }
+    let argon = Argon {
+        start: vec![0; 3],
+        list: vec![],
+        cut2: 1.0,
+        mass: 0.0,
+    };
+    let text = step(&argon, 2).unwrap_err().to_string();
+    assert!(text.starts_with("the mass of v[0][0] is 0"), "{text}");
+}
+
+#[test]
+fn a_failed_nest_leaves_no_impulse_behind() {
+    // the loop of the springs fails after some instances, and is then repaired
+    let mut next: Vec<i64> = (0..64).collect();
+    next[40] = 64;
+    let mut ring = ring::<false>(next);
+    let mut prepared = Prepared::new(&ring, 64, 0.0).unwrap();
+    let dw = numbers(65, 1);
+    let start = [rows::<[f64; 1]>(64, 1), rows(64, 2)];
+    let made = |ring: &Ring<false>, prepared: &mut Prepared<[f64; 1]>| {
+        let [mut q, mut p] = start.clone();
+        let mut state = Phase {
+            q: &mut q,
+            p: &mut p,
+        };
+        let result = prepared.step(ring, &VERLET, &mut state, [0.0, H], &dw);
+        (result, [q, p])
+    };
+    let failed = made(&ring, &mut prepared);
+    assert!(failed.0.is_err());
+    assert_eq!(failed.1, start);
+    ring.next[40] = 3;
+    let repaired = made(&ring, &mut prepared);
+    assert_eq!(
+        repaired,
+        made(&ring, &mut Prepared::new(&ring, 64, 0.0).unwrap())
+    );
+}
+
+#[test]
+fn sites_that_no_loop_reads_move_on() {
+    let lattice = Lattice::<2, true> {
+        sides: [4, 10],
+        is_periodic: false,
+    };
+    // the loops visit 40 sites of 50
+    assert_eq!(step(&lattice, 50), Ok(()));
+    assert!(matches!(step(&lattice, 39), Err(StepError::Index { .. })));
+}

@@ -1,0 +1,5 @@
+//! Steps of scenes of any size, through the interface of generated code.
+
+mod failures;
+mod gathered;
+mod scenes;
