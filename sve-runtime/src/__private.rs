@@ -32,6 +32,7 @@ pub mod scene {
 
 pub use crate::angle_addition::sin_cos_of_sum;
 pub use crate::error::StepError;
+pub use crate::integrator::steps::Steps;
 pub use crate::lanes::{LANES, Lane, Mask};
 pub use crate::method::Differentiable;
 pub use crate::parameter::{entry, number};
@@ -39,13 +40,13 @@ pub use crate::phase::Field;
 pub use crate::phase::configuration::{
     Coordinates, FlatConfiguration, Flatten, VectorCoordinates, VectorSpace,
 };
-pub use crate::phase::configuration::{FixedSize, Reduced, WithRotations};
+pub use crate::phase::configuration::{FixedSize, Reduced, Site, WithRotations};
 pub use crate::phase::lanes::StateLanes;
 pub use crate::phase::state::{State, in_coordinates, with_entries};
 pub use crate::power::power_log;
 pub use crate::rule::{
-    Coefficients, Composition, ConstraintImpulses, QuadraticKineticEnergy, Separable, Splitting,
-    Symmetric, Unstructured,
+    Coefficients, Composition, ConstraintImpulses, Mode, QuadraticKineticEnergy, Separable, Shear,
+    Splitting, StepShear, Symmetric, Unstructured, Walker, shears,
 };
 pub use crate::solve::SolveError;
 pub use crate::solve::banded::Banded;
@@ -62,6 +63,7 @@ pub use crate::system::aliases::{
     ConfigurationOf, DualStateOf, FlatOf, FlatStateOf, IncrementLanesOf, MomentumOf, StateLanesOf,
     VectorOf,
 };
+pub use crate::system::any::{FixedSizes, Kind};
 pub use crate::system::equations::{Memory, StepOf};
 pub use crate::system::equations::{Returns, StepEquations};
 pub use crate::system::euler::EulerIncrement;
@@ -69,10 +71,11 @@ pub use crate::system::linearisation::{Covector, Directions, Entries, Linearisat
 pub use crate::system::plan::{
     Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
 };
-pub use crate::system::sizes::{Dimensions, Increments};
+pub use crate::system::sizes::{AnyIncrements, Dimensions, Increments};
 pub use crate::system::start::{StartOfStep, Tested};
 pub use crate::system::{
-    ConstraintJet, CoordinateRole, Dims, ForceJet, LagrangianJet, NoiseJet, System,
+    AnySystem, ConstraintJet, CoordinateRole, Dims, ForceJet, LagrangianJet, Names, NoiseJet,
+    System,
 };
 pub use nalgebra::UnitQuaternion;
 /// The derivatives of a step.

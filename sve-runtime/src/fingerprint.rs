@@ -12,7 +12,7 @@ use core::hash::Hasher as _;
 use twox_hash::XxHash64;
 
 use crate::method::OneStepMethod;
-use crate::system::System;
+use crate::system::AnySystem as _;
 
 /// A hasher with the same bits on machines of either byte order.
 #[derive(Default)]
@@ -63,8 +63,8 @@ impl StepsFingerprint {
     pub(crate) fn of<I: OneStepMethod>(method: &I) -> Self {
         let system = method.system();
         Self {
-            formulas: hash(|hash| hash.add(I::System::FORMULAS)),
-            parameters: hash(|hash| system.parameters(&mut |x| hash.add_number(x))),
+            formulas: hash(|hash| hash.add(I::System::FORMULAS_HASH)),
+            parameters: hash(|hash| system.visit_parameters(&mut |x| hash.add_number(x))),
             method: hash(|hash| method.identify(&mut hash.0)),
         }
     }

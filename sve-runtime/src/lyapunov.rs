@@ -15,6 +15,7 @@
 //! Giorgilli, J.-M. Strelcyn, *Lyapunov characteristic exponents for smooth dynamical systems and
 //! for Hamiltonian systems*, Meccanica 15 (1980) 9–30.
 
+use core::borrow::Borrow as _;
 use core::fmt;
 
 use crate::blocking::Blocking;
@@ -24,7 +25,7 @@ use crate::noise::{Noise, NoiseError, Wiener};
 use crate::phase::configuration::Coordinates;
 use crate::phase::state::State;
 use crate::rule::Rule;
-use crate::system::{Dims, Increments as _, StateOf, System};
+use crate::system::{AnyIncrements as _, Dims, StateOf, System};
 use crate::time::{is_next_time, time_after};
 
 /// Part of its length before the Gram–Schmidt process below which what is left of a vector is only
@@ -141,7 +142,8 @@ where
 
     /// Makes a step. Returns the error of a recorded path at its end.
     fn next_state(&mut self) -> Result<Option<NoiseError>, StepError> {
-        let mut dw = R::Increments::NONE;
+        // An array, whose length its type knows.
+        let mut dw = R::Increments::take(&mut Default::default(), || Ok::<_, StepError>(0))?;
         let (step, h) = (self.step, self.h);
         let drawn = match R::STAGES {
             1 => self.noise.increments(step, h, dw.as_mut()),
@@ -158,7 +160,9 @@ where
             return Err(StepError::Time { t, h, end });
         }
         let mut state = self.state;
-        let (tangent, _) = self.integrator.step_with_derivatives(&mut state, h, &dw)?;
+        let (tangent, _) = self
+            .integrator
+            .step_with_derivatives(&mut state, h, dw.borrow())?;
         state.t = end;
         self.state = state;
         self.step += 1;

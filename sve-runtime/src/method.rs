@@ -8,7 +8,8 @@ use crate::lanes::{ALL, Mask};
 use crate::phase::tangents::LaneDirections;
 use crate::system::linearisation::{Covector, Directions};
 use crate::system::{
-    IncrementLanesOf, Increments, StateLanesOf, StateOf, System, TangentLanesOf, VectorOf,
+    AnyIncrements, AnySystem, IncrementLanesOf, StateLanesOf, StateOf, System, TangentLanesOf,
+    VectorOf,
 };
 
 /// The sizes and types of the system of a method.
@@ -18,10 +19,10 @@ pub(crate) type DimsOf<I> = <<I as OneStepMethod>::System as System>::Dims;
 /// [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
 pub trait OneStepMethod {
     /// The system that the method integrates.
-    type System: System;
+    type System: AnySystem;
     /// The increments of a step: [`IncrementsOf`](crate::system::IncrementsOf) the system for
     /// methods that take one for each Wiener process.
-    type Increments: Increments;
+    type Increments: AnyIncrements + ?Sized;
     /// Values that depend on parameters and step size only, and the numbers that a trajectory
     /// carries from step to step.
     type Prepared: Clone;
@@ -72,6 +73,39 @@ pub trait OneStepMethod {
         dw: &Self::Increments,
     ) -> Result<(), StepError> {
         self.step_prepared(prepared, state, h, dw)
+    }
+
+    /// Makes up to `count` of the next steps of a trajectory at once. Returns the number of steps
+    /// that were made, which have the bits of single steps; 0 if the method makes no steps at once,
+    /// or if one of them fails: the state is then unchanged, and the trajectory makes single steps.
+    ///
+    /// `draw` fills the increments of a step, by its number among these steps, and returns the time
+    /// at its end, which the method writes to the state. If `draw` returns `None`, the steps end
+    /// before. A step can be drawn again.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn next_steps(
+        &self,
+        prepared: &mut Self::Prepared,
+        state: &mut StateOf<Self::System>,
+        h: f64,
+        dw: &mut Self::Increments,
+        count: u64,
+        draw: &mut dyn FnMut(u64, &mut Self::Increments) -> Option<f64>,
+    ) -> u64 {
+        let _ = (prepared, state, h, dw, count, draw);
+        0
+    }
+
+    /// Returns the number of increments of a step from a state, if they are a slice.
+    ///
+    /// # Errors
+    /// A [`StepError`] if the number cannot be computed.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn processes(&self, state: &StateOf<Self::System>) -> Result<usize, StepError> {
+        let _ = state;
+        Ok(0)
     }
 
     /// Returns the numbers that the method carries from step to step.
@@ -188,7 +222,7 @@ pub trait OneStepMethod {
     label = "gradients need the derivatives of each step",
     note = "the steps of an `Integrator` have them, with any rule and composition; those of a baseline have not"
 )]
-pub trait Differentiable: OneStepMethod {
+pub trait Differentiable: OneStepMethod<System: System> {
     /// Makes one step and carries tangent vectors along it. `prepared` has the values of
     /// [`prepare`](OneStepMethod::prepare) for this `h`.
     ///

@@ -147,7 +147,7 @@ where
 }
 
 /// Methods of low order, and the midpoint rule with its composition.
-struct Others<S> {
+struct Others<S: System> {
     midpoint: Integrator<S, Midpoint>,
     midpoint_8: Integrator<S, KahanLi<Midpoint>>,
     initial_point: Integrator<S, InitialPoint>,

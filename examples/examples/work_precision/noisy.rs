@@ -13,7 +13,7 @@ use crate::uncorrected::{QuadratureNode, Uncorrected};
 const SEED: u64 = 42;
 
 /// The methods that are run on every problem with noise.
-struct Methods<S> {
+struct Methods<S: System> {
     initial_point: Integrator<S, InitialPoint>,
     endpoint: Integrator<S, Endpoint>,
     midpoint: Integrator<S, Midpoint>,

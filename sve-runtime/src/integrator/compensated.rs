@@ -16,7 +16,7 @@ use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::system::equations::StepEquations;
 use crate::system::start::Tested;
-use crate::system::{Dims, Increments, System};
+use crate::system::{AnyIncrements, Dims, System};
 
 /// The mode that makes steps with compensated sums. It adds the low parts of the state, and writes
 /// its rounding errors to them. After a failure they are the errors of the substeps before the
@@ -28,7 +28,7 @@ pub(super) struct Compensate<'a, F> {
 impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Compensate<'_, State<Q::Flat>>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     #[inline]
@@ -52,7 +52,7 @@ where
         let (q, p) = Q::Flat::moved_with_low_parts(state, &mut new_low, &dq, &dp);
         if !replace(state, h, &q, &p) {
             let error = SolveError::NonFinite;
-            return Err(explain_step(walker, error, &{ *state }, h, &{ *dw }));
+            return Err(explain_step(walker, error, &{ *state }, h, dw));
         }
         *self.low = new_low;
         Ok(())

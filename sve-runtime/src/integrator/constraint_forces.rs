@@ -2,6 +2,7 @@
 
 use super::Integrator;
 use super::step::Impulses;
+use super::steps::walk_from;
 use crate::error::StepError;
 use crate::method::OneStepMethod;
 use crate::phase::configuration::VectorCoordinates;
@@ -100,7 +101,14 @@ where
         let mut end = start;
         let mut multipliers = Vec::new();
         let visit = &mut |multiplier| multipliers.push(multiplier);
-        self.walk_from(&prepared, &mut end, h, dw, Impulses { visit })?;
+        walk_from(
+            self.walker(),
+            &prepared,
+            &mut end,
+            h,
+            dw,
+            Impulses { visit },
+        )?;
         let slopes = |state: &State<[f64; N]>| {
             let mut slopes: Vec<[f64; N]> = Vec::new();
             system.constraint_jets(state.t, &state.q, &mut |jet| slopes.push(jet.dq));

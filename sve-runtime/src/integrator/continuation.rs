@@ -26,7 +26,7 @@ use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::system::equations::Memory;
 use crate::system::equations::{StepEquations, StepOf};
-use crate::system::{Dims, Increments, System};
+use crate::system::{AnyIncrements as _, Dims, System};
 
 /// Smallest stride, relative to the part of the path behind it; at the start relative to the first
 /// stride.

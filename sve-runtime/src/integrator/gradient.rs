@@ -3,6 +3,7 @@
 
 use super::modes::{LanesMode, SingleMode};
 use super::step::solve_step;
+use super::steps::{walk_from, walk_in_lanes};
 use super::{Integrator, start};
 use crate::error::{StepError, step_error};
 use crate::lanes::Mask;
@@ -14,7 +15,7 @@ use crate::rule::{Mode, Rule, Walker};
 use crate::system::equations::{Memory, StepEquations};
 use crate::system::linearisation::{Covector, Directions, Unknowns};
 use crate::system::start::Tested;
-use crate::system::{Dims, IncrementLanesOf, Increments, StateLanesOf, System, TangentLanesOf};
+use crate::system::{AnyIncrements, Dims, IncrementLanesOf, StateLanesOf, System, TangentLanesOf};
 
 /// The mode that makes steps and carries tangent vectors along them.
 struct PushForward<'a, V> {
@@ -24,7 +25,7 @@ struct PushForward<'a, V> {
 impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for PushForward<'_, [f64; N]>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     #[inline]
@@ -64,7 +65,7 @@ struct Starts<F> {
 impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Starts<State<Q::Flat>>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     #[inline]
@@ -102,10 +103,11 @@ struct PullBack<'a, F, V> {
 impl<S, I, Q, const N: usize, const M: usize> Mode<S, I> for PullBack<'_, State<Q::Flat>, [f64; N]>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     type Increments = I;
+    type Part = I::Owned;
     type Failure = StepError;
     type Start = ();
     const IS_BACKWARD: bool = true;
@@ -139,7 +141,7 @@ where
     fn end(&mut self, (): (), _: f64) {}
 
     #[inline]
-    fn part(dw: &I, part: f64) -> I {
+    fn part(dw: &I, part: f64) -> I::Owned {
         dw.times(part)
     }
 }
@@ -211,7 +213,7 @@ where
     ) -> Result<(), StepError> {
         Q::in_coordinates(state, |state| {
             let mode = PushForward { directions };
-            self.walk_from(prepared, state, h, dw, mode).map(|_| ())
+            walk_from(self.walker(), prepared, state, h, dw, mode).map(|_| ())
         })
     }
 
@@ -231,7 +233,7 @@ where
             has_begun: false,
             unfinished: 0,
         };
-        let (unsolved, mode) = self.walk_in_lanes(prepared, states, next, h, dw, mode);
+        let (unsolved, mode) = walk_in_lanes(self.walker(), prepared, states, next, h, dw, mode);
         [unsolved, mode.unfinished]
     }
 
@@ -251,13 +253,14 @@ where
             states: Vec::with_capacity(count),
             count,
         };
-        let Starts { states, .. } = self.walk_from(prepared, &mut { *first }, h, dw, mode)?;
+        let walker = self.walker();
+        let Starts { states, .. } = walk_from(walker, prepared, &mut { *first }, h, dw, mode)?;
         let mut mode = PullBack {
             first,
             starts: states,
             covector,
         };
         let (prepared, memory) = (prepared.coefficients(), &mut R::Memory::none());
-        R::walk(self.walker(), prepared, memory, h, dw, &mut mode)
+        R::walk(walker, prepared, memory, h, dw, &mut mode)
     }
 }

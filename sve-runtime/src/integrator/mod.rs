@@ -2,7 +2,8 @@
 //!
 //! | file | part of a step |
 //! | --- | --- |
-//! | `method.rs` | the integrator as a method: walks over the substeps of a rule |
+//! | `method.rs` | the integrator as a method |
+//! | `steps.rs` | steps by the kind of the system: walks over the substeps of a rule |
 //! | `modes.rs` | the common parts of the modes of a walk |
 //! | `start.rs` | the test of the start; steps in lanes |
 //! | `step.rs` | the fast path; the number of iterations, the impulses of constraints |
@@ -24,10 +25,14 @@ pub(crate) mod modes;
 mod rescue;
 mod start;
 pub(crate) mod step;
+pub(crate) mod steps;
 mod tangent;
+
+use core::fmt;
 
 pub use constraint_forces::{ConstraintForce, ConstraintForces};
 use step::Advance;
+use steps::{Steps, walk_from};
 pub use tangent::{Sensitivity, Tangent};
 
 use crate::error::StepError;
@@ -37,7 +42,7 @@ use crate::phase::state::State;
 use crate::rule::Rule;
 use crate::solve::newton::Newton;
 use crate::system::plan::Plan;
-use crate::system::{Dims, System};
+use crate::system::{AnySystem, Dims, Kind, StateOf, System};
 
 /// A system and the rule that discretises its action.
 ///
@@ -65,20 +70,49 @@ use crate::system::{Dims, System};
 ///
 /// It owns the system, or borrows it: with `Integrator::new(&pendulum, Midpoint)`, other methods
 /// can use the system too.
-#[derive(Clone, Copy, Debug)]
-pub struct Integrator<S, R> {
+pub struct Integrator<S: AnySystem, R> {
     system: S,
     rule: R,
     newton: Newton,
+    cache: <S::Kind as Kind>::Cache,
 }
 
-impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
+#[allow(clippy::expl_impl_clone_on_copy)] // a cache with a clone may have no copy
+impl<S, R: Clone> Clone for Integrator<S, R>
+where
+    S: AnySystem<Kind: Kind<Cache: Clone>> + Clone,
+{
+    fn clone(&self) -> Self {
+        Self {
+            system: self.system.clone(),
+            rule: self.rule.clone(),
+            newton: self.newton,
+            cache: self.cache.clone(),
+        }
+    }
+}
+
+impl<S: AnySystem<Kind: Kind<Cache: Copy>> + Copy, R: Copy> Copy for Integrator<S, R> {}
+
+#[allow(clippy::missing_fields_in_debug)] // the cache follows from the other fields
+impl<S: AnySystem + fmt::Debug, R: fmt::Debug> fmt::Debug for Integrator<S, R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Integrator")
+            .field("system", &self.system)
+            .field("rule", &self.rule)
+            .field("newton", &self.newton)
+            .finish()
+    }
+}
+
+impl<S: AnySystem, R: Rule<S::Target>> Integrator<S, R> {
     /// Returns the integrator of `system` with a rule that the attribute lists.
     pub fn new(system: S, rule: R) -> Self {
         Self {
             system,
             rule,
             newton: Newton::default(),
+            cache: Default::default(),
         }
     }
 
@@ -139,6 +173,7 @@ impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
     /// # }
     /// ```
     pub fn system_mut(&mut self) -> &mut S {
+        self.cache = Default::default();
         &mut self.system
     }
 
@@ -165,11 +200,11 @@ impl<S: System, R: Rule<S::Itself>> Integrator<S, R> {
 }
 
 /// The functions of [`Method`](crate::Method), for programs that do not import the trait.
-impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
+impl<S, R> Integrator<S, R>
 where
-    S: System<Dims = Dims<N, M, Q>>,
-    R: Rule<S::Itself>,
-    Q: Coordinates<N>,
+    S: AnySystem,
+    S::Kind: Steps<S::Target, R>,
+    R: Rule<S::Target>,
 {
     /// Makes one step of length `h` with the given Wiener increments, one for each process in
     /// source order.
@@ -184,11 +219,23 @@ where
     /// A [`StepError`] if an input is not finite, `h` is zero, or the step fails; `state` is then
     /// unchanged.
     #[inline]
-    pub fn step(&self, state: &mut State<Q>, h: f64, dw: &R::Increments) -> Result<(), StepError> {
+    pub fn step(
+        &self,
+        state: &mut StateOf<S>,
+        h: f64,
+        dw: &R::Increments,
+    ) -> Result<(), StepError> {
         let prepared = OneStepMethod::prepare(self, h)?;
         self.step_prepared(&prepared, state, h, dw)
     }
+}
 
+impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    R: Rule<S::Itself>,
+    Q: Coordinates<N>,
+{
     /// Returns the tangent map of one step, `∂(q₁,p₁)/∂(q₀,p₀)` at fixed increments: a symplectic
     /// matrix, if no force acts.
     ///
@@ -310,7 +357,7 @@ where
             q: attitude.coordinates(),
             p: Q::components(&state.p),
         };
-        self.walk_from(&prepared, &mut flat, h, dw, Advance)?;
+        walk_from(self.walker(), &prepared, &mut flat, h, dw, Advance)?;
         *attitude = Q::from_coordinates(&flat.q);
         state.t = flat.t;
         state.p = Q::from_components(&flat.p);

@@ -14,11 +14,11 @@ use crate::rule::{Mode, Walker};
 use crate::system::equations::StepEquations;
 use crate::system::start::Tested;
 use crate::system::{
-    Dimensions, Dims, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, System,
+    AnyIncrements, Dimensions, Dims, FlatStateOf, IncrementLanesOf, StateLanesOf, System,
 };
 
 /// A mode of walks from a single state.
-pub(crate) trait SingleMode<S: System, I> {
+pub(crate) trait SingleMode<S: System, I: ?Sized> {
     /// Makes a substep.
     ///
     /// # Errors
@@ -45,11 +45,12 @@ pub(super) struct Single<'a, F, K> {
 impl<S, I, K, Q, const N: usize, const M: usize> Mode<S, I> for Single<'_, State<Q::Flat>, K>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     K: SingleMode<S, I>,
     Q: Coordinates<N>,
 {
     type Increments = I;
+    type Part = I::Owned;
     type Failure = StepError;
     type Start = f64;
 
@@ -79,7 +80,7 @@ where
     }
 
     #[inline(always)]
-    fn part(dw: &I, part: f64) -> I {
+    fn part(dw: &I, part: f64) -> I::Owned {
         dw.times(part)
     }
 }
@@ -139,13 +140,15 @@ pub(super) struct SequenceInLanes<L> {
     is_whole: bool,
 }
 
-impl<S, I, K, Q, const N: usize, const M: usize> Mode<S, I> for Lanes<'_, StateLanesOf<S>, K>
+impl<S, I: ?Sized, K, Q, const N: usize, const M: usize> Mode<S, I>
+    for Lanes<'_, StateLanesOf<S>, K>
 where
     S: System<Dims = Dims<N, M, Q>>,
     K: LanesMode<S>,
     Q: Coordinates<N>,
 {
     type Increments = IncrementLanesOf<S>;
+    type Part = IncrementLanesOf<S>;
     type Failure = Infallible;
     type Start = SequenceInLanes<StateLanesOf<S>>;
 

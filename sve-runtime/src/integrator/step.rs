@@ -17,7 +17,7 @@ use crate::solve::newton::Newton;
 use crate::system::equations::{Memory, StepEquations};
 use crate::system::plan::{BlockKind, Plan};
 use crate::system::start::Tested;
-use crate::system::{Dims, Increments, System};
+use crate::system::{AnyIncrements, Dims, System};
 
 /// The mode that makes steps.
 pub(super) struct Advance;
@@ -25,7 +25,7 @@ pub(super) struct Advance;
 impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Advance
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     // Always inlined, for the reason given at `solve_step`.
@@ -55,7 +55,7 @@ pub(super) struct Count {
 impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Count
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     fn substep<R>(
@@ -99,7 +99,7 @@ pub(crate) struct Impulses<'a> {
 impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Impulses<'_>
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     fn substep<R>(

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, SMatrix};
 use super::Integrator;
 use super::modes::SingleMode;
 use super::step::solve_step;
+use super::steps::walk_from;
 use crate::error::{StepError, step_error};
 use crate::method::OneStepMethod;
 use crate::phase::Field;
@@ -20,7 +21,7 @@ use crate::phase::state::State;
 use crate::rule::{Rule, Walker};
 use crate::system::equations::{Memory, StepEquations};
 use crate::system::start::Tested;
-use crate::system::{Dims, Increments, System};
+use crate::system::{AnyIncrements, Dims, System};
 
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the
 /// coordinates, then the momenta.
@@ -236,7 +237,7 @@ where
 {
     let prepared = integrator.prepare(h)?;
     let mode = Derivatives { all: None };
-    let walk = |state: &mut _| integrator.walk_from(&prepared, state, h, dw, mode);
+    let walk = |state: &mut _| walk_from(integrator.walker(), &prepared, state, h, dw, mode);
     let Derivatives { all } = Q::in_coordinates(state, walk)?;
     let all = all.unwrap_or_else(|| DMatrix::identity(2 * N, 2 * N + S::PARAMETERS.len()));
     // The matrix is stored column by column, so its transpose is the map row by row.
@@ -266,7 +267,7 @@ struct Derivatives {
 impl<S, I, Q, const N: usize, const M: usize> SingleMode<S, I> for Derivatives
 where
     S: System<Dims = Dims<N, M, Q>>,
-    I: Increments,
+    I: AnyIncrements + ?Sized,
     Q: Coordinates<N>,
 {
     fn substep<R>(

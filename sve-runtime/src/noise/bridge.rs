@@ -263,6 +263,10 @@ impl Noise for Refined {
     fn within_steps(&self) -> Option<WithinSteps<'_>> {
         Some(WithinSteps::of(self))
     }
+
+    fn is_replayable(&self) -> bool {
+        true
+    }
 }
 
 /// An interval of a step of `h / 2^depth` is an interval of the path itself. Below intervals of

@@ -95,6 +95,10 @@ impl<W: Noise> Noise for FromStep<W> {
         let path = self.noise.within_steps()?;
         Some(path.later(self.first))
     }
+
+    fn is_replayable(&self) -> bool {
+        self.noise.is_replayable()
+    }
 }
 
 impl<W: Halves> Halves for FromStep<W> {

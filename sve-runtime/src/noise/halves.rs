@@ -7,7 +7,7 @@
 use core::fmt;
 
 use super::{DyadicInterval, NoNoise, Noise, Wiener};
-use crate::system::Increments;
+use crate::system::AnyIncrements;
 
 /// Number of halvings of a step within which the path is known. Between two neighbouring points it
 /// is linear.
@@ -111,18 +111,24 @@ impl fmt::Debug for WithinSteps<'_> {
 ///
 /// The path within a step is a function of seed, path, step and process: its values at the
 /// multiples of 2⁻³² of the step follow from the halved intervals.
-pub(crate) fn increments_until<D: Increments>(
+pub(crate) fn increments_until<D: AnyIncrements + ?Sized>(
     path: Option<WithinSteps<'_>>,
     step: u64,
     h: f64,
     fraction: f64,
     whole: &D,
-) -> Option<D> {
-    let (mut sum, mut part) = (D::NONE, *whole);
-    if fraction >= 1.0 || part.as_ref().is_empty() {
+) -> Option<D::Owned> {
+    let mut part = whole.to_owned();
+    if fraction >= 1.0 || whole.as_ref().is_empty() {
         return Some(part);
     }
     let path = path?;
+    let none = || {
+        let mut none = whole.to_owned();
+        none.as_mut().fill(0.0);
+        none
+    };
+    let mut sum = none();
     let (mut interval, mut length) = (DyadicInterval::whole(step), h);
     let scaled = fraction * (1_u64 << LEVELS) as f64;
     #[allow(clippy::cast_sign_loss)] // fractions are not negative
@@ -131,25 +137,25 @@ pub(crate) fn increments_until<D: Increments>(
         let Some([first, second]) = interval.halves() else {
             break;
         };
-        let (mut left, mut right) = (D::NONE, D::NONE);
+        let (mut left, mut right) = (none(), none());
         let (to_left, to_right) = (left.as_mut(), right.as_mut());
         let of_path = interval.later(path.first);
         (path.path).halves_of(of_path, length, part.as_ref(), to_left, to_right);
         length *= 0.5;
         if cell >> level & 1 == 1 {
-            add(&mut sum, 1.0, &left);
+            add(sum.as_mut(), 1.0, left.as_ref());
             (interval, part) = (second, right);
         } else {
             (interval, part) = (first, left);
         }
     }
-    add(&mut sum, scaled - cell as f64, &part);
+    add(sum.as_mut(), scaled - cell as f64, part.as_ref());
     Some(sum)
 }
 
 /// Adds a multiple of the increments `part` to `sum`.
-fn add<D: Increments>(sum: &mut D, factor: f64, part: &D) {
-    for (sum, part) in sum.as_mut().iter_mut().zip(part.as_ref()) {
+fn add(sum: &mut [f64], factor: f64, part: &[f64]) {
+    for (sum, part) in sum.iter_mut().zip(part) {
         *sum += factor * part;
     }
 }

@@ -138,6 +138,13 @@ pub trait Noise {
     fn within_steps(&self) -> Option<WithinSteps<'_>> {
         None
     }
+
+    /// Returns whether the increments of a step can be drawn again, as those of a [`Replayable`]
+    /// source can. The default implementation returns false.
+    #[doc(hidden)]
+    fn is_replayable(&self) -> bool {
+        false
+    }
 }
 
 /// Implements [`Noise`] for a pointer to a source.
@@ -162,6 +169,10 @@ macro_rules! forward {
 
             fn within_steps(&self) -> Option<WithinSteps<'_>> {
                 (**self).within_steps()
+            }
+
+            fn is_replayable(&self) -> bool {
+                (**self).is_replayable()
             }
         }
     };

@@ -39,6 +39,10 @@ impl Noise for NoNoise {
     fn within_steps(&self) -> Option<WithinSteps<'_>> {
         Some(WithinSteps::of(self))
     }
+
+    fn is_replayable(&self) -> bool {
+        true
+    }
 }
 
 impl Replayable for NoNoise {}

@@ -331,6 +331,10 @@ impl Noise for &Recorded {
         dw.copy_from_slice(row);
         Ok(())
     }
+
+    fn is_replayable(&self) -> bool {
+        true
+    }
 }
 
 impl Replayable for Recorded {}
@@ -351,5 +355,9 @@ impl Noise for Recorded {
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
         (&*self).stage_increments(step, h, stages, dw)
+    }
+
+    fn is_replayable(&self) -> bool {
+        true
     }
 }

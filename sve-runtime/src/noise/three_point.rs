@@ -63,6 +63,10 @@ impl Noise for ThreePoint {
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.0.increments(step, h, dw)
     }
+
+    fn is_replayable(&self) -> bool {
+        true
+    }
 }
 
 impl Replayable for ThreePoint {}

@@ -172,6 +172,10 @@ impl<W: Noise> Noise for Truncated<W> {
         }
         Ok(())
     }
+
+    fn is_replayable(&self) -> bool {
+        self.noise.is_replayable()
+    }
 }
 
 impl<W: Replayable> Replayable for Truncated<W> {}

@@ -111,6 +111,10 @@ impl Noise for Wiener {
     fn within_steps(&self) -> Option<WithinSteps<'_>> {
         Some(WithinSteps::of(self))
     }
+
+    fn is_replayable(&self) -> bool {
+        true
+    }
 }
 
 impl Replayable for Wiener {}

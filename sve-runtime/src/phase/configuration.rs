@@ -13,6 +13,7 @@ use core::fmt::Debug;
 pub use flat::{FlatConfiguration, Flatten};
 pub use reduced::Reduced;
 pub use rotations::WithRotations;
+pub use sites::Site;
 pub use vectors::{VectorCoordinates, VectorSpace};
 
 use crate::phase::state::State;
@@ -21,6 +22,7 @@ mod bodies;
 mod flat;
 mod reduced;
 mod rotations;
+mod sites;
 mod vectors;
 
 /// A point of a configuration space, the `q` of a [`State`].
@@ -30,6 +32,9 @@ mod vectors;
 /// `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
 /// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are Cayley vectors
 /// in the body frame. A pair `(Q, R)` combines two configurations.
+///
+/// The configuration of a scene, whose `q` is a slice, is a vector of sites: `Vec<f64>`,
+/// `Vec<[f64; D]>` or `Vec<SVector<f64, D>>`.
 ///
 /// ```
 /// use sve_runtime::Configuration;
@@ -203,4 +208,13 @@ pub trait Coordinates<const N: usize>: FixedSize {
 #[inline]
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |most, value| most.max(value.abs()))
+}
+
+/// Adds an increment to the coordinates in a vector space.
+#[inline(always)]
+fn add(to: &mut [f64], increment: &[f64]) {
+    assert_eq!(to.len(), increment.len(), "an increment of another length");
+    for (x, dx) in to.iter_mut().zip(increment) {
+        *x += dx;
+    }
 }

@@ -2,45 +2,80 @@
 //!
 //! Input: a configuration or a momentum. Output: the row of its stored values.
 
-/// Configurations as their stored values. The type knows their number, so it is not stored.
-pub(crate) mod configuration {
-    use serde::{Deserializer, Serializer};
+use serde::de::Error as _;
+use serde::{Deserializer, Serializer};
 
-    use super::row;
-    use crate::phase::configuration::FixedSize;
+use crate::floats::many;
+use crate::phase::configuration::{Configuration, FixedSize, Site};
 
-    pub(crate) fn serialize<Q: FixedSize, S: Serializer>(
-        q: &Q,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        row::serialize(q, Q::STORED_VALUES, serializer)
+/// A configuration with a form for serde: the row of its stored values. If the type does not know
+/// their number, it is stored.
+pub trait Serialised: Configuration {
+    /// Writes a configuration.
+    ///
+    /// # Errors
+    /// Errors of the format.
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error>;
+    /// Reads a configuration.
+    ///
+    /// # Errors
+    /// Errors of the format; an error for another number of values.
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
+    /// Writes a momentum.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    fn write_momentum<S: Serializer>(p: &Self::Momentum, to: S) -> Result<S::Ok, S::Error>;
+    /// Reads a momentum.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    fn read_momentum<'de, D: Deserializer<'de>>(from: D) -> Result<Self::Momentum, D::Error>;
+}
+
+impl<Q: FixedSize> Serialised for Q {
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        row::serialize(self, Q::STORED_VALUES, serializer)
     }
 
-    pub(crate) fn deserialize<'de, Q: FixedSize, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Q, D::Error> {
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Q, D::Error> {
         row::deserialize(Q::origin(), Q::STORED_VALUES, deserializer)
+    }
+
+    fn write_momentum<S: Serializer>(p: &Q::Momentum, to: S) -> Result<S::Ok, S::Error> {
+        row::serialize(p, Q::DEGREES_OF_FREEDOM, to)
+    }
+
+    fn read_momentum<'de, D: Deserializer<'de>>(from: D) -> Result<Q::Momentum, D::Error> {
+        row::deserialize(Q::no_momentum(), Q::DEGREES_OF_FREEDOM, from)
     }
 }
 
-/// Momenta of a configuration.
-pub(crate) mod momentum {
-    use serde::{Deserializer, Serializer};
-
-    use super::row;
-    use crate::phase::configuration::FixedSize;
-
-    pub(crate) fn serialize<Q: FixedSize, S: Serializer>(
-        p: &Q::Momentum,
-        serializer: S,
-    ) -> Result<S::Ok, S::Error> {
-        row::serialize(p, Q::DEGREES_OF_FREEDOM, serializer)
+impl<Q: Site> Serialised for Vec<Q> {
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut values = vec![0.0; self.stored_values()];
+        self.store(&mut values);
+        many::serialize(&values, serializer)
     }
 
-    pub(crate) fn deserialize<'de, Q: FixedSize, D: Deserializer<'de>>(
-        deserializer: D,
-    ) -> Result<Q::Momentum, D::Error> {
-        row::deserialize(Q::no_momentum(), Q::DEGREES_OF_FREEDOM, deserializer)
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let values = many::deserialize(deserializer)?;
+        let sites = values.len() / Q::NUMBERS.max(1);
+        if sites * Q::NUMBERS != values.len() {
+            let of = format_args!("a multiple of {} numbers", Q::NUMBERS).to_string();
+            return Err(D::Error::invalid_length(values.len(), &of.as_str()));
+        }
+        let mut q = vec![Q::zero(); sites];
+        q.restore(&values);
+        Ok(q)
+    }
+
+    fn write_momentum<S: Serializer>(p: &Self, to: S) -> Result<S::Ok, S::Error> {
+        p.write(to)
+    }
+
+    fn read_momentum<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Self::read(from)
     }
 }
 

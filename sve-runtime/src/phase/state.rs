@@ -93,7 +93,7 @@ use crate::phase::configuration::{Configuration, Coordinates, FixedSize, WithRot
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(bound = "Q: crate::phase::configuration::FixedSize + Configuration<Momentum = P>")
+    serde(bound = "Q: crate::phase::serialise::Serialised + Configuration<Momentum = P>")
 )]
 // The type of `p` is a parameter, since rustc 1.95 fails on `State { q, ..start }` in a closure
 // where a field has an associated type.
@@ -104,15 +104,15 @@ pub struct State<Q: Configuration, P = <Q as Configuration>::Momentum> {
     /// Configuration.
     #[cfg_attr(
         feature = "serde",
-        serde(with = "crate::phase::serialise::configuration")
+        serde(serialize_with = "Q::write", deserialize_with = "Q::read")
     )]
     pub q: Q,
     /// Momentum `∂L/∂v`.
     #[cfg_attr(
         feature = "serde",
         serde(
-            serialize_with = "crate::phase::serialise::momentum::serialize::<Q, _>",
-            deserialize_with = "crate::phase::serialise::momentum::deserialize::<Q, _>"
+            serialize_with = "Q::write_momentum",
+            deserialize_with = "Q::read_momentum"
         )
     )]
     pub p: P,

@@ -1,5 +1,7 @@
 //! Substeps of one symmetric rule.
 
+use core::borrow::Borrow as _;
+
 use super::sequence::{plan_of, visited};
 use super::{Gauss, Midpoint, Mode, Rule, StormerVerlet, Walker};
 use crate::system::equations::Memory;
@@ -127,8 +129,8 @@ where
         for at in 0..C::FRACTIONS.len() {
             let (number, part) = visited::<S, R::Increments, M>(C::FRACTIONS, at);
             let prepared = &prepared.as_ref()[C::distinct(number)];
-            let (h, dw) = (part * h, &M::part(dw, part));
-            if let Err(failure) = R::walk(walker.by(), prepared, memory, h, dw, mode) {
+            let (h, dw) = (part * h, M::part(dw, part));
+            if let Err(failure) = R::walk(walker.by(), prepared, memory, h, dw.borrow(), mode) {
                 *memory = R::Memory::none();
                 return Err(failure);
             }

@@ -7,17 +7,18 @@
 //! | `split.rs` | [`Split`]: alternating substeps of the initial-point and the endpoint rule |
 //! | `coefficients.rs` | fractions of the step in compositions and splittings, with sources |
 //! | `sequence.rs` | code shared by compositions and splittings |
+//! | `shears.rs` | the step of a scene: a list of kicks and drifts |
 //! | `variational.rs` | a rule as a bound of the system |
 //!
 //! A rule determines the substeps, and a [`Mode`] the operation in each substep. The modes are in
 //! `integrator/`. Rules and modes do not know one another, so a new rule has all modes, and a new
 //! mode all rules.
-//! modes, and a new mode all rules.
 
 mod coefficients;
 mod composed;
 mod rules;
 mod sequence;
+mod shears;
 mod split;
 mod variational;
 
@@ -27,13 +28,15 @@ pub use rules::{
     Endpoint, Gauss, InitialPoint, Midpoint, StageNoise, StormerVerlet, Taylor2, Unstructured,
     Weak2,
 };
+pub use shears::{Shear, StepShear, shears};
 pub use split::{Coefficients, QuadraticKineticEnergy, Separable, Split, Splitting};
 pub use variational::{ConstraintImpulses, Variational};
 
+use core::borrow::Borrow;
 use core::marker::PhantomData;
 
 use crate::solve::newton::Newton;
-use crate::system::Increments;
+use crate::system::AnyIncrements;
 use crate::system::equations::{Memory, StepEquations};
 use crate::system::plan::Plan;
 use crate::system::start::Tested;
@@ -53,7 +56,7 @@ use crate::system::start::Tested;
 )]
 pub trait Rule<S>: Sized {
     /// The increments of a step: one number for each process, or for each process and stage.
-    type Increments: Increments;
+    type Increments: AnyIncrements + ?Sized;
     /// Values that depend on parameters and step size only.
     type Prepared: Clone;
     /// The numbers that a trajectory carries from step to step.
@@ -91,9 +94,11 @@ pub trait Rule<S>: Sized {
 /// The operation in each substep of a step: the substep is made, in one of several ways, or
 /// differentiated. `I` is the type of the increments of the rule.
 #[doc(hidden)]
-pub trait Mode<S, I> {
-    /// The increments of a step: `I`, or the increments of all lanes.
-    type Increments;
+pub trait Mode<S, I: ?Sized> {
+    /// The increments of a step: `I`, or the increments of all lanes, or a fraction.
+    type Increments: ?Sized;
+    /// The increments of a substep.
+    type Part: Borrow<Self::Increments>;
     /// The reason why the walk ends before the last substep.
     type Failure;
     /// The data of the start of a sequence that its end needs.
@@ -116,6 +121,20 @@ pub trait Mode<S, I> {
     where
         S: StepEquations<R, Increments = I>;
 
+    /// Makes the shears of a substep of length `h` of a scene, which has no equations to solve.
+    ///
+    /// # Errors
+    /// The failure of the substep.
+    fn shears(
+        &mut self,
+        shears: &[Shear],
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), Self::Failure> {
+        let _ = (shears, h, dw);
+        unreachable!("a mode for systems of fixed sizes walks over steps of equations")
+    }
+
     /// Begins a sequence of substeps.
     fn begin(&mut self) -> Self::Start;
 
@@ -124,14 +143,15 @@ pub trait Mode<S, I> {
     fn end(&mut self, start: Self::Start, h: f64);
 
     /// Returns the increments of a substep, which is this fraction of a step.
-    fn part(dw: &Self::Increments, part: f64) -> Self::Increments;
+    fn part(dw: &Self::Increments, part: f64) -> Self::Part;
 }
 
 /// A system with the rule that makes its steps, and the options of Newton's method.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Walker<'a, S, R> {
-    pub(crate) system: &'a S,
+    /// The system, behind all references.
+    pub system: &'a S,
     pub(crate) newton: &'a Newton,
     rule: PhantomData<R>,
 }
@@ -148,7 +168,7 @@ impl<S, R> Copy for Walker<'_, S, R> {}
 impl<'a, S, R> Walker<'a, S, R> {
     /// Returns a walker over steps of a system.
     #[inline(always)]
-    pub(crate) fn new(system: &'a S, newton: &'a Newton) -> Self {
+    pub fn new(system: &'a S, newton: &'a Newton) -> Self {
         Self {
             system,
             newton,

@@ -6,7 +6,7 @@ use crate::system::plan::{Operations, Plan, Substeps};
 
 /// Returns number and fraction of the substep that a walk visits after `at` other substeps.
 #[inline(always)]
-pub(super) fn visited<S, I, M: Mode<S, I>>(fractions: &[f64], at: usize) -> (usize, f64) {
+pub(super) fn visited<S, I: ?Sized, M: Mode<S, I>>(fractions: &[f64], at: usize) -> (usize, f64) {
     let number = if M::IS_BACKWARD {
         fractions.len() - 1 - at
     } else {

@@ -1,12 +1,13 @@
 //! Substeps that alternate between the initial-point rule and its adjoint, the endpoint rule:
 //! splittings of T(v) − V(q).
 
+use core::borrow::Borrow as _;
+
 use super::coefficients::{BlanesMoan4, BlanesMoanRkn6};
 use super::sequence::{plan_of, visited};
 use super::{Endpoint, InitialPoint, Mode, Rule, Walker};
 use crate::system::equations::Memory;
 use crate::system::plan::Plan;
-use crate::system::{IncrementsOf, System};
 
 /// A system with `L = T(v) − V(t, q)`. Implemented by `#[variational(…)]`.
 #[diagnostic::on_unimplemented(
@@ -92,10 +93,12 @@ type Prepared<S> = (
     <Endpoint as Rule<S>>::Prepared,
 );
 
+/// The increments that both rules take.
+type IncrementsOf<S> = <InitialPoint as Rule<S>>::Increments;
+
 impl<S, C> Rule<S> for Split<C>
 where
-    S: System,
-    InitialPoint: Rule<S, Increments = IncrementsOf<S>>,
+    InitialPoint: Rule<S>,
     Endpoint: Rule<S, Increments = IncrementsOf<S>>,
     C: Splitting<S>,
 {
@@ -137,7 +140,8 @@ where
         for at in 0..C::FRACTIONS.len() {
             let (number, part) = visited::<S, IncrementsOf<S>, M>(C::FRACTIONS, at);
             let (first, second) = &prepared.as_ref()[number / 2];
-            let (h, dw) = (part * h, &M::part(dw, part));
+            let (h, part) = (part * h, M::part(dw, part));
+            let dw = part.borrow();
             if number.is_multiple_of(2) {
                 InitialPoint::walk(walker.by(), first, &mut Memory::none(), h, dw, mode)?;
             } else {

@@ -1,7 +1,7 @@
 //! Names of the types that belong to a system: short forms of the associated types of
 //! [`Dimensions`].
 
-use super::{Dimensions, System};
+use super::{AnySystem, Dimensions, System};
 use crate::phase::configuration::Configuration;
 use crate::phase::state::State;
 
@@ -12,7 +12,7 @@ pub type IncrementsOf<S> = <<S as System>::Dims as Dimensions>::Increments;
 /// The type `[f64; N]` of a system.
 pub type VectorOf<S> = <<S as System>::Dims as Dimensions>::Vector;
 /// The configuration of a system, the type of `q` in its state.
-pub type ConfigurationOf<S> = <<S as System>::Dims as Dimensions>::Configuration;
+pub type ConfigurationOf<S> = <S as AnySystem>::Configuration;
 /// The momentum of a system, the type of `p` in its state and of velocities.
 pub type MomentumOf<S> = <ConfigurationOf<S> as Configuration>::Momentum;
 /// The configuration of a system as steps compute with it, `[f64; N]` in a vector space.
@@ -20,9 +20,9 @@ pub type FlatOf<S> = <<S as System>::Dims as Dimensions>::Flat;
 /// The state of a system in coordinates, `State<[f64; N]>` in a vector space.
 pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 /// The type `StateLanes<N>` of a system.
-pub type StateLanesOf<S> = <<S as System>::Dims as Dimensions>::StateLanes;
+pub type StateLanesOf<S> = <S as AnySystem>::StateLanes;
 /// The type `[Lane; M]` of a system.
-pub type IncrementLanesOf<S> = <<S as System>::Dims as Dimensions>::IncrementLanes;
+pub type IncrementLanesOf<S> = <S as AnySystem>::IncrementLanes;
 /// A state of a system in dual numbers: [`DualState<N>`](crate::DualState) in a vector space.
 pub type DualStateOf<'a, S> = <<S as System>::Dims as Dimensions>::DualState<'a>;
 /// A tangent vector of a system in each lane.

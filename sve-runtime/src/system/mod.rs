@@ -26,11 +26,15 @@
 //! assert_eq!(pull(&Springs, &State::new([1.0, 1.0], [0.0, 0.0])).unwrap(), [-1.0, -4.0]);
 //! ```
 //!
+//! [`AnySystem`] has what all systems have, also those whose `q` is a slice. Integrators and
+//! trajectories ask for it; the rest of the library asks for [`System`].
+//!
 //! Everything that depends on the number of coordinates goes through one associated type,
 //! [`System::Dims`], so that `Integrator<S, R>` needs no constants in its type. The rest of the
 //! folder is the interface of generated code, in `__private`.
 
 pub(crate) mod aliases;
+pub(crate) mod any;
 pub(crate) mod equations;
 pub(crate) mod euler;
 pub(crate) mod jets;
@@ -40,6 +44,7 @@ pub(crate) mod sizes;
 pub(crate) mod start;
 
 pub use aliases::{IncrementsOf, StateOf};
+pub use any::{AnySystem, Names};
 pub use jets::{ConstraintJet, CoordinateRole, ForceJet, LagrangianJet, NoiseJet};
 pub use sizes::Dims;
 
@@ -47,7 +52,8 @@ pub(crate) use aliases::{
     ConfigurationOf, DualStateOf, FlatOf, FlatStateOf, IncrementLanesOf, MomentumOf, StateLanesOf,
     TangentLanesOf, VectorOf,
 };
-pub(crate) use sizes::{Dimensions, Increments};
+pub(crate) use any::{FixedSizes, Kind};
+pub(crate) use sizes::{AnyIncrements, Dimensions, Increments};
 
 use crate::lanes::Lane;
 use crate::system::euler::EulerIncrement;
@@ -58,9 +64,18 @@ use crate::system::euler::EulerIncrement;
 /// Implemented by `#[variational(…)]`. [`Mechanics`](crate::Mechanics) has the functions for users.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a mechanical system",
-    note = "put `#[variational(midpoint)]` on the `impl` block that holds its `lagrangian`"
+    note = "put `#[variational(midpoint)]` on the `impl` block that holds its `lagrangian`",
+    note = "a system whose `q` is a slice has integrators with single steps and trajectories, so far"
 )]
-pub trait System {
+pub trait System:
+    AnySystem<
+        Configuration = <<Self as System>::Dims as Dimensions>::Configuration,
+        Target = <Self as System>::Itself,
+        Kind = FixedSizes,
+        StateLanes = <<Self as System>::Dims as Dimensions>::StateLanes,
+        IncrementLanes = <<Self as System>::Dims as Dimensions>::IncrementLanes,
+    >
+{
     /// The sizes and the configuration of the system, `Dims<N, M, Q>`.
     type Dims: Dimensions;
     /// The system for which steps are derived: for a system its own type, for a reference the type

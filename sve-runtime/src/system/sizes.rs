@@ -1,5 +1,7 @@
 //! The fixed sizes of a system, and the types with these sizes.
 
+use core::borrow::BorrowMut;
+use core::fmt::Debug;
 use core::marker::PhantomData;
 
 use super::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
@@ -16,24 +18,78 @@ use crate::phase::tangents::{FieldLanes, TangentLanes};
 #[derive(Clone, Copy, Debug)]
 pub struct Dims<const N: usize, const M: usize, Q = [f64; N]>(PhantomData<Q>);
 
-/// The increments of the Wiener processes over a step: a row of numbers.
-pub trait Increments: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]> {
+/// The increments of the Wiener processes over a step, of any number: an array or a slice.
+pub trait AnyIncrements:
+    ToOwned<Owned: BorrowMut<Self> + AsRef<[f64]> + AsMut<[f64]>> + AsRef<[f64]> + AsMut<[f64]> + Debug
+{
+    /// The memory that a trajectory keeps for the increments of its steps.
+    type Buffer: Clone + Debug + Default;
+    /// Returns increments for a source to fill. Takes the memory from `buffer`; if it is empty,
+    /// `processes` gives the length of a slice.
+    ///
+    /// # Errors
+    /// The error of `processes`.
+    fn take<E>(
+        buffer: &mut Self::Buffer,
+        processes: impl FnOnce() -> Result<usize, E>,
+    ) -> Result<Self::Owned, E>;
+    /// Gives the memory of increments back.
+    fn give(buffer: &mut Self::Buffer, increments: Self::Owned);
+    /// Returns these increments times a factor.
+    #[must_use]
+    fn times(&self, factor: f64) -> Self::Owned;
+}
+
+impl<const M: usize> AnyIncrements for [f64; M] {
+    type Buffer = ();
+
+    #[inline(always)]
+    fn take<E>((): &mut (), _: impl FnOnce() -> Result<usize, E>) -> Result<Self, E> {
+        Ok([0.0; M])
+    }
+
+    #[inline(always)]
+    fn give((): &mut (), _: Self) {}
+
+    #[inline]
+    fn times(&self, factor: f64) -> Self {
+        self.map(|w| factor * w)
+    }
+}
+
+impl AnyIncrements for [f64] {
+    type Buffer = Option<Vec<f64>>;
+
+    fn take<E>(
+        buffer: &mut Option<Vec<f64>>,
+        processes: impl FnOnce() -> Result<usize, E>,
+    ) -> Result<Vec<f64>, E> {
+        match buffer.take() {
+            Some(increments) => Ok(increments),
+            None => Ok(vec![0.0; processes()?]),
+        }
+    }
+
+    fn give(buffer: &mut Option<Vec<f64>>, increments: Vec<f64>) {
+        *buffer = Some(increments);
+    }
+
+    fn times(&self, factor: f64) -> Vec<f64> {
+        self.iter().map(|w| factor * w).collect()
+    }
+}
+
+/// The increments of the Wiener processes over a step of a system of fixed sizes: an array.
+pub trait Increments: AnyIncrements<Owned = Self, Buffer = ()> + Copy {
     /// The increments that are all zero.
     const NONE: Self;
     /// Number of Wiener processes.
     const PROCESSES: usize;
-    /// Returns these increments times a factor.
-    #[must_use]
-    fn times(&self, factor: f64) -> Self;
 }
 
 impl<const M: usize> Increments for [f64; M] {
     const NONE: Self = [0.0; M];
     const PROCESSES: usize = M;
-    #[inline]
-    fn times(&self, factor: f64) -> Self {
-        self.map(|w| factor * w)
-    }
 }
 
 /// The types that belong to the sizes and the configuration of a system. Only [`Dims`] implements
@@ -45,17 +101,17 @@ pub trait Dimensions {
     /// The configuration, `Q`.
     type Configuration: FixedSize;
     /// A row of coordinates, `[f64; N]`.
-    type Vector: Copy + core::fmt::Debug + AsRef<[f64]> + AsMut<[f64]>;
+    type Vector: Copy + Debug + AsRef<[f64]> + AsMut<[f64]>;
     /// The increments of the Wiener processes over a step, `[f64; M]`.
     type Increments: Increments;
     /// The configuration in the form in which steps compute with it: `[f64; N]` in a vector space.
-    type Flat: Copy + core::fmt::Debug;
+    type Flat: Copy + Debug;
     /// The state in this form: [`State<[f64; N]>`](State) in a vector space.
-    type FlatState: Clone + core::fmt::Debug;
+    type FlatState: Clone + Debug;
     /// A state in each lane: `StateLanes<N>` in a vector space.
-    type StateLanes: Clone + Copy + core::fmt::Debug;
+    type StateLanes: Clone + Copy + Debug;
     /// The increments of each lane, `[Lane; M]`.
-    type IncrementLanes: Copy + core::fmt::Debug + AsRef<[Lane]> + AsMut<[Lane]>;
+    type IncrementLanes: Copy + Debug + AsRef<[Lane]> + AsMut<[Lane]>;
     /// A tangent vector in each lane.
     type TangentLanes: FieldLanes<Self::Vector>;
     /// [`LagrangianJet<N>`](LagrangianJet).

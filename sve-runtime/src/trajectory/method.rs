@@ -2,12 +2,11 @@
 
 use crate::error::StepError;
 use crate::integrator::Integrator;
+use crate::integrator::steps::Steps;
 use crate::method::OneStepMethod;
 use crate::noise::Noise;
-use crate::phase::configuration::Coordinates;
-use crate::phase::state::State;
 use crate::rule::Rule;
-use crate::system::{Dims, IncrementsOf, StateOf, System};
+use crate::system::{AnySystem, IncrementsOf, StateOf, System};
 use crate::trajectory::{Snapshot, Trajectory};
 
 /// A [`OneStepMethod`] that takes one increment for each Wiener process. Ensembles and studies run
@@ -16,10 +15,11 @@ use crate::trajectory::{Snapshot, Trajectory};
 /// All methods take such increments, except rules with stage noise.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no method with one increment for each Wiener process",
-    note = "ensembles and studies draw one increment for each process, and so do steps that are divided, at an event or where they fail: use the rule without stage noise"
+    note = "ensembles and studies draw one increment for each process, and so do steps that are divided, at an event or where they fail: use the rule without stage noise",
+    note = "they are for systems of fixed sizes; a system whose `q` is a slice has single steps and trajectories, so far"
 )]
 pub trait Method:
-    OneStepMethod<Increments = IncrementsOf<<Self as OneStepMethod>::System>>
+    OneStepMethod<System: System, Increments = IncrementsOf<<Self as OneStepMethod>::System>>
 {
     /// Makes one step of length `h` with the given Wiener increments, one for each process in
     /// source order.
@@ -118,14 +118,17 @@ pub trait Method:
 
 // The message of the trait says more than the message of the increments.
 #[diagnostic::do_not_recommend]
-impl<I: OneStepMethod<Increments = IncrementsOf<<I as OneStepMethod>::System>>> Method for I {}
+impl<I> Method for I where
+    I: OneStepMethod<System: System, Increments = IncrementsOf<<I as OneStepMethod>::System>>
+{
+}
 
 /// The functions of [`Method`], for programs that do not import the trait.
-impl<S, R, Q, const N: usize, const M: usize> Integrator<S, R>
+impl<S, R> Integrator<S, R>
 where
-    S: System<Dims = Dims<N, M, Q>>,
-    R: Rule<S::Itself>,
-    Q: Coordinates<N>,
+    S: AnySystem,
+    S::Kind: Steps<S::Target, R>,
+    R: Rule<S::Target>,
 {
     /// Returns the states after each step of length `h` from `state`; see
     /// [`Method::trajectory`](crate::Method::trajectory).
@@ -138,7 +141,7 @@ where
     #[doc = include_str!("../example_end.md")]
     pub fn trajectory<W: Noise>(
         &self,
-        state: State<Q>,
+        state: StateOf<S>,
         h: f64,
         noise: W,
     ) -> Trajectory<'_, Self, W> {
@@ -151,7 +154,7 @@ where
     /// As [`Method::resume`](crate::Method::resume).
     pub fn resume<W: Noise>(
         &self,
-        snapshot: Snapshot<State<Q>>,
+        snapshot: Snapshot<StateOf<S>>,
         noise: W,
     ) -> Result<Trajectory<'_, Self, W>, StepError> {
         Trajectory::resume(self, snapshot, noise)

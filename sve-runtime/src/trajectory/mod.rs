@@ -26,11 +26,13 @@ pub use refined::{RefinedTrajectory, Refinements};
 pub use saved::Saved;
 pub use snapshot::Snapshot;
 
+use core::borrow::{Borrow as _, BorrowMut as _};
+
 use crate::error::StepError;
 use crate::fingerprint::{StepsDifference, StepsFingerprint};
 use crate::method::OneStepMethod;
 use crate::noise::{Noise, NoiseError};
-use crate::system::{Increments, StateOf};
+use crate::system::{AnyIncrements, StateOf};
 use crate::time::{is_next_time, time_after};
 
 /// The states after each step, from [`Method::trajectory`](crate::Method::trajectory).
@@ -47,6 +49,8 @@ pub struct Trajectory<'a, I: OneStepMethod, W> {
     start: f64,
     h: f64,
     prepared: Option<I::Prepared>,
+    /// The memory of the increments of a step.
+    buffer: <I::Increments as AnyIncrements>::Buffer,
     /// Number of steps made.
     step: u64,
     has_ended: bool,
@@ -64,6 +68,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             state,
             h,
             prepared: None,
+            buffer: Default::default(),
             step: 0,
             has_ended: false,
             refinements: Refinements::default(),
@@ -130,8 +135,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             start: self.start,
             h: self.h,
             step: self.step,
-            state: self.state,
-            low: self.low,
+            state: self.state.clone(),
+            low: self.low.clone(),
             memory: (self.prepared.as_ref())
                 .map_or_else(Vec::new, |prepared| self.method.memory(prepared)),
             steps: StepsFingerprint::of(self.method),
@@ -171,6 +176,64 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
+    /// Makes `steps` steps. Returns the state after them; the states between are not copied.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let mut path = pendulum.trajectory(start, 0.01, Wiener::new(42));
+    /// let state = path.advance(1000)?;
+    /// assert_eq!(state.t, 10.0);
+    /// assert_eq!(path.step(), 1000);
+    #[doc = include_str!("../example_end.md")]
+    ///
+    /// # Errors
+    /// The error of the first step that fails, or [`StepError::Noise`] at the end of a recorded
+    /// path. The trajectory then has the state before this step, and as an iterator it has ended.
+    pub fn advance(&mut self, steps: u64) -> Result<&StateOf<I::System>, StepError> {
+        let made = self.make_steps(steps);
+        self.has_ended |= made.is_err();
+        made.map(|()| &self.state)
+    }
+
+    fn make_steps(&mut self, steps: u64) -> Result<(), StepError> {
+        let mut left = steps;
+        loop {
+            match self.make_block(left)? {
+                0 => break,
+                made => left -= made,
+            }
+        }
+        (0..left).try_for_each(|_| self.make_step(|_, error, _| Err(error)))
+    }
+
+    /// Makes some of the next `count` steps at once, if noise and method can. Returns the number of
+    /// steps that were made.
+    #[inline(always)]
+    fn make_block(&mut self, count: u64) -> Result<u64, StepError> {
+        if count == 0 || !self.noise.is_replayable() || self.low.is_some() {
+            return Ok(0);
+        }
+        if self.prepared.is_none() {
+            self.prepare()?;
+        }
+        let (method, h, start, first) = (self.method, self.h, self.start, self.step);
+        let (noise, state, buffer) = (&mut self.noise, &mut self.state, &mut self.buffer);
+        let Some(prepared) = &mut self.prepared else {
+            return Ok(0);
+        };
+        let mut draw = |step: u64, dw: &mut I::Increments| {
+            let step = first + step;
+            let end = time_after(start, step + 1, h);
+            let is_later = is_next_time(time_after(start, step, h), end);
+            let drawn = is_later && noise.increments(step, h, dw.as_mut()).is_ok();
+            drawn.then_some(end)
+        };
+        let mut dw = I::Increments::take(buffer, || method.processes(state))?;
+        let made = method.next_steps(prepared, state, h, dw.borrow_mut(), count, &mut draw);
+        I::Increments::give(buffer, dw);
+        self.step += made;
+        Ok(made)
+    }
+
     /// Returns the state after the next step. If the step fails, calls `retry` with the error and
     /// the increments of the step; `retry` makes the step in another way, or returns an error.
     #[inline(always)]
@@ -181,16 +244,24 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         if self.has_ended {
             return None;
         }
-        let item = self.advance(retry).transpose();
-        self.has_ended = !matches!(item, Some(Ok(_)));
-        item
+        match self.make_step(retry) {
+            Ok(()) => Some(Ok(self.state.clone())),
+            Err(error) => {
+                self.has_ended = true;
+                (!is_end_of_path(&error)).then_some(Err(error))
+            }
+        }
     }
 
-    /// Returns the increments of the next step; `None` at the end of a recorded path.
+    /// Returns the increments of the next step.
+    ///
+    /// # Errors
+    /// [`StepError::Noise`], also at the end of a recorded path.
     #[inline(always)]
-    fn draw(&mut self) -> Result<Option<I::Increments>, StepError> {
-        let mut dw = I::Increments::NONE;
-        let drawn = match self.method.stages() {
+    fn draw(&mut self) -> Result<<I::Increments as ToOwned>::Owned, StepError> {
+        let (method, state) = (self.method, &self.state);
+        let mut dw = I::Increments::take(&mut self.buffer, || method.processes(state))?;
+        let drawn = match method.stages() {
             1 => self.noise.increments(self.step, self.h, dw.as_mut()),
             stages => {
                 let Self { step, h, noise, .. } = self;
@@ -198,8 +269,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             }
         };
         match drawn {
-            Ok(()) => Ok(Some(dw)),
-            Err(NoiseError::Exhausted { .. }) => Ok(None),
+            Ok(()) => Ok(dw),
             Err(source) => {
                 let t = self.state.t;
                 Err(StepError::Noise { t, source })
@@ -207,17 +277,17 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
+    /// Makes the next step. If the step fails, calls `retry`, see [`next_or`](Self::next_or).
     #[inline(always)]
-    fn advance(
+    fn make_step(
         &mut self,
         retry: impl FnOnce(&mut Self, StepError, &I::Increments) -> Result<(), StepError>,
-    ) -> Result<Option<StateOf<I::System>>, StepError> {
+    ) -> Result<(), StepError> {
         if self.prepared.is_none() {
             self.prepare()?;
         }
-        let Some(dw) = self.draw()? else {
-            return Ok(None);
-        };
+        let drawn = self.draw()?;
+        let dw: &I::Increments = drawn.borrow();
         let end = time_after(self.start, self.step + 1, self.h);
         let t = self.state.t;
         // The step reports a start time that is not finite.
@@ -227,24 +297,32 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         // The rare cases are calls with copies of the increments, so that the compiler optimises
         // the plain step as if it were alone.
         let made = if self.low.is_some() {
-            self.compensated_step(&{ dw })
+            self.compensated_step(dw.to_owned().borrow())
         } else {
             match &mut self.prepared {
-                Some(prepared) => self
-                    .method
-                    .next_step(prepared, &mut self.state, self.h, &dw),
-                None => return Ok(None),
+                Some(prepared) => self.method.next_step(prepared, &mut self.state, self.h, dw),
+                None => Ok(()),
             }
         };
         if let Err(error) = made {
-            retry(self, error, &{ dw })?;
+            retry(self, error, dw.to_owned().borrow())?;
             self.forget();
         }
+        I::Increments::give(&mut self.buffer, drawn);
         self.step += 1;
         // The time is rounded once: repeated addition of `h` would drift.
         self.state.t = end;
-        Ok(Some(self.state))
+        Ok(())
     }
+}
+
+/// Returns whether a step was not made since a recorded path has ended.
+#[cold]
+fn is_end_of_path(error: &StepError) -> bool {
+    let StepError::Noise { source, .. } = error else {
+        return false;
+    };
+    matches!(source, NoiseError::Exhausted { .. })
 }
 
 impl<I: OneStepMethod, W: Noise> Iterator for Trajectory<'_, I, W> {
@@ -253,5 +331,13 @@ impl<I: OneStepMethod, W: Noise> Iterator for Trajectory<'_, I, W> {
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         self.next_or(|_, error, _| Err(error))
+    }
+
+    /// Makes the steps up to the state without copying the states that are skipped.
+    fn nth(&mut self, n: usize) -> Option<Self::Item> {
+        if self.has_ended || self.advance(n as u64).is_err() {
+            return None;
+        }
+        self.next()
     }
 }

@@ -4,6 +4,7 @@
 //! Invariant: the states that the walk reads are computed by the same steps, however many of them
 //! are kept.
 
+use core::borrow::Borrow as _;
 use core::cell::RefCell;
 
 use super::checkpoints::distance;
@@ -15,7 +16,9 @@ use crate::phase::Field;
 use crate::phase::configuration::FixedSize;
 use crate::phase::dual::Dual;
 use crate::system::linearisation::Covector;
-use crate::system::{ConfigurationOf, DualStateOf, Increments, StateOf, System as _, VectorOf};
+use crate::system::{
+    AnyIncrements as _, ConfigurationOf, DualStateOf, StateOf, System as _, VectorOf,
+};
 use crate::time::{is_next_time, time_after};
 
 /// The walk backwards.
@@ -96,15 +99,21 @@ where
                 return Err(StepError::Time { t, h, end });
             }
             let method = self.method;
-            method.step_prepared(&self.prepared, &mut state, self.h, &dw)?;
+            method.step_prepared(&self.prepared, &mut state, self.h, dw.borrow())?;
             state.t = end;
         }
         Ok(state)
     }
 
     /// Returns the increments of a step that begins at time `t`.
-    fn increments(&mut self, step: u64, t: f64) -> Result<I::Increments, StepError> {
-        let (mut dw, step) = (I::Increments::NONE, self.first + step);
+    fn increments(
+        &mut self,
+        step: u64,
+        t: f64,
+    ) -> Result<<I::Increments as ToOwned>::Owned, StepError> {
+        // An array, whose length its type knows.
+        let mut dw = I::Increments::take(&mut Default::default(), || Ok::<_, StepError>(0))?;
+        let step = self.first + step;
         let drawn = match self.method.stages() {
             1 => self.noise.increments(step, self.h, dw.as_mut()),
             stages => (self.noise).stage_increments(step, self.h, stages, dw.as_mut()),
@@ -121,7 +130,7 @@ where
             state: &mut self.by_state,
             parameters: &mut self.by_parameters[piece],
         };
-        (self.method).pull_back(&self.prepared, state, self.h, &dw, covector)
+        (self.method).pull_back(&self.prepared, state, self.h, dw.borrow(), covector)
     }
 
     /// Adds the loss of a state and its derivatives.

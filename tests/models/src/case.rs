@@ -166,7 +166,9 @@ pub trait Case {
 }
 
 /// An integrator with its numbers of coordinates and of noises.
-struct TypedCase<S, R, const N: usize, const M: usize>(Integrator<S, R>);
+struct TypedCase<S: sve_runtime::system::System, R, const N: usize, const M: usize>(
+    Integrator<S, R>,
+);
 
 /// Returns the case of a model and a rule.
 pub(crate) fn case<S, R, const N: usize, const M: usize>(system: S, rule: R) -> Box<dyn Case>

@@ -1,11 +1,12 @@
 //! Steps computed elsewhere with 40-digit arithmetic from the discrete action, independently of
 //! this project.
 
+use std::borrow::Borrow as _;
 use std::collections::HashMap;
 
 use serde::Deserialize;
 use serde_json::Value;
-use sve_runtime::__private::{ConstraintImpulses, Coordinates, Increments};
+use sve_runtime::__private::{AnyIncrements as _, ConstraintImpulses, Coordinates};
 use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
 use sve_runtime::{Configuration, Rule, Variational};
@@ -132,9 +133,11 @@ impl ReferenceRun {
         let integrator = Integrator::new(system, rule);
         let mut worst: f64 = 0.0;
         for (dw, expected) in self.dw.iter().zip(&self.states[1..]) {
-            let mut increments = R::Increments::NONE;
+            let processes = || Ok::<_, StepError>(dw.len());
+            let increments = R::Increments::take(&mut Default::default(), processes);
+            let mut increments = increments.expect("increments");
             increments.as_mut().copy_from_slice(dw);
-            let step = integrator.step(&mut state, self.h, &increments);
+            let step = integrator.step(&mut state, self.h, increments.borrow());
             step.unwrap_or_else(|error| panic!("{}: {error}", self.rule));
             worst = worst.max(difference(&numbers(&state), expected) / size(expected));
         }

@@ -9,7 +9,7 @@ use crate::checks::failure;
 use crate::oracle::name;
 
 /// An integrator by any rule.
-pub trait Stepper<Q: Configuration, I> {
+pub trait Stepper<Q: Configuration, I: ?Sized> {
     /// `Pendulum by midpoint`, for messages.
     fn name(&self) -> String;
     /// The name of the rule.

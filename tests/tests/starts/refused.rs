@@ -15,7 +15,7 @@ pub(crate) fn refused<S, R, const N: usize, const M: usize>(
 ) -> StepError
 where
     S: System<Dims = Dims<N, M>>,
-    R: Rule<S::Itself, Increments: PartialEq>,
+    R: Rule<S::Itself, Increments: Increments + PartialEq>,
 {
     let method = Integrator::new(system, rule);
     let what = core::any::type_name::<R>();

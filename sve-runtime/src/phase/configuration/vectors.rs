@@ -3,7 +3,7 @@
 
 use nalgebra::SVector;
 
-use super::{Configuration, Coordinates, FixedSize, largest};
+use super::{Configuration, Coordinates, FixedSize, add, largest};
 use crate::phase::dual::Dual;
 use crate::phase::state::State;
 
@@ -209,14 +209,5 @@ impl<const N: usize> Coordinates<N> for SVector<f64, N> {
     #[inline(always)]
     fn from_components(components: &[f64; N]) -> Self {
         Self::from(*components)
-    }
-}
-
-/// Adds an increment to the coordinates in a vector space.
-#[inline(always)]
-fn add(to: &mut [f64], increment: &[f64]) {
-    assert_eq!(to.len(), increment.len(), "an increment of another length");
-    for (x, dx) in to.iter_mut().zip(increment) {
-        *x += dx;
     }
 }

@@ -6,7 +6,7 @@
 use core::f64::consts::{PI, TAU};
 
 use crate::error::StepError;
-use crate::system::{StateOf, System};
+use crate::system::{AnySystem, StateOf};
 
 /// A function of the system and a state.
 pub(super) type Function<'a, S> = Box<dyn Fn(&S, &StateOf<S>) -> Result<f64, StepError> + 'a>;
@@ -15,7 +15,7 @@ pub(super) type Function<'a, S> = Box<dyn Fn(&S, &StateOf<S>) -> Result<f64, Ste
 pub(super) type Change<'a, S> = Box<dyn FnMut(&S, &mut StateOf<S>) + 'a>;
 
 /// The action at an event.
-pub(super) enum Action<'a, S: System> {
+pub(super) enum Action<'a, S: AnySystem> {
     /// The state is yielded.
     Yield,
     /// The trajectory ends.
@@ -53,7 +53,7 @@ impl Side {
 }
 
 /// A function with its options, and its value where the search for the next event begins.
-pub(super) struct EventFunction<'a, S: System> {
+pub(super) struct EventFunction<'a, S: AnySystem> {
     function: Function<'a, S>,
     pub(super) action: Action<'a, S>,
     pub(super) direction: Direction,
@@ -72,7 +72,7 @@ pub(super) struct EventFunction<'a, S: System> {
     pub(super) changed_at: f64,
 }
 
-impl<'a, S: System> EventFunction<'a, S> {
+impl<'a, S: AnySystem> EventFunction<'a, S> {
     pub(super) fn new(function: Function<'a, S>, action: Action<'a, S>) -> Self {
         Self {
             function,

@@ -4,24 +4,36 @@
 //! Invariant: steps of the trajectory are made in order, and no further than the last whole step
 //! before the point.
 
+use core::borrow::Borrow as _;
+
 use super::{Saved, Wanted};
 use crate::error::StepError;
 use crate::method::OneStepMethod;
 use crate::noise::{Halves, Noise, increments_until};
-use crate::system::{StateOf, System};
+use crate::system::{AnySystem, StateOf};
 use crate::time::{WrittenTimes, is_next_time};
 use crate::trajectory::Method;
-use crate::trajectory::{RefinedTrajectory, Trajectory};
+use crate::trajectory::{RefinedTrajectory, Trajectory, is_end_of_path};
 
 /// A trajectory whose states can be saved.
 pub(crate) trait Steps: Iterator<Item = Result<StateOf<Self::System>, StepError>> {
-    type System: System;
+    type System: AnySystem;
     /// Returns the times after its steps.
     fn times(&self) -> WrittenTimes;
     /// Returns the number of steps made.
     fn steps_made(&self) -> u64;
     /// Returns the state reached.
-    fn reached(&self) -> StateOf<Self::System>;
+    fn reached(&self) -> &StateOf<Self::System>;
+    /// Makes steps up to a number of steps. Returns whether it was reached before the end of the
+    /// trajectory.
+    fn go_on(&mut self, steps: u64) -> Result<bool, StepError> {
+        while self.steps_made() < steps {
+            if self.next().transpose()?.is_none() {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
     /// Returns the state at a time within the next step.
     fn state_within(&mut self, t: f64) -> Result<StateOf<Self::System>, StepError>;
 }
@@ -37,18 +49,31 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
         self.step
     }
 
-    fn reached(&self) -> StateOf<I::System> {
-        self.state
+    fn reached(&self) -> &StateOf<I::System> {
+        &self.state
+    }
+
+    fn go_on(&mut self, steps: u64) -> Result<bool, StepError> {
+        let left = steps.saturating_sub(self.step);
+        if left == 0 || self.has_ended {
+            return Ok(left == 0);
+        }
+        match self.advance(left) {
+            Ok(_) => Ok(true),
+            Err(error) if is_end_of_path(&error) => Ok(false),
+            Err(error) => Err(error),
+        }
     }
 
     fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
-        let mut state = self.state;
+        let mut state = self.state.clone();
         let h = t - state.t;
         // A part that is too short to change the time changes nothing else.
         if h != 0.0 && is_next_time(state.t, state.t + h) {
             let dw = self.increments_up_to(t)?;
             let prepared = self.method.prepare(h)?;
-            self.method.step_prepared(&prepared, &mut state, h, &dw)?;
+            self.method
+                .step_prepared(&prepared, &mut state, h, dw.borrow())?;
         }
         state.t = t;
         Ok(state)
@@ -57,17 +82,19 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Returns the increments over the part of the next step up to a time.
-    fn increments_up_to(&mut self, t: f64) -> Result<I::Increments, StepError> {
+    fn increments_up_to(&mut self, t: f64) -> Result<<I::Increments as ToOwned>::Owned, StepError> {
         let from = self.times().after(self.step);
-        let Some(whole) = self.draw()? else {
-            return Err(StepError::PathEnded { t, end: from });
-        };
+        let whole = self.draw().map_err(|error| match error {
+            error if is_end_of_path(&error) => StepError::PathEnded { t, end: from },
+            error => error,
+        })?;
         let (h, stages) = (self.h, self.method.stages());
-        if stages > 1 && whole.as_ref().iter().all(|dw| *dw == 0.0) {
+        if stages > 1 && AsRef::<[f64]>::as_ref(&whole).iter().all(|dw| *dw == 0.0) {
             return Ok(whole);
         }
         let fraction = (t - self.state.t) / h;
-        increments_until(self.noise.within_steps(), self.step, h, fraction, &whole)
+        let whole: &I::Increments = whole.borrow();
+        increments_until(self.noise.within_steps(), self.step, h, fraction, whole)
             .filter(|_| stages == 1)
             .ok_or(StepError::WithinStep { t, from, h, stages })
     }
@@ -84,8 +111,8 @@ impl<I: Method, W: Halves> Steps for RefinedTrajectory<'_, I, W> {
         self.trajectory.step
     }
 
-    fn reached(&self) -> StateOf<I::System> {
-        self.trajectory.state
+    fn reached(&self) -> &StateOf<I::System> {
+        &self.trajectory.state
     }
 
     fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
@@ -155,21 +182,19 @@ impl<T: Steps> Saved<T> {
                 (steps, t, is_whole)
             }
         };
-        while self.path.steps_made() < steps {
-            if self.path.next().transpose()?.is_none() {
-                // A trajectory that has to end later ends with its recorded path otherwise.
-                let wanted = match *point {
-                    Point::Time(t) => Some(t),
-                    Point::Step(_) => self.end,
-                };
-                let end = self.times.after(self.path.steps_made());
-                return wanted.map_or(Ok(None), |t| Err(StepError::PathEnded { t, end }));
-            }
+        if !self.path.go_on(steps)? {
+            // A trajectory that has to end later ends with its recorded path otherwise.
+            let wanted = match *point {
+                Point::Time(t) => Some(t),
+                Point::Step(_) => self.end,
+            };
+            let end = self.times.after(self.path.steps_made());
+            return wanted.map_or(Ok(None), |t| Err(StepError::PathEnded { t, end }));
         }
         if !is_whole {
             return self.path.state_within(t).map(Some);
         }
-        let mut state = self.path.reached();
+        let mut state = self.path.reached().clone();
         state.t = t;
         Ok(Some(state))
     }

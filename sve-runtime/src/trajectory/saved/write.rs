@@ -4,10 +4,11 @@ use std::path::Path;
 
 use super::search::Steps;
 use super::{Saved, Wanted};
+use crate::system::System;
 use crate::table::{SaveError, StateTable};
 
 #[allow(private_bounds)] // trajectories, plain and refined
-impl<T: Steps> Saved<T> {
+impl<T: Steps<System: System>> Saved<T> {
     /// Makes the steps and returns the saved states as a table, to which columns can be
     /// [added](StateTable::with).
     ///
