@@ -13,6 +13,7 @@ use crate::derivation::derive;
 use crate::errors::Errors;
 use crate::interpret;
 use crate::model::Model;
+use crate::model::scene::Scene;
 use crate::settings::Settings;
 use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
@@ -95,12 +96,26 @@ fn implementations(
     mistaken: &mut BTreeSet<String>,
 ) -> syn::Result<TokenStream> {
     let mut arena = Arena::new();
-    let (block, model) = read(attribute, item, &mut arena, mistaken)?;
+    let (block, model) = match read(attribute, item, &mut arena, mistaken)? {
+        (block, Read::Unrolled(model)) => (block, *model),
+        (block, Read::Scene(_)) => {
+            applicable::check_scene(&block)?;
+            let at = syn::spanned::Spanned::span(block.coordinates());
+            return Err(syn::Error::new(at, "kept loops are not printed yet"));
+        }
+    };
     applicable::check(&block, &model)?;
     let budget = Budget::new(&block, &model, work)?;
     let system = classify(&block, model, &budget, &mut arena)?;
     let derivation = derive(block, system, &budget, settings, arena)?;
     Ok(rust::print(&derivation))
+}
+
+/// A system as it is read.
+enum Read {
+    Unrolled(Box<Model>),
+    /// The arguments are slices.
+    Scene(Box<Scene>),
 }
 
 /// Reads a block. After errors, `mistaken` gets the names of functions and constants with errors.
@@ -109,11 +124,16 @@ fn read(
     item: ItemImpl,
     arena: &mut Arena,
     mistaken: &mut BTreeSet<String>,
-) -> syn::Result<(Annotated, Model)> {
+) -> syn::Result<(Annotated, Read)> {
     let mut errors = Errors::new();
     let read = parse::annotated(attribute, item, &mut errors).and_then(|block| {
-        let model = interpret::interpret(&block, arena, &mut errors)?;
-        Some((block, model))
+        let system = if block.is_scene() {
+            interpret::scene(&block, arena, &mut errors).map(|scene| Read::Scene(scene.into()))
+        } else {
+            let model = interpret::interpret(&block, arena, &mut errors);
+            model.map(|model| Read::Unrolled(model.into()))
+        };
+        Some((block, system?))
     });
     mistaken.clone_from(errors.places());
     let unreadable = || syn::Error::new(Span::call_site(), "this block cannot be read");

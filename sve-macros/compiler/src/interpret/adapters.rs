@@ -3,7 +3,7 @@
 use syn::Expr as Syntax;
 
 use super::Lowering;
-use super::branches::Undecided;
+use super::branches::{Truth, Undecided};
 use super::calls::Argument;
 use super::methods::Call;
 use super::value::Value;
@@ -87,10 +87,10 @@ pub(super) fn filter(x: &mut Lowering<'_>, items: Vec<Value>, call: &Call<'_>) -
             x.decide(&closure.body)
         });
         match decision {
-            Ok(true) => kept.push(item),
-            Ok(false) => {}
+            Ok(Truth::Known(true)) => kept.push(item),
+            Ok(Truth::Known(false)) => {}
             Err(Undecided::Reported) => return None,
-            Err(Undecided::Unknown) => {
+            Ok(Truth::Running(_)) | Err(Undecided::Unknown) => {
                 return x.refuse(&closure.body, "what `filter` keeps must be known at compile time: compare indices, as in `j != i`");
             }
         }

@@ -10,6 +10,7 @@ use syn::spanned::Spanned;
 use super::Lowering;
 use super::floats::method_meant;
 use super::matrices::Constructor;
+use super::scenes::streams;
 use super::value::Value;
 
 /// An argument of a call: its value, and its place in the source.
@@ -64,6 +65,7 @@ impl Lowering<'_> {
             (["f64", "from"], []) => self.refuse(&at, "`from` takes 1 argument, here are none"),
             (["f64", "from"], [argument, ..]) => match &argument.value {
                 Value::Int(i) => Some(self.constant(i.value as f64)),
+                Value::Index(i) => Some(Value::Scalar(self.number_of(*i))),
                 other => Some(other.clone()),
             },
             (["f64", name], []) => {
@@ -102,6 +104,7 @@ impl Lowering<'_> {
             };
         }
         let message = match names {
+            ["Vec", ..] if self.scene.is_scene() => streams::NO_VEC.to_owned(),
             ["from_fn"] | [.., "array", "from_fn"] => return self.array_from_fn(path, &arguments),
             [name] if self.block.functions.iter().any(|f| f.sig.ident == name) => format!(
                 "a function of this block is called `self.{name}(…)`, or `Self::{name}(…)` if it has no `self`"

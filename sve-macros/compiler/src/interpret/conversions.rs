@@ -44,7 +44,9 @@ impl Lowering<'_> {
     /// as they are.
     pub(super) fn converted(&self, receiver: Value) -> Value {
         match receiver {
-            Value::Int(_) | Value::Tuple(_) => Value::Converted(Box::new(receiver)),
+            Value::Int(_) | Value::Index(_) | Value::Tuple(_) => {
+                Value::Converted(Box::new(receiver))
+            }
             Value::Field(path) => {
                 let runtime = &self.block.arguments.runtime;
                 Value::Field(path.converted(quote!(#runtime::__private::entry)))
@@ -153,6 +155,7 @@ impl Lowering<'_> {
             }
             (Value::Converted(inner), ty) => match (inner.unconverted(), ty) {
                 (Value::Int(i), ty) if is_f64(ty) => self.constant(i.value as f64),
+                (Value::Index(i), ty) if is_f64(ty) => Value::Scalar(self.number_of(i)),
                 (Value::Int(i), ty) => {
                     let value = Value::Int(Integer::from(i.value));
                     self.number(value, ty, at)

@@ -30,7 +30,8 @@ impl Lowering<'_> {
         self.tick(expr)?;
         let value = self.deeper(expr, |this| this.eval_inner(expr))?;
         let value = self.frame.read_through(value?);
-        match self.fields.typed(value) {
+        let value = self.fields.typed(value);
+        match self.known_integer(value) {
             Value::Poison => None,
             value => Some(value),
         }
@@ -72,9 +73,9 @@ impl Lowering<'_> {
             Syntax::Field(_) => self.entry(expr),
             Syntax::Range(range) => self.range(range),
             Syntax::If(branch) => self.branch(branch),
-            Syntax::Continue(e) if e.label.is_none() => self.leave(LoopExit::Continue),
+            Syntax::Continue(e) if e.label.is_none() => self.leave(LoopExit::Continue, expr),
             Syntax::Break(e) if e.label.is_none() && e.expr.is_none() => {
-                self.leave(LoopExit::Break)
+                self.leave(LoopExit::Break, expr)
             }
             Syntax::Cast(cast) => self.cast(cast),
             Syntax::Array(array) => Some(Value::Array(self.values(&array.elems))),

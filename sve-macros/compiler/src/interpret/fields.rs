@@ -12,6 +12,7 @@ use super::matrices::{Matrix, MatrixType};
 use super::value::Value;
 use crate::algebra::{Expr, Symbol};
 use crate::model::Meaning;
+use crate::model::scene::Int;
 
 /// The path of a parameter: `self.a`, `self.m[2]`, `self.body.mass`; `GRAVITY`,
 /// `constants::MASSES[2]`.
@@ -39,6 +40,10 @@ pub(super) enum FieldStep {
     Pair(usize, usize, Option<Span>),
     /// A function of the runtime that reads an entry, its row and its column.
     Read(TokenStream, usize, usize),
+    /// An index known when the program runs, and its text.
+    At(Int, String),
+    /// Row and column known when the program runs, and their text.
+    AtPair(Int, Int, String),
 }
 
 impl FieldPath {
@@ -71,6 +76,43 @@ impl FieldPath {
             &name.unwrap_or_default(),
             &crate::syntax::readable(path),
         ))
+    }
+
+    /// Returns whether the parameter is a constant from outside the block.
+    pub(super) fn is_outside(&self) -> bool {
+        self.outside.is_some()
+    }
+
+    pub(super) fn steps(&self) -> &[FieldStep] {
+        &self.steps
+    }
+
+    /// Returns whether an index of the path is known when the program runs only.
+    fn is_running(&self) -> bool {
+        let is_running =
+            |step: &FieldStep| matches!(step, FieldStep::At(..) | FieldStep::AtPair(..));
+        self.steps.iter().any(is_running)
+    }
+
+    /// Returns the path of the entry at an index known when the program runs.
+    pub(super) fn at(&self, index: Int, text: &str) -> Self {
+        self.then(FieldStep::At(index, text.to_owned()))
+    }
+
+    /// Returns the path of an entry of a matrix at a row and column known when the program runs.
+    pub(super) fn at_pair(&self, row: Int, column: Int, text: &str) -> Self {
+        self.then(FieldStep::AtPair(row, column, text.to_owned()))
+    }
+
+    /// Returns the path without the values of its indices.
+    fn kind_of_entry(&self) -> String {
+        let steps = self.steps.iter().map(|step| match step {
+            FieldStep::Named(name) => format!(".{name}"),
+            FieldStep::Numbered(index) => format!(".{index}"),
+            FieldStep::Index(..) | FieldStep::At(..) => "[]".to_owned(),
+            FieldStep::Pair(..) | FieldStep::Read(..) | FieldStep::AtPair(..) => "[,]".to_owned(),
+        });
+        steps.collect()
     }
 
     pub(super) fn is_self(&self) -> bool {
@@ -208,6 +250,10 @@ impl FieldPath {
                     let [row, column] = [row, column].map(|i| Literal::usize_unsuffixed(*i));
                     tokens = quote!(#reader(&#tokens, #row, #column));
                 }
+                FieldStep::At(_, text) | FieldStep::AtPair(_, _, text) => {
+                    let index: TokenStream = text.parse().unwrap_or_default();
+                    tokens.extend(quote!([#index]));
+                }
             }
         }
         tokens
@@ -224,6 +270,7 @@ impl FieldPath {
             FieldStep::Pair(row, column, _) | FieldStep::Read(_, row, column) => {
                 format!("{row}_{column}")
             }
+            FieldStep::At(..) | FieldStep::AtPair(..) => "at".to_owned(),
         });
         let parts: Vec<String> = path.map(|s| plain(&s.ident)).chain(steps).collect();
         parts.join("_")
@@ -245,6 +292,8 @@ pub(super) struct Known {
     /// Entries of vectors and matrices that are written in several ways. Maps each spelling to the
     /// spelling that generated code reads.
     spellings: HashMap<String, FieldPath>,
+    /// The fields of a scene that are integers, by their paths without indices.
+    integers: HashSet<String>,
 }
 
 impl Known {
@@ -261,6 +310,10 @@ pub(super) struct Fields {
     names: HashSet<String>,
     /// Parameters in the order of their first use.
     paths: Vec<FieldPath>,
+    /// The paths of parameters and of reads with an index, by their symbols.
+    paths_of: HashMap<Symbol, FieldPath>,
+    /// The fields of a scene that this execution has found to be integers.
+    integers: HashSet<String>,
     /// Fields that are used as vectors or matrices of a known type.
     vectors: HashMap<String, MatrixType>,
     /// The last parameter that was used as a number, for a hint in messages.
@@ -273,6 +326,21 @@ impl Fields {
             known,
             ..Self::default()
         }
+    }
+
+    /// Records that a field of a scene is an integer.
+    pub(super) fn learn_integer(&mut self, path: &FieldPath) {
+        self.integers.insert(path.kind_of_entry());
+    }
+
+    /// Returns whether an earlier execution has found that a field is an integer.
+    pub(super) fn is_integer(&self, path: &FieldPath) -> bool {
+        !self.known.integers.is_empty() && self.known.integers.contains(&path.kind_of_entry())
+    }
+
+    /// Returns the path of a field that a symbol stands for.
+    pub(super) fn path_of(&self, symbol: Symbol) -> Option<FieldPath> {
+        self.paths_of.get(&symbol).cloned()
     }
 
     /// If an earlier execution found the type of a parameter, returns the vector or matrix of this
@@ -296,12 +364,23 @@ impl Lowering<'_> {
     /// spelling, if an entry was read in several ways.
     pub(super) fn learnt(&mut self) -> Option<Known> {
         let fields = &mut self.fields;
+        let known = fields.known.integers.len();
+        fields.integers.extend(fields.known.integers.drain());
+        let integers = std::mem::take(&mut fields.integers);
+        if integers.len() > known {
+            return Some(Known {
+                types: std::mem::take(&mut fields.known.types),
+                integers,
+                ..Known::default()
+            });
+        }
         let is_number = |field| fields.symbols.contains_key(field);
         let has_mistakes = self.errors.count() > 0 || fields.vectors.keys().any(is_number);
         if fields.known.is_first() && !fields.vectors.is_empty() && has_mistakes {
             let types = std::mem::take(&mut fields.vectors);
             return Some(Known {
                 types,
+                integers,
                 ..Known::default()
             });
         }
@@ -312,6 +391,7 @@ impl Lowering<'_> {
         (self.errors.count() == 0 && !spellings.is_empty()).then(|| Known {
             types: std::mem::take(&mut fields.known.types),
             spellings,
+            integers,
         })
     }
 
@@ -321,6 +401,14 @@ impl Lowering<'_> {
         if let (Some(ty), Some((vector, _))) = (path.vector(), path.last_step()) {
             let vector = vector.access().to_string();
             fields.vectors.entry(vector).or_insert(ty);
+        }
+        if path.is_running() {
+            let number = self.field_slot(path);
+            let symbols = self.arena.symbols_of(number);
+            self.fields
+                .paths_of
+                .extend(symbols.map(|symbol| (symbol, path.clone())));
+            return number;
         }
         let spelling = fields.known.spellings.get(&path.access().to_string());
         let path = spelling.unwrap_or(path);
@@ -335,6 +423,9 @@ impl Lowering<'_> {
             fields.paths.push(path.clone());
             self.symbols.declare(Meaning::Parameter { name, access })
         });
+        if !path.is_outside() {
+            fields.paths_of.insert(symbol, path.clone());
+        }
         self.arena.symbol(symbol)
     }
 }

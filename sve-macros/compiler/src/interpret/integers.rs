@@ -166,6 +166,12 @@ pub(super) fn method(name: &str, arguments: &[Argument]) -> Option<(Compute, [In
     }
 }
 
+/// Returns whether a value that may be an integer is annotated as one.
+fn kind_of_field(value: &Value, ty: &Type) -> Option<()> {
+    let is_unknown = matches!(value, Value::Field(_) | Value::Scalar(_));
+    (is_unknown && is_integer(ty)).then_some(())
+}
+
 impl Lowering<'_> {
     /// Returns the common type of two integers, or reports an error if they have two types.
     pub(super) fn common(
@@ -264,7 +270,17 @@ impl Lowering<'_> {
     pub(super) fn cast(&mut self, cast: &syn::ExprCast) -> Option<Value> {
         let value = self.eval(&cast.expr)?.unconverted();
         let target = readable(&cast.ty);
-        let message = match (value, Kind::of(&cast.ty)) {
+        let kind = Kind::of(&cast.ty);
+        if !matches!(value, Value::Int(_))
+            && (is_f64(&cast.ty) || kind.is_some_and(|kind| kind.bits >= 32))
+            && let Some(integer) = self.running(&value)
+        {
+            return Some(match kind {
+                Some(_) => self.index_value_of(integer),
+                None => Value::Scalar(self.number_of(integer)),
+            });
+        }
+        let message = match (value, kind) {
             (Value::Poison, _) => return None,
             (Value::Int(i), _) if is_f64(&cast.ty) => return Some(self.constant(i.value as f64)),
             (Value::Int(i), Some(kind)) => match kind.wrapped(i.value) {
@@ -301,7 +317,8 @@ impl Lowering<'_> {
     /// the integer. Returns other values unchanged.
     pub(super) fn number(&mut self, value: Value, ty: &Type, at: &impl Spanned) -> Value {
         let (Value::Int(i), kind) = (&value, Kind::of(ty)) else {
-            return value;
+            let running = kind_of_field(&value, ty).and_then(|()| self.running(&value));
+            return running.map_or(value, Value::Index);
         };
         let checked = match (i.kind, kind) {
             _ if is_f64(ty) => self.refuse(at, super::integer(i.value)),

@@ -7,10 +7,8 @@
 //! after a mistake that it has reported; a variable or an entry then has the value
 //! [`Value::Poison`].
 //!
-//! A loop that is kept, over a range known at run time, will execute its body once. Its variable
-//! will be another kind of [`Value`], an index that stands for a number known at run time, as
-//! [`Value::Field`] stands for a parameter: `places.rs` selects entries by it, arithmetic of
-//! indices is in `integers.rs`, and the table of methods (`methods/`) has no receiver of this kind.
+//! In a scene, whose lengths are known when the program runs, the output is a [`Scene`]: loops over
+//! them are executed once and kept as sums (`scenes/`).
 
 mod adapters;
 mod branches;
@@ -35,6 +33,7 @@ mod places;
 mod references;
 mod results;
 mod roles;
+mod scenes;
 mod sequences;
 mod statements;
 mod types;
@@ -47,6 +46,7 @@ use syn::spanned::Spanned;
 
 use crate::algebra::{Arena, Expr};
 use crate::errors::Errors;
+use crate::model::scene::Scene;
 use crate::model::{Model, Symbols};
 use crate::syntax::parse::Annotated;
 use branches::LoopExit;
@@ -54,6 +54,7 @@ use calls::Argument;
 use fields::{Fields, Known};
 use frames::Frame;
 use helpers::Calls;
+use scenes::Building;
 use value::Value;
 
 /// Largest number of statements and expressions that one expansion may execute.
@@ -76,6 +77,7 @@ pub(crate) struct Lowering<'a> {
     frame: Frame,
     /// Set by `continue` and `break` until the loop handles it.
     leaving: Option<LoopExit>,
+    scene: Building,
     limits: Limits,
 }
 
@@ -89,29 +91,46 @@ struct Limits {
 }
 
 /// Executes all functions with roles. Mistakes are added to `errors`.
-///
-/// Some properties of fields are known only after the fields have been used ([`Known`]). The block
-/// is then executed again with this knowledge.
 pub(crate) fn interpret(
     block: &Annotated,
     arena: &mut Arena,
     errors: &mut Errors,
 ) -> Option<Model> {
+    let (symbols, model) = executed(block, arena, errors, |lowering| lowering.model())?;
+    Some(Model { symbols, ..model })
+}
+
+/// Executes all functions with roles of a scene. Mistakes are added to `errors`.
+pub(crate) fn scene(block: &Annotated, arena: &mut Arena, errors: &mut Errors) -> Option<Scene> {
+    let (symbols, scene) = executed(block, arena, errors, |lowering| lowering.scene())?;
+    Some(Scene { symbols, ..scene })
+}
+
+/// Executes the functions of a block with `run`, and returns the symbols and the result.
+///
+/// Some properties of fields are known only after the fields have been used ([`Known`]). The block
+/// is then executed again with this knowledge.
+fn executed<T>(
+    block: &Annotated,
+    arena: &mut Arena,
+    errors: &mut Errors,
+    run: impl Fn(&mut Lowering<'_>) -> Option<T>,
+) -> Option<(Symbols, T)> {
     let mut lowering = Lowering::new(block, arena, Known::default());
-    let mut model = lowering.model();
+    let mut result = run(&mut lowering);
     while let Some(known) = lowering.learnt() {
         lowering = Lowering::new(block, lowering.arena, known);
-        model = lowering.model();
+        result = run(&mut lowering);
     }
     errors.append(lowering.errors);
     let symbols = lowering.symbols;
-    if model.is_none() && errors.count() == 0 {
+    if result.is_none() && errors.count() == 0 {
         errors.push(
             block.lagrangian.name.span(),
             "this Lagrangian cannot be read",
         );
     }
-    model.map(|model| Model { symbols, ..model })
+    result.map(|result| (symbols, result))
 }
 
 impl<'a> Lowering<'a> {
@@ -132,6 +151,7 @@ impl<'a> Lowering<'a> {
             calls: Calls::default(),
             frame: Frame::default(),
             leaving: None,
+            scene: Building::default(),
         }
     }
 }
@@ -163,6 +183,7 @@ impl Lowering<'_> {
             Value::Converted(inner) => {
                 return match &**inner {
                     Value::Int(i) => Some(self.arena.constant(i.value as f64)),
+                    Value::Index(i) => Some(self.number_of(*i)),
                     inner => self.scalar(inner, at),
                 };
             }
@@ -174,6 +195,19 @@ impl Lowering<'_> {
             }
             Value::Generated(_) => return self.refuse(at, conversions::NO_LENGTH),
             Value::Int(i) => return self.refuse(at, integer(i.value)),
+            Value::Index(i) => {
+                let text = self.scene.integers.text(*i);
+                let text = if text.contains(' ') {
+                    format!("({text})")
+                } else {
+                    text
+                };
+                return self.refuse(
+                    at,
+                    format!("an integer stands where an `f64` belongs: write `{text} as f64`"),
+                );
+            }
+            Value::Stream(_) => ": take an entry, such as `q[i]`, or end with `.sum::<f64>()`",
             Value::Array(_) => ": take an entry, such as `x[0]`",
             Value::Matrix(m) if m.ty.is_vector() => {
                 ": take an entry, such as `v[0]`, or a number such as `v.norm_squared()`"

@@ -11,6 +11,10 @@ impl Lowering<'_> {
     pub(super) fn unary(&mut self, unary: &syn::ExprUnary) -> Option<Value> {
         match (&unary.op, self.eval(&unary.expr)?) {
             (UnOp::Neg(op), Value::Int(i)) => self.negated(i, op),
+            (UnOp::Neg(_), Value::Index(i)) => {
+                let zero = self.scene.integers.constant(0);
+                Some(self.running_arithmetic('-', zero, i))
+            }
             (UnOp::Neg(op), Value::Matrix(matrix)) => self.negative(&matrix, op),
             (UnOp::Neg(_), value) => {
                 let x = self.operand(&value, &unary.expr)?;
@@ -75,8 +79,13 @@ impl Lowering<'_> {
             }
             (Value::Int(a), Value::Int(b)) => return self.integer_arithmetic(op, token, *a, *b),
             // the poisoned operand may have been an integer, so the other operand is not wrong
-            (Value::Poison, Value::Int(_)) | (Value::Int(_), Value::Poison) => return None,
-            _ => {}
+            (Value::Poison, Value::Int(_) | Value::Index(_))
+            | (Value::Int(_) | Value::Index(_), Value::Poison) => return None,
+            (left, right) => {
+                if let Some((a, b)) = self.running_pair(left, right) {
+                    return Some(self.running_arithmetic(op, a, b));
+                }
+            }
         }
         let a = self.operand(left.0, left.1);
         let (a, b) = a.zip(self.operand(right.0, right.1))?;
@@ -100,7 +109,7 @@ impl Lowering<'_> {
             self.fields.taken_for_number = Some(path.clone());
         }
         match (value, as_number(syntax)) {
-            (Value::Int(_), Some(message)) => self.refuse(syntax, message),
+            (Value::Int(_) | Value::Index(_), Some(message)) => self.refuse(syntax, message),
             _ => self.scalar(value, syntax),
         }
     }

@@ -71,6 +71,14 @@ impl Lowering<'_> {
                 let entries = 0..patterns.len();
                 Some(entries.map(|i| Value::Field(path.index(i))).collect())
             }
+            (Value::Field(path), _) if self.scene.is_scene() => {
+                let entries = 0..patterns.len();
+                Some(
+                    entries
+                        .map(|i| Value::Field(path.member(&i.into())))
+                        .collect(),
+                )
+            }
             (Value::Poison, _) => None,
             (other, _) => {
                 let kind = other.kind();

@@ -11,12 +11,17 @@ use super::Lowering;
 use super::fields::FieldPath;
 use super::matrices::MatrixType;
 use super::value::Value;
+use crate::model::scene::Int;
 
 /// The selection of an entry or a member of a value.
 pub(super) enum Pick<'e> {
     Index(usize, Span),
     /// Row and column.
     Pair(usize, usize, Span),
+    /// An index known when the program runs.
+    At(Int, Span),
+    /// Row and column, of which one is known when the program runs only.
+    AtPair(Int, Int, Span),
     Member(&'e Member),
 }
 
@@ -44,7 +49,23 @@ impl Lowering<'_> {
                 self.read(&value, &picks)
             }
         };
-        let value = self.found(found)?;
+        let mut value = self.found(found)?;
+        let mut rest = picks.as_slice();
+        while let (Value::Stream(stream), Some(at)) = (&value.0, value.1) {
+            let (index, span) = match &rest[at] {
+                Pick::Index(index, span) => (Value::count(*index), *span),
+                Pick::At(index, span) => (Value::Index(*index), *span),
+                pick => {
+                    let mistake = no_member(&value.0, pick);
+                    return self.found(Err(mistake));
+                }
+            };
+            let entry = self.stream_entry(stream, &index, &span)?;
+            rest = &rest[at + 1..];
+            let found = self.read(&entry, rest);
+            value = self.found(found)?;
+        }
+        let value = value.0;
         self.work(value.entries(), expr)?;
         Some(value)
     }
@@ -89,6 +110,11 @@ impl Lowering<'_> {
     /// Evaluates `x[A..B]`.
     pub(super) fn slice(&mut self, base: &Syntax, range: &syn::ExprRange) -> Option<Value> {
         match self.eval(base)? {
+            Value::Stream(stream) => self.stream_slice(&stream, range),
+            value @ Value::Field(_) if self.scene.is_scene() => {
+                let stream = self.stream(&value)?;
+                self.stream_slice(&stream, range)
+            }
             Value::Array(values) => {
                 let (from, to) = self.range_within(range, values.len())?;
                 Some(Value::Array(values[from..to].to_vec()))
@@ -169,14 +195,31 @@ impl Lowering<'_> {
         if let Syntax::Tuple(pair) = index
             && pair.elems.len() == 2
         {
-            let (row, column) = (
-                self.index_value(&pair.elems[0]),
-                self.index_value(&pair.elems[1]),
-            );
+            let (row, column) = (self.value(&pair.elems[0]), self.value(&pair.elems[1]));
+            if let Some((row, column)) = self.running_indices(&row, &column) {
+                return Some(Pick::AtPair(row, column, index.span()));
+            }
+            let row = self.index_of(&row, &pair.elems[0]);
+            let column = self.index_of(&column, &pair.elems[1]);
             return Some(Pick::Pair(row?, column?, index.span()));
         }
-        self.index_value(index)
-            .map(|at| Pick::Index(at, index.span()))
+        let value = self.eval(index)?;
+        match self.running(&value) {
+            Some(at) if !matches!(value, Value::Int(_)) => Some(Pick::At(at, index.span())),
+            _ => {
+                let at = self.index_of(&value, index)?;
+                Some(Pick::Index(at, index.span()))
+            }
+        }
+    }
+
+    /// Returns two indices as integers known when the program runs; `None` if both are known at
+    /// compile time.
+    fn running_indices(&mut self, row: &Value, column: &Value) -> Option<(Int, Int)> {
+        if let (Value::Int(_), Value::Int(_)) = (row, column) {
+            return None;
+        }
+        self.running(row).zip(self.running(column))
     }
 
     /// Evaluates an index or a length, or reports an error.
@@ -211,13 +254,24 @@ pub(super) fn variable_name(expr: &Syntax) -> Option<String> {
 }
 
 impl Lowering<'_> {
-    /// Selects an entry of a value.
-    fn read(&self, value: &Value, picks: &[Pick<'_>]) -> Result<Value, Mistake> {
+    /// Selects an entry of a value. If an entry is a sequence whose length is known when the
+    /// program runs, returns it with the number of the pick that selects from it.
+    fn read(&self, value: &Value, picks: &[Pick<'_>]) -> Result<(Value, Option<usize>), Mistake> {
         let mut value = value;
         for (at, pick) in picks.iter().enumerate() {
             value = match (self.frame.followed(value), pick) {
-                (Value::Poison, _) => return Ok(Value::Poison),
-                (Value::Field(path), _) => return Ok(Value::Field(field(path, &picks[at..]))),
+                (Value::Poison, _) => return Ok((Value::Poison, None)),
+                (Value::Field(path), _) => {
+                    let path = self.field(path, &picks[at..])?;
+                    return Ok((Value::Field(path), None));
+                }
+                (stream @ Value::Stream(_), _) => return Ok((stream.clone(), Some(at))),
+                (
+                    Value::Array(_) | Value::Matrix(_),
+                    Pick::At(_, span) | Pick::AtPair(_, _, span),
+                ) => {
+                    return Err(fixed_size(*span));
+                }
                 (Value::Array(values), Pick::Index(i, span)) => values
                     .get(*i)
                     .ok_or_else(|| out_of_range(*i, *span, values.len()))?,
@@ -229,16 +283,34 @@ impl Lowering<'_> {
                 (other, _) => return Err(no_member(other, pick)),
             };
         }
-        Ok(value.clone())
+        Ok((value.clone(), None))
+    }
+
+    fn field(&self, path: &FieldPath, picks: &[Pick<'_>]) -> Result<FieldPath, Mistake> {
+        let text = |index: &Int| self.scene.integers.text(*index);
+        picks.iter().try_fold(path.clone(), |path, pick| {
+            Ok(match pick {
+                Pick::At(_, span) | Pick::AtPair(_, _, span) if path.is_outside() => {
+                    let message = "an index known when the program runs selects from a field of the struct only: make this constant a field";
+                    return Err((*span, message.to_owned()));
+                }
+                Pick::Index(at, span) => path.index_at(*at, *span),
+                Pick::Pair(row, column, span) => path.pair_at(*row, *column, *span),
+                Pick::At(at, _) => path.at(*at, &text(at)),
+                Pick::AtPair(row, column, _) => {
+                    let both = format!("({}, {})", text(row), text(column));
+                    path.at_pair(*row, *column, &both)
+                }
+                Pick::Member(member) => path.member(member),
+            })
+        })
     }
 }
 
-fn field(path: &FieldPath, picks: &[Pick<'_>]) -> FieldPath {
-    picks.iter().fold(path.clone(), |path, pick| match pick {
-        Pick::Index(at, span) => path.index_at(*at, *span),
-        Pick::Pair(row, column, span) => path.pair_at(*row, *column, *span),
-        Pick::Member(member) => path.member(member),
-    })
+/// Returns the error of an index known when the program runs into an array of fixed size.
+pub(super) fn fixed_size(span: Span) -> Mistake {
+    let message = "this index is known only when the program runs, and the array has a fixed size: make it a field, or a condition on the index";
+    (span, message.to_owned())
 }
 
 pub(super) fn out_of_range(at: usize, span: Span, entries: usize) -> Mistake {
@@ -260,6 +332,7 @@ pub(super) fn matrix_entry(ty: MatrixType, pick: &Pick<'_>) -> Result<usize, Mis
         Pick::Pair(row, column, span) => {
             (ty.place(*row, *column), *span, format!("({row}, {column})"))
         }
+        Pick::At(_, span) | Pick::AtPair(_, _, span) => return Err(fixed_size(*span)),
         Pick::Member(member) => {
             let message = format!(
                 "a `{ty}` has no such entry: its entries are {}",
@@ -278,9 +351,10 @@ pub(super) fn matrix_entry(ty: MatrixType, pick: &Pick<'_>) -> Result<usize, Mis
 pub(super) fn no_member(value: &Value, pick: &Pick<'_>) -> Mistake {
     let kind = value.kind();
     match pick {
-        Pick::Index(_, span) | Pick::Pair(_, _, span) => {
-            (*span, format!("{kind} cannot be indexed"))
-        }
+        Pick::Index(_, span)
+        | Pick::Pair(_, _, span)
+        | Pick::At(_, span)
+        | Pick::AtPair(_, _, span) => (*span, format!("{kind} cannot be indexed")),
         Pick::Member(member) => {
             let entries = match value {
                 Value::Tuple(values) if !values.is_empty() => {

@@ -9,7 +9,9 @@ use syn::{Expr as Syntax, Type, UnOp};
 
 use super::Lowering;
 use super::frames::Place;
-use super::places::{Mistake, Pick, matrix_entry, no_member, out_of_range, variable_name};
+use super::places::{
+    Mistake, Pick, fixed_size, matrix_entry, no_member, out_of_range, variable_name,
+};
 use super::value::Value;
 use crate::syntax::bare;
 
@@ -130,6 +132,7 @@ impl Lowering<'_> {
                 (Value::Array(values), Pick::Index(i, span)) => {
                     return Err(out_of_range(*i, *span, values.len()));
                 }
+                (Value::Array(_), Pick::At(_, span)) => return Err(fixed_size(*span)),
                 (Value::Matrix(matrix), pick) => matrix_entry(matrix.ty, pick)?,
                 (Value::Tuple(values), Pick::Member(syn::Member::Unnamed(index)))
                     if (index.index as usize) < values.len() =>

@@ -151,11 +151,22 @@ impl Lowering<'_> {
         time: Symbol,
         vectors: &[&[Symbol]],
     ) -> Value {
+        self.executed(function, |this| {
+            this.bind_arguments(function, space, time, vectors);
+        })
+    }
+
+    /// Executes a function whose arguments `bind` binds.
+    pub(super) fn executed(
+        &mut self,
+        function: &RoleFunction,
+        bind: impl FnOnce(&mut Self),
+    ) -> Value {
         self.frame.scopes = vec![Scope::new()];
         self.calls.active = vec![function.name.to_string()];
         self.fields.taken_for_number = None;
         let outer = self.errors.enter(&function.name.to_string());
-        self.bind_arguments(function, space, time, vectors);
+        bind(self);
         let mistakes = self.errors.count();
         let value = self.block_value(&function.item.block);
         let value = value.unwrap_or(Value::Poison);
@@ -305,7 +316,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn report_constant_noise(&mut self, function: &RoleFunction, name: &str) {
+    pub(super) fn report_constant_noise(&mut self, function: &RoleFunction, name: &str) {
         self.errors.push(
             function.name.span(),
             format!("the noise `{name}` depends on neither q nor p, so it moves nothing: its derivative is zero; did you mean to multiply by a coordinate?"),

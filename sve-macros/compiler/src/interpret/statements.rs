@@ -22,16 +22,27 @@ impl Lowering<'_> {
                     this.item(item);
                 }
             }
-            let mut last = Some(Value::Unit);
-            for statement in &block.stmts {
-                this.tick(statement)?;
-                last = this.statement(statement);
-                if this.leaving.is_some() {
-                    break;
-                }
-            }
-            last
+            this.statements(&block.stmts)
         })
+    }
+
+    /// Executes the statements of a block. A `continue` under a condition that is known when the
+    /// program runs puts the rest under its negation.
+    fn statements(&mut self, statements: &[Stmt]) -> Option<Value> {
+        let mut last = Some(Value::Unit);
+        for (at, statement) in statements.iter().enumerate() {
+            self.tick(statement)?;
+            last = self.statement(statement);
+            if self.leaving.is_some() {
+                break;
+            }
+            if let Some(condition) = self.scene.rest() {
+                let rest = &statements[at + 1..];
+                self.rest_of_block(rest, condition, |this| this.statements(rest));
+                return Some(Value::Unit);
+            }
+        }
+        last
     }
 
     fn statement(&mut self, statement: &Stmt) -> Option<Value> {
@@ -161,12 +172,15 @@ impl Lowering<'_> {
             }
             _ => self.argument(&for_loop.expr),
         };
+        if let Some(stream) = self.stream(&items.value) {
+            return self.kept_loop(&stream, for_loop);
+        }
         let items = self.items(&items, None)?;
         let items = Self::as_indices(items, &for_loop.pat, &for_loop.body);
         let mistakes = self.errors.count();
         for item in items {
             self.tick(&for_loop.for_token)?;
-            self.scoped(|this| {
+            self.unrolled(|this| {
                 this.bind(&for_loop.pat, item);
                 this.block_value(&for_loop.body);
             });
@@ -174,7 +188,7 @@ impl Lowering<'_> {
                 // the next iteration would repeat the error
                 return None;
             }
-            if self.leaving.take() == Some(LoopExit::Break) {
+            if self.end_round() == Some(LoopExit::Break) {
                 break;
             }
         }
@@ -189,7 +203,12 @@ impl Lowering<'_> {
                 "both bounds are needed, `A..B`: to count, use `enumerate`",
             );
         };
-        let (from, to) = self.bound(start).zip(self.bound(end))?;
+        let bounds = [start, end].map(|bound| self.value(bound));
+        if let Some(stream) = self.running_range(range, [&bounds[0], &bounds[1]]) {
+            return Some(stream);
+        }
+        let [from, to] = bounds;
+        let (from, to) = self.bound(from, start).zip(self.bound(to, end))?;
         let kind = self.common(from, to, range).ok()?;
         let (from, to) = (from.value, to.value);
         let to = match range.limits {
@@ -208,9 +227,10 @@ impl Lowering<'_> {
         Some(Value::Sequence(items.collect()))
     }
 
-    fn bound(&mut self, expr: &Syntax) -> Option<Integer> {
-        let message = match self.eval(expr)? {
+    fn bound(&mut self, bound: Value, expr: &Syntax) -> Option<Integer> {
+        let message = match bound {
             Value::Int(bound) => return Some(bound),
+            Value::Poison => return None,
             other => other.unseen().unwrap_or_else(|| format!(
                 "the bounds of a loop must be known at compile time (a literal, `q.len()`, a constant `Self::N` of this block), and this is {}",
                 other.kind()

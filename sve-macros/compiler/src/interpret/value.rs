@@ -7,7 +7,9 @@ use super::fields::FieldPath;
 use super::frames::Place;
 use super::integers::Integer;
 use super::matrices::Matrix;
+use super::scenes::streams::Stream;
 use crate::algebra::Expr;
+use crate::model::scene::Int;
 
 /// The value of a variable or an expression.
 #[derive(Clone)]
@@ -16,6 +18,10 @@ pub(super) enum Value {
     Scalar(Expr),
     /// An integer known at compile time.
     Int(Integer),
+    /// An integer known when the program runs.
+    Index(Int),
+    /// An array or iterator whose length is known when the program runs.
+    Stream(Stream),
     Array(Vec<Value>),
     /// A vector, matrix or rotation of nalgebra.
     Matrix(Matrix<Value>),
@@ -100,6 +106,8 @@ impl Value {
         match self {
             Self::Scalar(_) => "an `f64`".to_owned(),
             Self::Int(i) => format!("the integer {}", i.value),
+            Self::Index(_) => "an integer known when the program runs".to_owned(),
+            Self::Stream(_) => "a sequence whose length is known when the program runs".to_owned(),
             Self::Array(values) => format!("an array of {}", values.len()),
             Self::Matrix(matrix) => format!("a `{}`", matrix.ty),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),

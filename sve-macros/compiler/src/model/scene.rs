@@ -48,6 +48,16 @@ pub(crate) enum Comparison {
     LessOrEqual,
 }
 
+impl Comparison {
+    pub(crate) fn holds<T: PartialOrd>(self, a: &T, b: &T) -> bool {
+        match self {
+            Self::Equal => a == b,
+            Self::Less => a < b,
+            Self::LessOrEqual => a <= b,
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub(crate) enum Condition {
     Integers(Comparison, Int, Int),
@@ -131,6 +141,39 @@ pub(crate) enum Processes {
     /// A function that returns a `Vec`. The summand of the sum, a `For`, is γ of the process
     /// `counter − from`.
     Each(SumId),
+}
+
+impl Head {
+    /// Returns the numbers that a condition compares.
+    pub(crate) fn numbers(&self) -> Vec<Expr> {
+        let mut numbers = Vec::new();
+        self.clone().replace(&mut |number| {
+            numbers.push(number);
+            number
+        });
+        numbers
+    }
+
+    /// Replaces the numbers that a condition compares.
+    pub(crate) fn replace(&mut self, by: &mut dyn FnMut(Expr) -> Expr) {
+        if let Self::If(condition) = self {
+            condition.replace(by);
+        }
+    }
+}
+
+impl Condition {
+    fn replace(&mut self, by: &mut dyn FnMut(Expr) -> Expr) {
+        match self {
+            Self::Integers(..) => {}
+            Self::Numbers(_, a, b) => [a, b].into_iter().for_each(|number| *number = by(*number)),
+            Self::Not(inner) => inner.replace(by),
+            Self::And(a, b) | Self::Or(a, b) => {
+                a.replace(by);
+                b.replace(by);
+            }
+        }
+    }
 }
 
 impl Scene {

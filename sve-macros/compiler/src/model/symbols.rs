@@ -40,10 +40,10 @@ pub(crate) enum Meaning {
     /// Half the width of a box around a point, in the direction of a coordinate.
     Radius(Argument),
     /// A kept loop of a scene, and a read with an index (`model/scene.rs`).
-    #[allow(dead_code)]
     Sum(usize),
-    #[allow(dead_code)]
     Slot(usize),
+    /// A number in a loop that is being read, which occurs in no system.
+    Partial,
 }
 
 /// A coordinate of the space of times, configurations, velocities and momenta.
@@ -131,6 +131,7 @@ impl Symbols {
             Meaning::End(i) => format!("p1_{i}"),
             Meaning::Sum(i) => format!("sum_{i}"),
             Meaning::Slot(i) => format!("slot_{i}"),
+            Meaning::Partial => "partial".to_owned(),
             Meaning::Radius(Argument::Time) => "radius_t".to_owned(),
             Meaning::Radius(Argument::Position(i)) => format!("radius_q{i}"),
             Meaning::Radius(Argument::Velocity(i)) => format!("radius_v{i}"),

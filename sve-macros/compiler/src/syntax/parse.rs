@@ -56,6 +56,11 @@ impl Annotated {
         &self.lagrangian.arguments[usize::from(self.lagrangian.is_timed)].1
     }
 
+    /// Returns whether the coordinates are a slice, whose length is known when the program runs.
+    pub(crate) fn is_scene(&self) -> bool {
+        signature::entry_of_slice(self.coordinates()).is_some()
+    }
+
     /// Returns the types of the configuration: two if there are a vector and a rotation, otherwise
     /// one.
     pub(crate) fn configuration(&self) -> impl Iterator<Item = &Type> {

@@ -63,6 +63,38 @@ pub(crate) fn is_timed(
     Ok(timed)
 }
 
+/// Returns the type of the entries of a slice, `&[T]`.
+pub(crate) fn entry_of_slice(ty: &Type) -> Option<&Type> {
+    match bare(ty) {
+        Type::Reference(reference) if reference.mutability.is_none() => {
+            match bare(&reference.elem) {
+                Type::Slice(slice) => Some(&slice.elem),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+/// Returns the type of the entries of a `Vec<T>`.
+pub(crate) fn entry_of_vec(ty: &Type) -> Option<&Type> {
+    let Type::Path(path) = bare(ty) else {
+        return None;
+    };
+    let last = path
+        .path
+        .segments
+        .last()
+        .filter(|last| last.ident == "Vec")?;
+    match &last.arguments {
+        syn::PathArguments::AngleBracketed(generics) => match generics.args.first() {
+            Some(syn::GenericArgument::Type(entry)) => Some(entry),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
 /// Returns whether a type is a rotation, or an array of rotations.
 pub(crate) fn is_rotation(ty: &Type) -> bool {
     match bare(ty) {

@@ -59,6 +59,43 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     errors.finish(())
 }
 
+/// Returns an error for each rule, option and function that does not apply to scenes, whose
+/// coordinates are slices.
+pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
+    const RULES: [&str; 3] = ["initial_point", "endpoint", "stormer_verlet"];
+    let mut errors = Errors::new();
+    for listed in &block.arguments.rules {
+        let (rule, name) = (listed.rule, listed.rule.name());
+        if !RULES.contains(&rule.attribute_name) {
+            let message = format!(
+                "`{name}` is not for scenes, systems whose coordinates are slices: use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them"
+            );
+            errors.push(listed.place, message);
+        }
+        for &(option, place) in &listed.options {
+            let message = format!(
+                "`{}` is not for scenes, systems whose coordinates are slices: write `{}`",
+                option.name(),
+                rule.attribute_name
+            );
+            errors.push(place, message);
+        }
+    }
+    let h1 = block
+        .noises
+        .iter()
+        .filter(|f| f.role != FunctionRole::Gamma);
+    let others = block.forces.iter().chain(&block.symmetries);
+    for function in h1.chain(others).chain(&block.constraints) {
+        let message = format!(
+            "`#[{}]` is not for scenes, systems whose coordinates are slices: their functions are `lagrangian`, `#[gamma]` and helpers",
+            function.role.attribute()
+        );
+        errors.push(function.name.span(), message);
+    }
+    errors.finish(())
+}
+
 /// Returns whether a rule without options applies to a system. The Lagrangian must determine every
 /// velocity.
 pub(crate) fn is_for(rule: Rule, system: &Classified) -> bool {

@@ -286,7 +286,8 @@ fn input(meaning: &Meaning, place: Place) -> Option<TokenStream> {
         | Meaning::NodeEntry(_)
         | Meaning::Attitude(_)
         | Meaning::Sum(_)
-        | Meaning::Slot(_) => return None,
+        | Meaning::Slot(_)
+        | Meaning::Partial => return None,
     };
     let i = Literal::usize_unsuffixed(i);
     Some(quote!(#row[#i]))

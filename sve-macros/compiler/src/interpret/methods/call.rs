@@ -57,17 +57,31 @@ impl Lowering<'_> {
             }
             _ => {}
         }
+        let is_of_rows = matches!(name, "iter" | "into_iter" | "len" | "windows" | "to_vec");
+        if is_of_rows
+            && let Value::Field(_) = &receiver.value
+            && let Some(stream) = self.stream(&receiver.value)
+        {
+            let value = Value::Stream(stream);
+            return self.tabled(call, Argument { value, ..receiver });
+        }
         match (&receiver.value, name) {
             (_, "clone" | "to_owned") if is_alone => Some(receiver.value),
             (_, "into") if is_alone => Some(self.converted(receiver.value)),
             (Value::Matrix(_), _) => self.tabled(call, receiver),
             (_, "as_slice" | "each_ref") if is_alone => Some(receiver.value),
-            (Value::Array(_) | Value::Sequence(_), _) => self.tabled(call, receiver),
+            (Value::Array(_) | Value::Sequence(_) | Value::Stream(_), _) => {
+                self.tabled(call, receiver)
+            }
             (Value::Field(path), name) if is_of_lists(name) => self.method_of_unsized(call, path),
             (Value::Generated(_), _) => self.refuse(&at, NO_LENGTH),
             _ => {
                 let mut arguments = vec![receiver];
                 arguments.extend(self.arguments(&call.args));
+                let values: Vec<&Value> = arguments.iter().map(|a| &a.value).collect();
+                if let Some(value) = self.running_method(name, &values) {
+                    return Some(value);
+                }
                 match integers::method(name, &arguments) {
                     Some((compute, operands)) => self.integer_method(name, compute, operands, at),
                     None => self.number_method(name, at, &arguments),

@@ -17,11 +17,12 @@ use super::matrices::formulas::{
 };
 use super::matrices::views;
 use super::matrices::{Kind, Matrix, MatrixType};
+use super::scenes::streams;
 use super::value::Value;
 use super::{adapters, floats, matrices, sequences};
 use crate::algebra::{Arena, Expr};
 use Receiver::{
-    Any, Array, Iterator, List, Number, OfLength, One, Rotation, Square, Vector, Wrapped,
+    Any, Array, Iterator, List, Number, OfLength, One, Rotation, Square, Stream, Vector, Wrapped,
 };
 use Run::{
     Adapter, Computed, Each, Entry, EntryOf, Entrywise, Float, Formula, FormulaOf, Line, Own,
@@ -37,6 +38,8 @@ pub(super) enum Receiver {
     Iterator,
     /// Arrays and iterators.
     List,
+    /// Arrays and iterators whose length is known when the program runs.
+    Stream,
     /// Vectors, matrices and rotations.
     Any,
     /// One column.
@@ -179,6 +182,18 @@ static METHODS: &[Method] = &[
     row(List, "skip", COUNT, Plain(adapters::skip)),
     row(List, "take", COUNT, Plain(adapters::take)),
     row(List, "step_by", COUNT, Adapter(adapters::step_by)),
+    row(Stream, "len count", &[], Own(streams::length)),
+    row(Stream, "iter into_iter", &[], Own(streams::same)),
+    row(Stream, "copied cloned", &[], Own(streams::same)),
+    row(Stream, "collect to_vec", &[], Own(streams::same)),
+    row(Stream, "map", FUNCTION, Own(streams::map)),
+    row(Stream, "filter", FUNCTION, Own(streams::filter)),
+    row(Stream, "enumerate", &[], Own(streams::enumerate)),
+    row(Stream, "zip", VALUE, Own(streams::zip)),
+    row(Stream, "rev", &[], Own(streams::rev)),
+    row(Stream, "skip take", VALUE, Own(streams::part)),
+    row(Stream, "windows", COUNT, Own(streams::windows)),
+    row(Stream, "sum", &[], Own(streams::sum)),
     row(Any, "dot", SAME, EntryOf(inner)),
     row(Any, "norm_squared", &[], Entry(norm_squared)),
     row(Any, "magnitude_squared", &[], Entry(norm_squared)),
@@ -239,7 +254,7 @@ static METHODS: &[Method] = &[
 impl Receiver {
     /// Returns whether vectors, matrices or rotations of some size are receivers of this type.
     fn is_matrix(self) -> bool {
-        !matches!(self, Number | Array | Iterator | List)
+        !matches!(self, Number | Array | Iterator | List | Stream)
     }
 
     /// Returns whether a value is a receiver of this type. For a matrix, returns whether matrices
@@ -248,6 +263,7 @@ impl Receiver {
         match value {
             Value::Array(_) => matches!(self, Array | List),
             Value::Sequence(_) => matches!(self, Iterator | List),
+            Value::Stream(_) => self == Stream,
             Value::Matrix(_) => self.is_matrix(),
             _ => self == Number,
         }
@@ -255,7 +271,7 @@ impl Receiver {
 
     fn accepts(self, ty: MatrixType) -> bool {
         match self {
-            Any | Number | Array | Iterator | List => true,
+            Any | Number | Array | Iterator | List | Stream => true,
             Vector => ty.is_vector(),
             OfLength(length) => ty.len() == length && ty.rows.min(ty.columns) == 1,
             Square => ty.is_square(),
@@ -267,7 +283,7 @@ impl Receiver {
 
     fn described(self) -> String {
         match self {
-            Number | Array | Iterator | List | Any => "matrices".to_owned(),
+            Number | Array | Iterator | List | Stream | Any => "matrices".to_owned(),
             Vector => "vectors".to_owned(),
             OfLength(length) => format!("vectors of length {length}"),
             Square => "square matrices".to_owned(),

@@ -85,7 +85,8 @@ impl Case {
             | Meaning::Attitude(_)
             | Meaning::Radius(_)
             | Meaning::Sum(_)
-            | Meaning::Slot(_) => f64::NAN,
+            | Meaning::Slot(_)
+            | Meaning::Partial => f64::NAN,
             Meaning::Unknown(unknown) => {
                 let (list, symbols) = (&self.action.internal, &self.symbols);
                 let same = |s: &&Symbol| matches!(symbols.meaning(**s), Meaning::Unknown(u) if u == unknown);
