@@ -14,6 +14,7 @@ use crate::errors::Errors;
 use crate::interpret;
 use crate::model::Model;
 use crate::model::scene::Scene;
+use crate::scene;
 use crate::settings::Settings;
 use crate::syntax::nesting;
 use crate::syntax::parse::{self, Annotated};
@@ -98,10 +99,10 @@ fn implementations(
     let mut arena = Arena::new();
     let (block, model) = match read(attribute, item, &mut arena, mistaken)? {
         (block, Read::Unrolled(model)) => (block, *model),
-        (block, Read::Scene(_)) => {
+        (block, Read::Scene(scene)) => {
             applicable::check_scene(&block)?;
-            let at = syn::spanned::Spanned::span(block.coordinates());
-            return Err(syn::Error::new(at, "kept loops are not printed yet"));
+            let scene = scene::derive(*scene, &mut arena)?;
+            return Ok(rust::print_scene(&scene, &block, &arena));
         }
     };
     applicable::check(&block, &model)?;

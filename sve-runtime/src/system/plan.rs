@@ -179,9 +179,9 @@ pub struct Plan {
     /// splitting is a step of the initial-point rule; orders and numbers of operations describe the
     /// whole step.
     pub substeps: Option<Substeps>,
-    /// Degrees of freedom.
+    /// Degrees of freedom; [`OF_STATE`](Self::OF_STATE) if they are those of the state.
     pub degrees_of_freedom: usize,
-    /// Wiener processes.
+    /// Wiener processes; [`OF_STATE`](Self::OF_STATE) if their number depends on the state.
     pub noises: usize,
     /// Blocks, in the order in which they are solved.
     pub blocks: &'static [Block],
@@ -205,7 +205,8 @@ pub struct Plan {
     pub degenerate: Option<DegenerateStep>,
     /// Operations for each step size.
     pub prepare: Operations,
-    /// Operations for each step, with the linear solves and without the iterations.
+    /// Operations for each step, with the linear solves and without the iterations. For a system
+    /// whose `q` is a slice, those of a site that all loops with neighbouring sites read, in a sweep.
     pub step: Operations,
     /// Operations of a step that a trajectory does not repeat, since it carries their results from
     /// the step before: the force at the end of a step is the force at the start of the next one.
@@ -219,6 +220,9 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// A number that the length of the state determines, of a system whose `q` is a slice.
+    pub const OF_STATE: usize = usize::MAX;
+
     /// Returns the number of unknowns that a linear solve or an iteration determines.
     pub fn unknowns(&self) -> usize {
         self.implicit().map(|b| b.unknowns.len()).sum()
@@ -313,7 +317,10 @@ impl fmt::Display for Plan {
             }
         }
         writeln!(f, "  operations a step size: {}", self.prepare)?;
-        write!(f, "  operations a step: {}", self.step)?;
+        match self.degrees_of_freedom {
+            Self::OF_STATE => write!(f, "  operations of a sweep at an inner site: {}", self.step)?,
+            _ => write!(f, "  operations a step: {}", self.step)?,
+        }
         if self.carried != Operations::default() {
             write!(f, "\n  of which a trajectory carries: {}", self.carried)?;
         }
@@ -336,12 +343,15 @@ impl fmt::Display for Structure<'_> {
         if let Some(Substeps { composition, count }) = plan.substeps {
             writeln!(f, "  {count} substeps of the composition {composition}")?;
         }
-        writeln!(
-            f,
-            "  {n} degree{} of freedom, {m} Wiener process{}",
-            plural(n),
-            if m == 1 { "" } else { "es" }
-        )?;
+        match n {
+            Plan::OF_STATE => write!(f, "  the degrees of freedom of the state, ")?,
+            n => write!(f, "  {n} degree{} of freedom, ", plural(n))?,
+        }
+        match m {
+            Plan::OF_STATE => writeln!(f, "a number of Wiener processes that depends on it")?,
+            1 => writeln!(f, "1 Wiener process")?,
+            m => writeln!(f, "{m} Wiener processes")?,
+        }
         write!(f, "  {}, {k} unknown{}", plan.kind(), plural(k))?;
         if k > 0 {
             let nonzeros = plan.jacobian_nonzeros();
@@ -384,7 +394,7 @@ impl fmt::Display for Structure<'_> {
         if !plan.conserved.is_empty() {
             write!(f, "\n  conserves {}", plan.conserved.join(", "))?;
         }
-        if cfg!(feature = "ensemble") && !plan.in_lanes {
+        if cfg!(feature = "ensemble") && !plan.in_lanes && n != Plan::OF_STATE {
             write!(f, "\n  ensembles step one path after the other")?;
         }
         Ok(())

@@ -23,10 +23,12 @@ mod gauss;
 mod motion;
 mod names;
 mod page;
+mod scene;
 mod step;
 mod system;
 
 pub(crate) use gauss::gauss;
+pub(crate) use scene::{SceneTexts, scene};
 pub(crate) use step::{StepTexts, step};
 pub(crate) use system::{SystemTexts, symmetry_caveat, system};
 

@@ -83,8 +83,10 @@ impl Entries<'_> {
             let place = match step {
                 FieldStep::Named(name) => ty.place_of(&Member::Named(name.clone())),
                 // an array of columns has no other spelling
-                FieldStep::Numbered(_) | FieldStep::Read(..) => None,
-                FieldStep::At(..) | FieldStep::AtPair(..) => None,
+                FieldStep::Numbered(_)
+                | FieldStep::Read(..)
+                | FieldStep::At(..)
+                | FieldStep::AtPair(..) => None,
                 // the compiler of Rust reports that a rotation has no such entry
                 FieldStep::Index(..) if ty.kind == Kind::Rotation => None,
                 FieldStep::Index(index, span) => {

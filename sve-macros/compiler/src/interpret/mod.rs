@@ -96,12 +96,14 @@ pub(crate) fn interpret(
     arena: &mut Arena,
     errors: &mut Errors,
 ) -> Option<Model> {
+    #[allow(clippy::redundant_closure_for_method_calls)] // the path has one lifetime only
     let (symbols, model) = executed(block, arena, errors, |lowering| lowering.model())?;
     Some(Model { symbols, ..model })
 }
 
 /// Executes all functions with roles of a scene. Mistakes are added to `errors`.
 pub(crate) fn scene(block: &Annotated, arena: &mut Arena, errors: &mut Errors) -> Option<Scene> {
+    #[allow(clippy::redundant_closure_for_method_calls)] // the path has one lifetime only
     let (symbols, scene) = executed(block, arena, errors, |lowering| lowering.scene())?;
     Some(Scene { symbols, ..scene })
 }

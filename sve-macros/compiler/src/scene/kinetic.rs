@@ -94,9 +94,7 @@ impl Terms<'_> {
         for &(other, ..) in velocities.iter().filter(|v| v.0 != symbol) {
             let mixed = self.arena.diff(momentum, other);
             if !self.arena.is_zero(mixed) {
-                let mut pair = [own, self.text(other)];
-                pair.sort();
-                let [second, first] = pair;
+                let [first, second] = [symbol.min(other), symbol.max(other)].map(|v| self.text(v));
                 return Some(format!(
                     "the velocities `{first}` and `{second}` occur in one term: {WORKS}"
                 ));

@@ -6,8 +6,6 @@
 //! So `h L + Σ γ ΔW` is the sum of all terms over all instances, and an impulse of a site is the
 //! sum of the derivatives of the terms that read the site.
 
-#![allow(dead_code)]
-
 mod gather;
 mod kinetic;
 mod streams;

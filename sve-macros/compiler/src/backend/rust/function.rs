@@ -64,6 +64,12 @@ impl<'a> Formulas<'a> {
         (quote!(#(#statements)*), values)
     }
 
+    /// Counts the operations of values that are computed together.
+    pub(super) fn operations(self, values: &[Expr]) -> Operations {
+        let kernel = Kernel::new(self.scheduler(values), &[Array::unnamed(values)]);
+        Operations::of(&kernel.program, |_| true)
+    }
+
     /// Prints a function of one tier.
     pub(super) fn print(self, kernel: &Kernel) -> Printed {
         let printer = self.printer(kernel, Place::Single);

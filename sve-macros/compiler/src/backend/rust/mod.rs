@@ -44,6 +44,7 @@ use momenta::momenta;
 pub(crate) use placeholders::placeholders;
 pub(crate) use print::print;
 use rule::rule;
+pub(crate) use scene::print as print_scene;
 use scopes::bounded;
 use stages::stages;
 use start::start_of_step;

@@ -162,7 +162,7 @@ fn block(private: &TokenStream, block: &Block<Expr>, symbols: &Symbols) -> Token
     quote!(#private::Block { kind: #private::BlockKind::#kind, unknowns: &[#(#unknowns),*], nonzeros: #nonzeros, band: #band })
 }
 
-fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
+pub(super) fn operations(private: &TokenStream, operations: &Operations) -> TokenStream {
     let Operations {
         arithmetic,
         transcendental,

@@ -147,7 +147,7 @@ fn documentation(about: &SystemTexts, is_noisy: bool) -> [TokenStream; 3] {
 
 /// A check, when the user's program is compiled, that a path leads to the constant of the standard
 /// library that it is read as.
-fn constant_check(path: &TokenStream, value: f64) -> TokenStream {
+pub(super) fn constant_check(path: &TokenStream, value: f64) -> TokenStream {
     let at = path.clone().into_iter().next();
     let at = at.map_or_else(Span::call_site, |token| token.span());
     let written = path.to_string().replace(' ', "");

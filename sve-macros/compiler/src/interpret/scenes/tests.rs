@@ -83,6 +83,10 @@ fn read(members: &str) -> Read {
 }
 
 impl Data<'_> {
+    fn place(&self, integer: Int) -> usize {
+        usize::try_from(self.integer(integer)).expect("an index")
+    }
+
     fn integer(&self, integer: Int) -> i64 {
         let of = |i: &Int| self.integer(*i);
         match self.read.scene.integers.node(integer) {
@@ -119,17 +123,17 @@ impl Data<'_> {
                     panic!("{field:?} is no list")
                 };
                 &entries[match step {
-                    Step::Index(index) => self.integer(*index) as usize,
+                    Step::Index(index) => self.place(*index),
                     Step::Member(Member::Unnamed(index)) => index.index as usize,
                     Step::Member(Member::Named(name)) => ["x", "y", "z"]
                         .iter()
                         .position(|c| name == c)
                         .expect("a component"),
                     Step::Pair(row, column) => {
-                        let Field::List(row) = &entries[self.integer(*row) as usize] else {
+                        let Field::List(row) = &entries[self.place(*row)] else {
                             panic!("no matrix")
                         };
-                        return &row[self.integer(*column) as usize];
+                        return &row[self.place(*column)];
                     }
                 }]
             })
@@ -159,10 +163,8 @@ impl Data<'_> {
             Meaning::Slot(at) => {
                 let slot = &scene.slots[*at];
                 match &slot.array {
-                    SlotArray::Configuration(i) => {
-                        self.q[self.integer(*i) as usize][slot.component]
-                    }
-                    SlotArray::Velocity(i) => self.v[self.integer(*i) as usize][slot.component],
+                    SlotArray::Configuration(i) => self.q[self.place(*i)][slot.component],
+                    SlotArray::Velocity(i) => self.v[self.place(*i)][slot.component],
                     SlotArray::Number(i) => self.integer(*i) as f64,
                     SlotArray::Field(access) => match self.field(access) {
                         Field::Number(value) => *value,

@@ -1,7 +1,5 @@
 //! The implementations of a scene.
 
-#![allow(dead_code)]
-
 mod loops;
 mod nodes;
 mod system;
@@ -13,8 +11,10 @@ use quote::quote;
 use super::function::Formulas;
 use super::{bounded, private};
 use crate::algebra::Arena;
+use crate::explain;
 use crate::scene::Derived;
 use crate::syntax::parse::Annotated;
+use system::Context;
 
 /// Prints all that was derived from the block of a scene.
 pub(crate) fn print(derived: &Derived, block: &Annotated, arena: &Arena) -> TokenStream {
@@ -24,9 +24,16 @@ pub(crate) fn print(derived: &Derived, block: &Annotated, arena: &Arena) -> Toke
         symbols: &derived.scene.symbols,
         private,
     };
-    let system = system::system(derived, block, formulas);
+    let texts = &explain::scene(derived, arena);
+    let context = Context {
+        derived,
+        block,
+        formulas,
+        texts,
+    };
+    let system = context.system();
     let scene = loops::scene(derived, &block.item.self_ty, formulas);
     let rules = block.arguments.rules.iter();
-    let rules = rules.map(|listed| system::rule(listed.rule, derived, block, formulas));
+    let rules = rules.map(|listed| context.rule(listed.rule));
     bounded(quote!(#system #scene #(#rules)*))
 }

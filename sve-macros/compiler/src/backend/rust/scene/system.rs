@@ -1,17 +1,225 @@
 //! `impl AnySystem` and `impl Rule` of a scene.
 
-use proc_macro2::TokenStream;
+use std::hash::Hasher as _;
+
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
+use syn::Type;
+use twox_hash::XxHash64;
 
 use super::super::function::Formulas;
-use crate::catalogue::Rule;
+use super::super::plan::operations;
+use super::super::system::constant_check;
+use super::super::{attributes, documented, number, rule_type, verbatim};
+use crate::catalogue::{Nodes, Rule};
+use crate::explain::SceneTexts;
+use crate::model::Meaning;
+use crate::model::scene::Row;
+use crate::program::Operations;
 use crate::scene::Derived;
 use crate::syntax::parse::Annotated;
 
-pub(super) fn system(_: &Derived, _: &Annotated, _: Formulas<'_>) -> TokenStream {
-    quote!()
+/// What the implementations share.
+pub(super) struct Context<'a> {
+    pub(super) derived: &'a Derived,
+    pub(super) block: &'a Annotated,
+    pub(super) formulas: Formulas<'a>,
+    pub(super) texts: &'a SceneTexts,
 }
 
-pub(super) fn rule(_: Rule, _: &Derived, _: &Annotated, _: Formulas<'_>) -> TokenStream {
-    quote!()
+impl Context<'_> {
+    fn self_ty(&self) -> &Type {
+        &self.block.item.self_ty
+    }
+
+    /// The implementations of what all systems have, for the system and for a reference to it.
+    pub(super) fn system(&self) -> TokenStream {
+        let (private, self_ty, attributes) = (self.formulas.private, self.self_ty(), attributes());
+        let doc = documented(&[("The system:", &self.texts.system)]);
+        let kind = self.kind();
+        let [coordinates, momenta] = ["q", "p"].map(|letter| self.names(letter));
+        let mut hash = XxHash64::default();
+        hash.write(self.texts.system.as_bytes());
+        let hash = Literal::u64_unsuffixed(hash.finish());
+        let visited = self.derived.scene.symbols.meanings().iter();
+        let visited = visited.filter_map(|meaning| match meaning {
+            Meaning::Parameter { access, .. } => Some(number(access, private)),
+            _ => None,
+        });
+        let functions = self.block.noises.iter().chain([&self.block.lagrangian]);
+        let functions = functions.map(|function| &function.name);
+        let constants = self.derived.scene.constants.iter();
+        let constants = constants.map(|(path, value)| constant_check(path, *value));
+        quote! {
+            #attributes
+            const _: () = { #(let _ = <#self_ty>::#functions;)* };
+            #(#constants)*
+            #doc
+            #attributes
+            impl #private::AnySystem for #self_ty {
+                #kind
+                const NAMES: #private::Names = #private::Names {
+                    parameters: &[],
+                    coordinates: &[#(#coordinates),*],
+                    momenta: &[#(#momenta),*],
+                };
+                const FORMULAS_HASH: u64 = #hash;
+                fn target(&self) -> &Self { self }
+                fn visit_parameters(&self, visit: &mut dyn ::core::ops::FnMut(f64)) {
+                    #(visit(#visited);)*
+                }
+            }
+            #attributes
+            impl #private::AnySystem for &#self_ty {
+                #kind
+                fn target(&self) -> &#self_ty { self }
+            }
+            #attributes
+            impl #private::Separable for #self_ty {}
+            #attributes
+            impl #private::QuadraticKineticEnergy for #self_ty {}
+        }
+    }
+
+    /// The types of a system.
+    fn kind(&self) -> TokenStream {
+        let (private, self_ty) = (self.formulas.private, self.self_ty());
+        let site = match self.derived.scene.row {
+            Row::Number => quote!(f64),
+            Row::Array(size) => {
+                let size = Literal::usize_unsuffixed(size);
+                quote!([f64; #size])
+            }
+            Row::Vector(size) => {
+                let size = Literal::usize_unsuffixed(size);
+                {
+                    let runtime = self.runtime();
+                    quote!(#runtime::nalgebra::SVector<f64, #size>)
+                }
+            }
+        };
+        quote! {
+            type Configuration = ::std::vec::Vec<#site>;
+            type Target = #self_ty;
+            type Kind = #private::scene::Scenes;
+            type StateLanes = ();
+            type IncrementLanes = ();
+        }
+    }
+
+    /// The names of the numbers of a site.
+    fn names(&self, letter: &str) -> Vec<String> {
+        let row = self.derived.scene.row;
+        let name = |component: usize| match (row, ["x", "y", "z"].get(component)) {
+            (Row::Number, _) => letter.to_owned(),
+            (Row::Vector(1..=3), Some(name)) => format!("{letter}.{name}"),
+            _ => format!("{letter}[{component}]"),
+        };
+        (0..row.len()).map(name).collect()
+    }
+
+    /// The implementation of a rule: its shears and its plan.
+    pub(super) fn rule(&self, rule: Rule) -> TokenStream {
+        let (private, self_ty, attributes) = (self.formulas.private, self.self_ty(), attributes());
+        let runtime = self.runtime();
+        let ty = rule_type(rule, &runtime);
+        let plan = self.plan(rule);
+        let shears = shears(rule).into_iter().map(|(kind, part)| {
+            let (kind, part) = (super::super::ident(kind), Literal::f64_suffixed(part));
+            quote!(#private::Shear::#kind(#part))
+        });
+        quote! {
+            #attributes
+            impl #runtime::Rule<#self_ty> for #ty {
+                type Increments = [f64];
+                type Prepared = ();
+                type Memory = ();
+                const STAGES: usize = 1;
+                const SUBSTEPS: usize = 1;
+                const PLAN: &'static #private::Plan = &#plan;
+                const HAS_INCREMENTS: bool = false;
+                fn prepare(_: &#self_ty, _: f64) {}
+                fn walk<__M: #private::Mode<#self_ty, [f64]>>(
+                    _: #private::Walker<'_, #self_ty, Self>,
+                    _: &(),
+                    _: &mut (),
+                    h: f64,
+                    dw: &__M::Increments,
+                    mode: &mut __M,
+                ) -> ::core::result::Result<(), __M::Failure> {
+                    mode.shears(&[#(#shears),*], h, dw)
+                }
+            }
+        }
+    }
+
+    fn runtime(&self) -> TokenStream {
+        let runtime = &self.block.arguments.runtime;
+        quote!(#runtime)
+    }
+
+    fn plan(&self, rule: Rule) -> TokenStream {
+        let (private, self_ty) = (self.formulas.private, self.self_ty());
+        let system = quote!(#self_ty).to_string();
+        let (name, order) = (rule.name(), rule.order);
+        let is_noisy = !self.derived.scene.noises.is_empty();
+        let noises = match self.derived.each.as_slice() {
+            [] => {
+                let listed = Literal::usize_unsuffixed(self.derived.listed);
+                quote!(#listed)
+            }
+            _ => quote!(#private::Plan::OF_STATE),
+        };
+        let strong = if is_noisy {
+            quote!(One)
+        } else {
+            quote!(Deterministic)
+        };
+        let weak_order = if is_noisy { 1 } else { order };
+        let node = self.formulas.operations(&self.derived.node.impulse);
+        let [none, step] = [Operations::default(), node].map(|count| operations(private, &count));
+        let [action, equations] = self.texts.step(rule);
+        let texts = [&self.texts.system, &self.texts.motion, &action, &equations];
+        let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
+        quote! {
+            #private::Plan {
+                system: #system,
+                rule: #name,
+                substeps: ::core::option::Option::None,
+                degrees_of_freedom: #private::Plan::OF_STATE,
+                noises: #noises,
+                blocks: &[],
+                deterministic_order: #order,
+                strong_order: #private::StrongOrder::#strong,
+                weak_order: #weak_order,
+                conserved: &[],
+                in_lanes: false,
+                degenerate: ::core::option::Option::None,
+                prepare: #none,
+                step: #step,
+                carried: #none,
+                iteration: #none,
+                formulas: #private::Formulas {
+                    system: #terms,
+                    motion: #motion,
+                    action: #action,
+                    step: #equations,
+                },
+            }
+        }
+    }
+}
+
+/// The shears of a step of a rule with nodes at the ends: an impulse with the weight w at
+/// `q₀ + c (q₁ − q₀)` is a kick by `w (1 − c)` before the drift and by `w c` after it.
+fn shears(rule: Rule) -> Vec<(&'static str, f64)> {
+    let nodes = match rule.nodes {
+        Nodes::One { c } => vec![(1.0, c)],
+        Nodes::Ends => vec![(0.5, 0.0), (0.5, 1.0)],
+        Nodes::Gauss { .. } | Nodes::Taylor => Vec::new(),
+    };
+    let before = nodes.iter().map(|&(w, c)| ("Kick", w * (1.0 - c)));
+    let after = nodes.iter().map(|&(w, c)| ("Kick", w * c));
+    let all = before.chain([("Drift", 1.0)]).chain(after);
+    all.filter(|shear| shear.1 != 0.0).collect()
 }
