@@ -137,7 +137,7 @@ fn shears(is_verlet: bool) -> Vec<Shear> {
 /// A trajectory of a scene.
 struct Path<'a, S: Scene> {
     scene: &'a S,
-    prepared: Prepared<S::Row>,
+    prepared: Prepared,
     shears: Vec<Shear>,
     q: Vec<S::Row>,
     p: Vec<S::Row>,
@@ -159,12 +159,15 @@ impl<'a, S: Scene> Path<'a, S> {
             q: black_box(&mut self.q),
             p: &mut self.p,
         };
-        let time = |step| step as f64 * H;
-        let (scene, shears) = (self.scene, &self.shears);
-        let made = self
-            .prepared
-            .advance(scene, shears, &mut state, &time, H, steps);
-        assert_eq!(made, (steps, Ok(())));
+        let (mut made, mut t) = (0, 0.0);
+        while made < steps {
+            let mut draw = |step: u64, _: &mut [f64]| Some(step as f64);
+            let (scene, shears) = (self.scene, &self.shears);
+            let count = steps - made;
+            made += (self.prepared)
+                .block(scene, shears, &mut state, &mut t, &mut [], count, &mut draw)
+                .max(1);
+        }
     }
 
     fn step(&mut self) {

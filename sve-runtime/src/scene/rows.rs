@@ -15,6 +15,8 @@ pub trait Row: Sealed + Copy + Debug + PartialEq + Send + Sync + 'static {
     fn numbers(rows: &[Self]) -> &[f64];
     /// Returns the components of several rows.
     fn numbers_mut(rows: &mut [Self]) -> &mut [f64];
+    /// Returns the rows with these components.
+    fn rows_mut(numbers: &mut [f64]) -> &mut [Self];
 }
 
 #[doc(hidden)]
@@ -41,5 +43,10 @@ impl<const D: usize> Row for [f64; D] {
     #[inline(always)]
     fn numbers_mut(rows: &mut [Self]) -> &mut [f64] {
         rows.as_flattened_mut()
+    }
+
+    #[inline(always)]
+    fn rows_mut(numbers: &mut [f64]) -> &mut [Self] {
+        numbers.as_chunks_mut().0
     }
 }

@@ -32,8 +32,10 @@ pub enum Shear {
     },
 }
 
-/// Steps between tests, at least.
+/// Steps between tests, at least. A block of a small scene has more steps, since the calls of copy
+/// and test cost as much as some of its steps.
 const BLOCK: u64 = 64;
+const SITES: u64 = 1 << 16;
 
 /// The arrays of a state of a scene, of the length for which its steps are prepared.
 #[derive(Debug)]
@@ -46,36 +48,37 @@ pub struct Phase<'a, R> {
 
 /// What is known about a scene for a number of sites, and the arrays that its steps need.
 #[derive(Clone, Debug)]
-pub struct Prepared<R> {
+pub struct Prepared {
     n: usize,
     processes: usize,
     segments: Segments,
     masses: InverseMasses,
-    buffers: Buffers<R>,
+    buffers: Buffers,
     /// The state before a step or block.
-    before: [Vec<R>; 2],
+    before: [Vec<f64>; 2],
     /// The increments of a kick.
-    dw: Vec<f64>,
+    of_kick: Vec<f64>,
 }
 
-impl<R: Row> Prepared<R> {
+impl Prepared {
     /// Executes the indices of a scene of `n` sites, and reads its masses.
     ///
     /// # Errors
     /// An index that is out of range; a mass without an inverse.
-    pub fn new<S: Scene<Row = R>>(scene: &S, n: usize, t: f64) -> Result<Self, StepError> {
+    pub fn new<S: Scene>(scene: &S, n: usize, t: f64) -> Result<Self, StepError> {
+        let length = S::Row::LENGTH;
         let index = |error| index_error(error, t);
-        let mut masses = vec![R::ZERO; n];
+        let mut masses = vec![S::Row::ZERO; n];
         scene.masses(n, &mut masses).map_err(index)?;
         let segments = Segments::new(scene, n).map_err(index)?;
         Ok(Self {
             n,
             processes: scene.processes(n).map_err(index)?,
-            masses: inverse(R::numbers(&masses), t, R::LENGTH)?,
-            buffers: Buffers::new(&segments, n),
+            masses: inverse(S::Row::numbers(&masses), t, length)?,
+            buffers: Buffers::new::<S::Row>(&segments, n),
             segments,
-            before: [vec![R::ZERO; n], vec![R::ZERO; n]],
-            dw: Vec::new(),
+            before: [vec![0.0; n * length], vec![0.0; n * length]],
+            of_kick: Vec::new(),
         })
     }
 
@@ -89,178 +92,208 @@ impl<R: Row> Prepared<R> {
         self.processes
     }
 
-    /// Returns the velocities of momenta.
-    pub fn velocities(&self, p: &[R]) -> Vec<R> {
-        let mut v = p.to_vec();
-        for (at, v) in R::numbers_mut(&mut v).iter_mut().enumerate() {
-            *v *= match &self.masses {
+    /// Replaces momenta by their velocities.
+    pub fn velocities<R: Row>(&self, p: &mut [R]) {
+        for (at, p) in R::numbers_mut(p).iter_mut().enumerate() {
+            *p *= match &self.masses {
                 InverseMasses::Uniform(inverse) => *inverse,
                 InverseMasses::Each(inverse) => inverse[at],
             };
         }
-        v
     }
 
     /// Returns what is known about the loops.
-    pub fn layout<S: Scene<Row = R>>(&self) -> Layout {
+    pub fn layout<S: Scene>(&self) -> Layout {
         let masses = match &self.masses {
             InverseMasses::Uniform(_) => 0,
             InverseMasses::Each(inverse) => inverse.len(),
         };
-        let numbers = masses + self.buffers.len() + 2 * self.n * R::LENGTH + self.dw.len();
+        let numbers = masses + self.buffers.len() + 2 * self.before[0].len() + self.of_kick.len();
         Layout::new::<S>(self.n, &self.segments, numbers * size_of::<f64>())
     }
 
     /// Makes one step from the time `t`.
     ///
     /// # Errors
-    /// An index that is out of range; a result that is not finite. The state is then unchanged.
-    pub fn step<S: Scene<Row = R>>(
+    /// An index that is out of range; an input or a result that is not finite. The state is then
+    /// unchanged.
+    pub fn step<S: Scene>(
         &mut self,
         scene: &S,
         shears: &[Shear],
-        state: &mut Phase<'_, R>,
+        state: &mut Phase<'_, S::Row>,
         [t, h]: [f64; 2],
         dw: &[f64],
     ) -> Result<(), StepError> {
         self.keep(state);
-        let error = match self.make(scene, shears, state, &|_| t, 0..1, dw, true) {
+        let mut run = Run::new(scene, self, state, true);
+        let result = run.step(shears, t, dw).and_then(|()| run.end());
+        let error = match result {
             Ok(true) => return Ok(()),
-            Ok(false) => not_finite(state, t, h),
+            Ok(false) => not_finite(&self.before, state, [t, h], dw),
             Err(error) => index_error(error, t),
         };
         self.restore(state);
         Err(error)
     }
 
-    /// Makes steps without noise; step `k` begins at the time `time(k)`. Returns the number of
-    /// steps made, and the error of the next one.
-    pub fn advance<S: Scene<Row = R>>(
+    /// Makes up to `count` steps from the time `t` without tests, and tests the result. `draw`
+    /// fills the increments of a step and returns the time at its end; `None` ends the block.
+    /// Returns the number of steps made. If the result is not finite or an index is out of range,
+    /// none is made, and the state is unchanged.
+    #[allow(clippy::too_many_arguments)] // those of a step, and of several
+    pub fn block<S: Scene>(
         &mut self,
         scene: &S,
         shears: &[Shear],
-        state: &mut Phase<'_, R>,
-        time: &impl Fn(u64) -> f64,
-        h: f64,
-        steps: u64,
-    ) -> (u64, Result<(), StepError>) {
-        let block = BLOCK + (1 << 16) / (self.n as u64 + 1);
-        let mut made = 0;
-        while made < steps {
-            let end = steps.min(made + block);
-            self.keep(state);
-            let result = self.make(scene, shears, state, time, made..end, &[], false);
-            let is_finite = |rows: &[R]| dispatch(AreFinite(R::numbers(rows)));
-            if result != Ok(true) || !is_finite(state.q) || !is_finite(state.p) {
-                self.restore(state);
-                for step in made..end {
-                    let result = self.step(scene, shears, state, [time(step), h], &[]);
-                    if result.is_err() {
-                        return (step, result);
-                    }
-                }
-            }
-            made = end;
+        state: &mut Phase<'_, S::Row>,
+        t: &mut f64,
+        dw: &mut [f64],
+        count: u64,
+        draw: &mut dyn FnMut(u64, &mut [f64]) -> Option<f64>,
+    ) -> u64 {
+        let count = count.min(BLOCK + SITES / (self.n as u64 + 1));
+        self.keep(state);
+        let mut run = Run::new(scene, self, state, false);
+        let (mut made, mut end) = (0, *t);
+        let mut result = Ok(());
+        while made < count
+            && result.is_ok()
+            && let Some(after) = draw(made, dw)
+        {
+            result = run.step(shears, end, dw);
+            end = after;
+            made += 1;
         }
-        (steps, Ok(()))
+        let result = result.and_then(|()| run.end());
+        let is_finite = |rows: &[S::Row]| dispatch(AreFinite(S::Row::numbers(rows)));
+        if result.is_ok() && is_finite(state.q) && is_finite(state.p) {
+            *t = end;
+            return made;
+        }
+        self.restore(state);
+        0
     }
 
-    fn keep(&mut self, state: &Phase<'_, R>) {
-        self.before[0].copy_from_slice(state.q);
-        self.before[1].copy_from_slice(state.p);
+    fn keep<R: Row>(&mut self, state: &Phase<'_, R>) {
+        self.before[0].copy_from_slice(R::numbers(state.q));
+        self.before[1].copy_from_slice(R::numbers(state.p));
     }
 
     #[cold]
-    fn restore(&self, state: &mut Phase<'_, R>) {
-        state.q.copy_from_slice(&self.before[0]);
-        state.p.copy_from_slice(&self.before[1]);
+    fn restore<R: Row>(&self, state: &mut Phase<'_, R>) {
+        R::numbers_mut(state.q).copy_from_slice(&self.before[0]);
+        R::numbers_mut(state.p).copy_from_slice(&self.before[1]);
+    }
+}
+
+/// Steps that are being made. A drift waits for the kick after it, with which it is one sweep, and
+/// a kick for an equal one: the impulse is then computed once, and added twice.
+struct Run<'a, 'b, S: Scene> {
+    scene: &'a S,
+    prepared: &'a mut Prepared,
+    state: &'a mut Phase<'b, S::Row>,
+    is_tested: bool,
+    drift: Option<f64>,
+    /// Length, part of the increments and time of a kick.
+    kick: Option<[f64; 3]>,
+    /// Whether all numbers are finite, as far as they were tested.
+    is_finite: bool,
+}
+
+impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
+    fn new(
+        scene: &'a S,
+        prepared: &'a mut Prepared,
+        state: &'a mut Phase<'b, S::Row>,
+        is_tested: bool,
+    ) -> Self {
+        Self {
+            scene,
+            prepared,
+            state,
+            is_tested,
+            drift: None,
+            kick: None,
+            is_finite: true,
+        }
     }
 
-    /// Makes steps, each a list of shears. A drift and the kick after it are one sweep, and so are
-    /// two equal kicks: their impulse is computed once, and added twice. Returns whether the result is finite, if it is
-    /// tested.
-    #[allow(clippy::too_many_arguments)]
-    fn make<S: Scene<Row = R>>(
-        &mut self,
-        scene: &S,
-        shears: &[Shear],
-        state: &mut Phase<'_, R>,
-        time: &impl Fn(u64) -> f64,
-        steps: core::ops::Range<u64>,
-        dw: &[f64],
-        is_tested: bool,
-    ) -> Result<bool, IndexError> {
-        let same = |(step, one): (u64, Shear), (later, other): (u64, Shear)| {
-            let time = |step, shear| match shear {
-                Shear::Kick { at, .. } if S::READS_TIME => time(step) + at,
-                _ => 0.0,
-            };
-            let key = |shear| match shear {
-                Shear::Kick { h, part, .. } => Some([h, part]),
-                Shear::Drift { .. } => None,
-            };
-            key(one) == key(other) && time(step, one) == time(later, other)
-        };
-        let of_step = |step| shears.iter().map(move |&shear| (step, shear));
-        let mut shears = steps.flat_map(of_step).peekable();
-        let mut is_finite = true;
-        let mut drift = None;
-        while let Some((step, shear)) = shears.next() {
-            match shear {
+    fn step(&mut self, shears: &[Shear], t: f64, dw: &[f64]) -> Result<(), IndexError> {
+        for shear in shears {
+            match *shear {
                 Shear::Drift { h } => {
-                    if let Some(before) = drift.replace(h) {
-                        is_finite &= self.drift(state, before, is_tested);
-                    }
+                    self.kick::<false>()?;
+                    self.drift_alone();
+                    self.drift = Some(h);
                 }
                 Shear::Kick { h, part, at } => {
-                    let is_twice = shears.next_if(|&next| same((step, shear), next)).is_some();
-                    self.dw.clear();
-                    self.dw.extend(dw.iter().map(|dw| part * dw));
-                    let (drift, kick) = (drift.take(), [h, time(step) + at]);
-                    is_finite &= if is_twice {
-                        self.sweep::<S, true>(scene, state, drift, kick, is_tested)
+                    // the time of an impulse that does not read it makes no difference
+                    let time = if S::READS_TIME { t + at } else { 0.0 };
+                    let kick = Some([h, part, time]);
+                    if self.kick == kick {
+                        self.kick::<true>()?;
                     } else {
-                        self.sweep::<S, false>(scene, state, drift, kick, is_tested)
-                    }?;
+                        self.kick::<false>()?;
+                        self.kick = kick;
+                        self.prepared.of_kick.clear();
+                        let of_kick = dw.iter().map(|dw| part * dw);
+                        self.prepared.of_kick.extend(of_kick);
+                    }
                 }
             }
         }
-        if let Some(h) = drift {
-            is_finite &= self.drift(state, h, is_tested);
+        // the next step has other increments
+        if dw.is_empty() {
+            return Ok(());
         }
-        Ok(is_finite)
+        self.kick::<false>()
     }
 
-    fn drift(&self, state: &mut Phase<'_, R>, h: f64, is_tested: bool) -> bool {
-        dispatch(DriftAlone {
-            masses: &self.masses,
-            h,
-            q: state.q,
-            p: state.p,
-            is_tested,
-        })
-    }
-
-    fn sweep<S: Scene<Row = R>, const TWICE: bool>(
-        &mut self,
-        scene: &S,
-        state: &mut Phase<'_, R>,
-        drift: Option<f64>,
-        [h, t]: [f64; 2],
-        is_tested: bool,
-    ) -> Result<bool, IndexError> {
-        let dw = &self.dw;
-        dispatch(Sweep::<S, TWICE> {
-            scene,
-            segments: &self.segments,
-            masses: &self.masses,
-            drift,
+    /// Makes the kick that waits, with the drift before it.
+    fn kick<const TWICE: bool>(&mut self) -> Result<(), IndexError> {
+        let Some([h, _, t]) = self.kick.take() else {
+            return Ok(());
+        };
+        let Prepared {
+            segments,
+            masses,
+            buffers,
+            of_kick: dw,
+            ..
+        } = &mut *self.prepared;
+        self.is_finite &= dispatch(Sweep::<S, TWICE> {
+            scene: self.scene,
+            segments,
+            masses,
+            drift: self.drift.take(),
             kick: Kick { h, t, dw },
-            q: state.q,
-            p: state.p,
-            buffers: &mut self.buffers,
-            is_tested,
-        })
+            q: self.state.q,
+            p: self.state.p,
+            buffers,
+            is_tested: self.is_tested,
+        })?;
+        Ok(())
+    }
+
+    /// Makes the drift that waits.
+    fn drift_alone(&mut self) {
+        if let Some(h) = self.drift.take() {
+            self.is_finite &= dispatch(DriftAlone {
+                masses: &self.prepared.masses,
+                h,
+                q: self.state.q,
+                p: self.state.p,
+                is_tested: self.is_tested,
+            });
+        }
+    }
+
+    /// Makes what waits. Returns whether all numbers are finite, as far as they were tested.
+    fn end(&mut self) -> Result<bool, IndexError> {
+        self.kick::<false>()?;
+        self.drift_alone();
+        Ok(self.is_finite)
     }
 }
 
@@ -308,17 +341,27 @@ fn index_error(error: IndexError, t: f64) -> StepError {
 
 /// Returns the error of a step whose result is not finite.
 #[cold]
-fn not_finite<R: Row>(state: &Phase<'_, R>, t: f64, h: f64) -> StepError {
-    let find = |array: &str, rows: &[R]| {
-        let mut numbers = R::numbers(rows).iter();
-        numbers
-            .position(|x| !x.is_finite())
-            .map(|at| name(array, at, R::LENGTH))
+fn not_finite<R: Row>(
+    before: &[Vec<f64>; 2],
+    state: &Phase<'_, R>,
+    [t, h]: [f64; 2],
+    dw: &[f64],
+) -> StepError {
+    let find = |array: &str, numbers: &[f64], length| {
+        let at = numbers.iter().position(|x| !x.is_finite())?;
+        Some((name(array, at, length), numbers[at]))
     };
-    let what = find("q", state.q).or_else(|| find("p", state.p));
+    let input = (find("q", &before[0], R::LENGTH))
+        .or_else(|| find("p", &before[1], R::LENGTH))
+        .or_else(|| find("dw", dw, 1));
+    if let Some((what, value)) = input {
+        return StepError::NonFiniteInput { what, value, t };
+    }
+    let result = find("q", R::numbers(state.q), R::LENGTH)
+        .or_else(|| find("p", R::numbers(state.p), R::LENGTH));
     StepError::NonFiniteCoordinate {
         t,
         h,
-        what: what.unwrap_or_default(),
+        what: result.map_or_else(String::new, |(what, _)| what),
     }
 }

@@ -27,27 +27,27 @@ pub(super) struct Kick<'a> {
     pub(super) dw: &'a [f64],
 }
 
-/// Arrays that a sweep needs.
+/// Arrays that a sweep needs, of the components of rows.
 #[derive(Clone, Debug)]
-pub(super) struct Buffers<R> {
+pub(super) struct Buffers {
     /// Impulses of the pairs of one piece.
-    of_piece: Vec<R>,
+    of_piece: Vec<f64>,
     /// Impulses of all loops, if one of them is made as it is written: zeros between sweeps.
-    of_nests: Vec<R>,
+    of_nests: Vec<f64>,
 }
 
-impl<R: Row> Buffers<R> {
-    pub(super) fn new(segments: &Segments, n: usize) -> Self {
+impl Buffers {
+    pub(super) fn new<R: Row>(segments: &Segments, n: usize) -> Self {
         let of_nests = if segments.nests.is_empty() { 0 } else { n };
         Self {
-            of_piece: vec![R::ZERO; TILE],
-            of_nests: vec![R::ZERO; of_nests],
+            of_piece: vec![0.0; TILE * R::LENGTH],
+            of_nests: vec![0.0; of_nests * R::LENGTH],
         }
     }
 
     /// Returns the number of numbers.
     pub(super) fn len(&self) -> usize {
-        (self.of_piece.len() + self.of_nests.len()) * R::LENGTH
+        self.of_piece.len() + self.of_nests.len()
     }
 }
 
@@ -60,7 +60,7 @@ pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
     pub(super) kick: Kick<'a>,
     pub(super) q: &'a mut [S::Row],
     pub(super) p: &'a mut [S::Row],
-    pub(super) buffers: &'a mut Buffers<S::Row>,
+    pub(super) buffers: &'a mut Buffers,
     /// Whether numbers are tested as long as they are in the first cache.
     pub(super) is_tested: bool,
 }
@@ -79,9 +79,11 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
             kick,
             q,
             p,
-            buffers,
+            buffers: Buffers { of_piece, of_nests },
             is_tested,
         } = self;
+        let of_piece = S::Row::rows_mut(of_piece);
+        let of_nests = S::Row::rows_mut(of_nests);
         let Kick { h, t, dw } = kick;
         let n = q.len();
         let node = Node { scene, kick };
@@ -100,7 +102,7 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
             let streams = streams(q, nodes.start, segments, bases, dw);
             // The impulse of a node is added as one number: two kicks in one have the bits of two.
             if piece.has_others {
-                let sum = &mut buffers.of_piece[..nodes.len()];
+                let sum = &mut of_piece[..nodes.len()];
                 sum.fill(S::Row::ZERO);
                 let mut first = 0;
                 if piece.is_full {
@@ -112,12 +114,12 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
                     scene.contribution(pair, h, t, dw, &streams, sum);
                 }
                 if has_nests {
-                    add::<false, _>(&mut buffers.of_nests[nodes.clone()], sum);
+                    add::<false, _>(&mut of_nests[nodes.clone()], sum);
                 } else {
                     add::<TWICE, _>(&mut p[nodes.clone()], sum);
                 }
             } else if has_nests {
-                S::Counts::add::<false, _>(&streams, &mut buffers.of_nests[nodes.clone()], &node);
+                S::Counts::add::<false, _>(&streams, &mut of_nests[nodes.clone()], &node);
             } else {
                 S::Counts::add::<TWICE, _>(&streams, &mut p[nodes.clone()], &node);
             }
@@ -131,14 +133,13 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
         if !has_nests {
             return Ok(is_finite);
         }
-        let sum = &mut *buffers.of_nests;
         for &number in &segments.nests {
-            if let Err(error) = scene.nest(number, h, t, dw, q, sum) {
-                sum.fill(S::Row::ZERO);
+            if let Err(error) = scene.nest(number, h, t, dw, q, of_nests) {
+                of_nests.fill(S::Row::ZERO);
                 return Err(error);
             }
         }
-        for (to, sum) in p.chunks_mut(TILE).zip(sum.chunks_mut(TILE)) {
+        for (to, sum) in p.chunks_mut(TILE).zip(of_nests.chunks_mut(TILE)) {
             add::<TWICE, _>(to, sum);
             sum.fill(S::Row::ZERO);
             if is_tested {

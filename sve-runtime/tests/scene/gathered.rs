@@ -2,6 +2,7 @@
 //! written, and as loops by hand; impulses are the derivatives of the Lagrangian.
 
 use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene, Shear};
+use sve_runtime::StepError;
 
 use super::scenes::{Argon, Bodies, Chain, Lattice, Ring};
 
@@ -47,21 +48,39 @@ fn single<S: Scene>(scene: &S, shears: &[Shear], q: &[S::Row], steps: u64) -> [V
     [q, p]
 }
 
-/// Makes steps in blocks.
-pub(super) fn blocks<S: Scene>(
+/// Makes steps without noise as a trajectory does: in blocks, and one at a time after a block that
+/// fails. Returns the number of steps made, and the result of the last one.
+pub(super) fn advance<S: Scene>(
     scene: &S,
     shears: &[Shear],
-    q: &[S::Row],
+    [q, p]: [&mut [S::Row]; 2],
     steps: u64,
-) -> [Vec<S::Row>; 2] {
+) -> (u64, Result<(), StepError>) {
     let mut prepared = Prepared::new(scene, q.len(), 0.0).unwrap();
+    let mut state = Phase { q, p };
+    let (mut made, mut t) = (0, 0.0);
+    while made < steps {
+        let mut draw = |step: u64, _: &mut [f64]| Some((made + step + 1) as f64 * H);
+        let count = steps - made;
+        match prepared.block(scene, shears, &mut state, &mut t, &mut [], count, &mut draw) {
+            0 => break,
+            block => made += block,
+        }
+    }
+    while made < steps {
+        let time = [made as f64 * H, H];
+        if let Err(error) = prepared.step(scene, shears, &mut state, time, &[]) {
+            return (made, Err(error));
+        }
+        made += 1;
+    }
+    (made, Ok(()))
+}
+
+/// Makes steps in blocks.
+fn blocks<S: Scene>(scene: &S, shears: &[Shear], q: &[S::Row], steps: u64) -> [Vec<S::Row>; 2] {
     let [mut q, mut p] = [q.to_vec(), rows(q.len(), 2)];
-    let mut state = Phase {
-        q: &mut q,
-        p: &mut p,
-    };
-    let time = |step| step as f64 * H;
-    let made = prepared.advance(scene, shears, &mut state, &time, H, steps);
+    let made = advance(scene, shears, [&mut q, &mut p], steps);
     assert_eq!(made, (steps, Ok(())));
     [q, p]
 }
@@ -109,7 +128,8 @@ fn check<S: Scene, W: Scene<Row = S::Row>>(scene: &S, as_written: &W, q: &[S::Ro
     let dw = vec![0.0; prepared.processes()];
     let made = prepared.step(scene, &shears, &mut state, [t, 1.0], &dw);
     assert_eq!(made, Ok(()));
-    let v = prepared.velocities(&start);
+    let mut v = start.clone();
+    prepared.velocities(&mut v);
     let count = n * S::Row::LENGTH;
     for at in (0..count).step_by((count / 20).max(1)) {
         let shifted = |by: f64| {
