@@ -14,6 +14,18 @@ use super::{IndexError, Instances, Scene, Stop};
 /// cache.
 pub(super) const TILE: usize = 512;
 
+/// Nodes of a segment from which it is a piece of its own. Nodes of shorter ones, such as the borders
+/// of a lattice, are copied to consecutive places, many with contributions of the same pairs.
+const SHORT: u32 = 8;
+
+/// Nodes that are copied together, at most and at least.
+pub(super) const BATCH: usize = 64;
+const FEW: usize = 4;
+
+/// Nodes that a drift passes before the copied ones among them get their impulses: they are then
+/// many, and still in the second cache.
+const WINDOW: usize = 8 * TILE;
+
 /// The base of a stream that a piece does not have.
 const NONE: u32 = u32::MAX;
 
@@ -28,6 +40,25 @@ pub(super) struct Piece {
     pub(super) is_full: bool,
     /// True if pairs contribute that are not in `Scene::node`, or if that function is not called.
     pub(super) has_others: bool,
+    /// The number of the batch, for nodes that are copied.
+    pub(super) batch: Option<u32>,
+}
+
+/// Nodes that are copied to consecutive places, with what their impulses read.
+#[derive(Clone, Debug)]
+pub(super) struct Batch {
+    pub(super) nodes: Vec<u32>,
+    /// For each stream of rows that is there, its place, and the row of each node.
+    pub(super) rows: Vec<(usize, Vec<u32>)>,
+    /// For each stream of increments that is there, its place, and the increment of each node.
+    pub(super) increments: Vec<(usize, Vec<u32>)>,
+}
+
+/// A node of a short segment.
+struct Single {
+    node: u32,
+    ready: u32,
+    bases: Vec<u32>,
 }
 
 impl Piece {
@@ -75,6 +106,7 @@ pub(super) struct Segments {
     pub(super) pieces: Vec<Piece>,
     /// For each piece the bases of its pairs, rows, columns and increments.
     bases: Vec<u32>,
+    pub(super) batches: Vec<Batch>,
     /// For each pair.
     pub(super) streams: Vec<PairStreams>,
     /// The columns of all terms.
@@ -130,11 +162,18 @@ impl Segments {
         cuts.sort_unstable();
         cuts.dedup();
 
-        let streams = streams::<S>();
-        let width = width(&streams);
+        let mut all = Self {
+            pieces: Vec::new(),
+            bases: Vec::new(),
+            batches: Vec::new(),
+            streams: streams::<S>(),
+            columns,
+            nests,
+            instances: runs.iter().map(Runs::instances).sum(),
+            count: 0,
+        };
         let mut next = vec![0; S::PAIRS.len()];
-        let (mut found, mut bases) = (Vec::new(), Vec::new());
-        let mut segments = 0;
+        let mut singles = Vec::new();
         for cut in cuts.windows(2) {
             let [start, end] = [cut[0], cut[1]];
             let here: Vec<Option<&Run>> = (of_pairs.iter().zip(&mut next))
@@ -146,69 +185,166 @@ impl Segments {
             if here.iter().all(Option::is_none) {
                 continue;
             }
-            segments += 1;
-            let (of_node, others) = here.split_at(S::NODE_PAIRS);
-            let is_full = !of_node.is_empty() && of_node.iter().all(Option::is_some);
-            let has_others = !is_full || others.iter().any(Option::is_some);
-            let mut from = start;
-            while from < end {
-                // cut at multiples of the tile
-                let to = end.min((from / TILE as u32 + 1) * TILE as u32);
-                let at = bases.len();
-                push_bases::<S>(&mut bases, runs, &here, &columns_at, from);
-                let rows =
-                    &bases[at + S::PAIRS.len()..][..streams.last().map_or(0, |s| s.rows.end)];
-                let read = rows.iter().filter(|&&base| base != NONE);
-                let piece = Piece {
-                    start: from,
-                    length: to - from,
-                    ready: read.fold(to, |ready, base| ready.max(base + (to - from))),
-                    is_full,
-                    has_others,
-                };
-                found.push((piece, at));
-                from = to;
+            all.count += 1;
+            let length = if end - start < SHORT { 1 } else { TILE as u32 };
+            let mut node = start;
+            while node < end {
+                let to = end.min(node + length);
+                let bases = bases::<S>(runs, &here, &columns_at, node);
+                let read = bases[all.rows()].iter().filter(|&&base| base != NONE);
+                let ready = read.fold(to, |ready, base| ready.max(base + (to - node)));
+                if length == 1 {
+                    singles.push(Single { node, ready, bases });
+                } else {
+                    all.push::<S>([node, to - node, ready], &bases, None);
+                }
+                node = to;
             }
         }
-        found.sort_by_key(|(piece, _)| piece.ready.div_ceil(TILE as u32));
-        Self {
-            bases: (found.iter())
-                .flat_map(|&(_, at)| &bases[at..at + width])
-                .copied()
-                .collect(),
-            pieces: found.into_iter().map(|(piece, _)| piece).collect(),
-            streams,
-            columns,
-            nests,
-            instances: runs.iter().map(Runs::instances).sum(),
-            count: segments,
+        all.push_batches::<S>(singles);
+        all.sort();
+        all
+    }
+
+    /// Returns the places of rows, columns and increments among the bases of a piece.
+    fn places(&self) -> [Range<usize>; 3] {
+        let last = self.streams.last();
+        let mut end = self.streams.len();
+        [
+            last.map_or(0, |streams| streams.rows.end),
+            last.map_or(0, |streams| streams.columns.end),
+            last.map_or(0, |streams| streams.increments.end),
+        ]
+        .map(|length| {
+            end += length;
+            end - length..end
+        })
+    }
+
+    /// Returns the places of rows among the bases of a piece.
+    pub(super) fn rows(&self) -> Range<usize> {
+        self.places()[0].clone()
+    }
+
+    /// Returns the places of increments among the bases of a piece.
+    pub(super) fn increments(&self) -> Range<usize> {
+        self.places()[2].clone()
+    }
+
+    fn push<S: Scene>(
+        &mut self,
+        [start, length, ready]: [u32; 3],
+        bases: &[u32],
+        batch: Option<u32>,
+    ) {
+        let (of_node, others) = bases[..self.streams.len()].split_at(S::NODE_PAIRS);
+        let is_full = !of_node.is_empty() && !of_node.contains(&NONE);
+        self.pieces.push(Piece {
+            start,
+            length,
+            ready,
+            is_full,
+            has_others: !is_full || others.iter().any(|&base| base != NONE),
+            batch,
+        });
+        self.bases.extend(bases);
+    }
+
+    /// Adds the nodes of short segments.
+    fn push_batches<S: Scene>(&mut self, mut singles: Vec<Single>) {
+        let pairs = self.streams.len();
+        let [rows, columns, increments] = self.places();
+        let key = |single: &Single| {
+            let has = |base: &u32| *base != NONE;
+            let pairs: Vec<bool> = single.bases[..pairs].iter().map(has).collect();
+            (single.ready.div_ceil(WINDOW as u32), pairs)
+        };
+        singles.sort_by_cached_key(key);
+        for group in singles.chunk_by(|a, b| key(a) == key(b)) {
+            if group.len() < FEW {
+                for Single { node, ready, bases } in group {
+                    self.push::<S>([*node, 1, *ready], bases, None);
+                }
+                continue;
+            }
+            for nodes in group.chunks(BATCH) {
+                let of = |place: usize| nodes.iter().map(move |single| single.bases[place]);
+                let listed = |places: &Range<usize>| {
+                    let there = places
+                        .clone()
+                        .filter(|&place| nodes[0].bases[place] != NONE);
+                    let lists = there.map(|place| (place - places.start, of(place).collect()));
+                    lists.collect::<Vec<(usize, Vec<u32>)>>()
+                };
+                let batch = Batch {
+                    nodes: nodes.iter().map(|single| single.node).collect(),
+                    rows: listed(&rows),
+                    increments: listed(&increments),
+                };
+                let mut bases = nodes[0].bases.clone();
+                for (at, _) in &batch.rows {
+                    bases[rows.start + at] = (BATCH * (1 + at)) as u32;
+                }
+                for (at, _) in &batch.increments {
+                    bases[increments.start + at] = (BATCH * at) as u32;
+                }
+                for place in columns
+                    .clone()
+                    .filter(|&place| nodes[0].bases[place] != NONE)
+                {
+                    bases[place] = self.columns.len() as u32;
+                    for base in of(place) {
+                        self.columns.push(self.columns[base as usize]);
+                    }
+                }
+                let ready = nodes
+                    .iter()
+                    .fold(0, |ready, single| ready.max(single.ready));
+                let number = self.batches.len() as u32;
+                self.push::<S>([0, nodes.len() as u32, ready], &bases, Some(number));
+                self.batches.push(batch);
+            }
         }
+    }
+
+    /// Sorts the pieces by the tile after which they are ready.
+    fn sort(&mut self) {
+        let width = self.places()[2].end;
+        let mut order: Vec<usize> = (0..self.pieces.len()).collect();
+        order.sort_by_key(|&at| self.pieces[at].ready.div_ceil(TILE as u32));
+        let bases = order
+            .iter()
+            .flat_map(|&at| &self.bases[at * width..][..width]);
+        self.bases = bases.copied().collect();
+        self.pieces = order.iter().map(|&at| self.pieces[at]).collect();
     }
 
     /// Returns the size of the tables.
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.pieces) + size_of_val(&*self.bases) + size_of_val(&*self.columns)
+        let of_batch = |batch: &Batch| {
+            (1 + batch.rows.len() + batch.increments.len()) * size_of_val(&*batch.nodes)
+        };
+        let batches: usize = self.batches.iter().map(of_batch).sum();
+        let columns = size_of_val(&*self.columns);
+        size_of_val(&*self.pieces) + size_of_val(&*self.bases) + batches + columns
     }
 
     /// Returns the pieces with the bases of their streams.
     #[inline(always)]
     pub(super) fn pieces(&self) -> impl Iterator<Item = (&Piece, Bases<'_>)> {
-        let of_pairs = self.streams.len();
-        let last = self.streams.last();
-        let rows = last.map_or(0, |streams| streams.rows.end);
-        let columns = last.map_or(0, |streams| streams.columns.end);
-        let bases = self.bases.chunks_exact(width(&self.streams).max(1));
-        self.pieces.iter().zip(bases.map(move |bases| {
-            let (pairs, bases) = bases.split_at(of_pairs);
-            let (rows, bases) = bases.split_at(rows);
-            let (columns, increments) = bases.split_at(columns);
-            Bases {
-                pairs,
-                rows,
-                columns,
-                increments,
-            }
-        }))
+        let [rows, columns, increments] = self.places();
+        let width = increments.end;
+        self.pieces.iter().enumerate().map(move |(at, piece)| {
+            let bases = &self.bases[at * width..][..width];
+            let [rows, columns, increments] = [&rows, &columns, &increments];
+            let bases = Bases {
+                pairs: &bases[..rows.start],
+                rows: &bases[rows.clone()],
+                columns: &bases[columns.clone()],
+                increments: &bases[increments.clone()],
+            };
+            (piece, bases)
+        })
     }
 }
 
@@ -238,23 +374,14 @@ fn streams<S: Scene>() -> Vec<PairStreams> {
         .collect()
 }
 
-/// Returns the number of bases of a piece.
-fn width(streams: &[PairStreams]) -> usize {
-    let last = streams.last();
-    let ends = last.map_or(0, |last| {
-        last.rows.end + last.columns.end + last.increments.end
-    });
-    streams.len() + ends
-}
-
-/// Adds the bases of a piece that begins at a node: of pairs, rows, columns and increments.
-fn push_bases<S: Scene>(
-    bases: &mut Vec<u32>,
+/// Returns the bases of a piece that begins at a node: of pairs, rows, columns and increments.
+fn bases<S: Scene>(
     runs: &[Runs],
     here: &[Option<&Run>],
     columns_at: &[u32],
     node: u32,
-) {
+) -> Vec<u32> {
+    let mut bases = Vec::new();
     let base = |pair: usize, of: &dyn Fn(&Run) -> u32| {
         here[pair].map_or(NONE, |run| of(run) + (node - run.start))
     };
@@ -277,4 +404,5 @@ fn push_bases<S: Scene>(
         let last = S::TERMS[pair.term].slots.len();
         bases.push(base(number, &|run| runs[pair.term].first(run.number, last)));
     }
+    bases
 }

@@ -153,6 +153,11 @@ impl<const A: usize, const B: usize, const C: usize> StreamCounts for Counts<A, 
         to: &mut [R],
         impulse: &impl Impulse<R>,
     ) {
-        add_times::<TWICE, R, A, B, C>(streams, to, |reads| impulse.at(reads));
+        add_times::<TWICE, R, A, B, C>(
+            streams,
+            to,
+            #[inline(always)]
+            |reads| impulse.at(reads),
+        );
     }
 }

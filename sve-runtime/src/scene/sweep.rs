@@ -5,7 +5,7 @@
 
 use core::ops::Range;
 
-use super::segments::{Bases, Segments, TILE};
+use super::segments::{BATCH, Bases, Batch, Segments, TILE};
 use super::streams::Impulse;
 use super::{IndexError, Reads, Row, Scene, StreamCounts, Streams};
 use crate::lanes::dispatch::Kernel;
@@ -32,6 +32,10 @@ pub(super) struct Kick<'a> {
 pub(super) struct Buffers {
     /// Impulses of the pairs of one piece.
     of_piece: Vec<f64>,
+    /// The rows of copied nodes, of `BATCH` nodes each, and of what their impulses read.
+    of_batch: Vec<f64>,
+    /// The increments that the impulses of copied nodes read.
+    dw: Vec<f64>,
     /// Impulses of all loops, if one of them is made as it is written: zeros between sweeps.
     of_nests: Vec<f64>,
 }
@@ -42,12 +46,14 @@ impl Buffers {
         Self {
             of_piece: vec![0.0; TILE * R::LENGTH],
             of_nests: vec![0.0; of_nests * R::LENGTH],
+            of_batch: vec![0.0; BATCH * (1 + segments.rows().len()) * R::LENGTH],
+            dw: vec![0.0; BATCH * segments.increments().len()],
         }
     }
 
     /// Returns the number of numbers.
     pub(super) fn len(&self) -> usize {
-        self.of_piece.len() + self.of_nests.len()
+        self.of_piece.len() + self.of_nests.len() + self.of_batch.len() + self.dw.len()
     }
 }
 
@@ -79,11 +85,18 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
             kick,
             q,
             p,
-            buffers: Buffers { of_piece, of_nests },
+            buffers:
+                Buffers {
+                    of_piece,
+                    of_nests,
+                    of_batch,
+                    dw: of_increments,
+                },
             is_tested,
         } = self;
         let of_piece = S::Row::rows_mut(of_piece);
         let of_nests = S::Row::rows_mut(of_nests);
+        let of_batch = S::Row::rows_mut(of_batch);
         let Kick { h, t, dw } = kick;
         let n = q.len();
         let node = Node { scene, kick };
@@ -99,32 +112,61 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
                 is_finite &= drift::<S::Row>(q, p, tiles, time, masses, is_tested);
             }
             let nodes = piece.nodes();
-            let streams = streams(q, nodes.start, segments, bases, dw);
-            // The impulse of a node is added as one number: two kicks in one have the bits of two.
-            if piece.has_others {
-                let sum = &mut of_piece[..nodes.len()];
-                sum.fill(S::Row::ZERO);
-                let mut first = 0;
-                if piece.is_full {
-                    S::Counts::add::<false, _>(&streams, sum, &node);
-                    first = S::NODE_PAIRS;
-                }
-                for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
-                    let streams = streams.of(&segments.streams[pair]);
-                    scene.contribution(pair, h, t, dw, &streams, sum);
-                }
+            if !piece.has_others && piece.batch.is_none() {
+                let streams = streams(q, nodes.start, segments, bases, dw);
                 if has_nests {
-                    add::<false, _>(&mut of_nests[nodes.clone()], sum);
+                    let to = &mut of_nests[nodes.clone()];
+                    S::Counts::add::<false, _>(&streams, to, &node);
                 } else {
-                    add::<TWICE, _>(&mut p[nodes.clone()], sum);
+                    S::Counts::add::<TWICE, _>(&streams, &mut p[nodes.clone()], &node);
                 }
-            } else if has_nests {
-                S::Counts::add::<false, _>(&streams, &mut of_nests[nodes.clone()], &node);
-            } else {
-                S::Counts::add::<TWICE, _>(&streams, &mut p[nodes.clone()], &node);
+                if is_tested && !has_nests {
+                    is_finite &= are_finite(S::Row::numbers(&p[nodes]));
+                }
+                continue;
             }
-            if is_tested && !has_nests {
-                is_finite &= are_finite(S::Row::numbers(&p[nodes]));
+            // The impulse of a node is added as one number: two kicks in one have the bits of two.
+            let batch = piece.batch.map(|number| &segments.batches[number as usize]);
+            let streams = if let Some(batch) = batch {
+                copy(batch, q, of_batch, dw, of_increments);
+                streams(of_batch, 0, segments, bases, of_increments)
+            } else {
+                streams(q, nodes.start, segments, bases, dw)
+            };
+            let sum = &mut of_piece[..nodes.len()];
+            sum.fill(S::Row::ZERO);
+            let mut first = 0;
+            if piece.is_full {
+                S::Counts::add::<false, _>(&streams, sum, &node);
+                first = S::NODE_PAIRS;
+            }
+            for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
+                let streams = streams.of(&segments.streams[pair]);
+                scene.contribution(pair, h, t, dw, &streams, sum);
+            }
+            let to = if has_nests { &mut *of_nests } else { &mut *p };
+            let is_twice = TWICE && !has_nests;
+            if let Some(batch) = batch {
+                for (&node, sum) in batch.nodes.iter().zip(sum) {
+                    let to = &mut to[node as usize];
+                    to.add(*sum);
+                    if is_twice {
+                        to.add(*sum);
+                    }
+                    if is_tested {
+                        is_finite &= are_finite(S::Row::numbers(core::slice::from_ref(to)));
+                    }
+                }
+                continue;
+            }
+            let to = &mut to[nodes];
+            if is_twice {
+                add::<true, _>(to, sum);
+            } else {
+                add::<false, _>(to, sum);
+            }
+            if is_tested {
+                is_finite &= are_finite(S::Row::numbers(to));
             }
         }
         if let Some(time) = time {
@@ -161,6 +203,24 @@ impl<S: Scene> Impulse<S::Row> for Node<'_, S> {
     fn at(&self, reads: &impl Reads<S::Row>) -> S::Row {
         let Kick { h, t, dw } = self.kick;
         self.scene.node(h, t, dw, reads)
+    }
+}
+
+/// Copies the nodes of a batch, and what their impulses read, to consecutive places.
+#[inline(always)]
+fn copy<R: Row>(batch: &Batch, q: &[R], rows: &mut [R], dw: &[f64], increments: &mut [f64]) {
+    for (to, &node) in rows.iter_mut().zip(&batch.nodes) {
+        *to = q[node as usize];
+    }
+    for (at, list) in &batch.rows {
+        for (to, &node) in rows[BATCH * (1 + at)..].iter_mut().zip(list) {
+            *to = q[node as usize];
+        }
+    }
+    for (at, list) in &batch.increments {
+        for (to, &number) in increments[BATCH * at..].iter_mut().zip(list) {
+            *to = dw[number as usize];
+        }
     }
 }
 

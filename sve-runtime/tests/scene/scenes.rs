@@ -67,12 +67,18 @@ impl<const STREAM: bool> Scene for Chain<STREAM> {
         to: &mut [[f64; 1]],
     ) {
         match pair {
-            0 => add::<_, 1, 0, 0>(streams, to, |at| {
-                one(-h * bond(self.beta, at.own()[0], at.row(0)[0]))
-            }),
-            _ => add::<_, 1, 0, 0>(streams, to, |at| {
-                one(h * bond(self.beta, at.row(0)[0], at.own()[0]))
-            }),
+            0 => add::<_, 1, 0, 0>(
+                streams,
+                to,
+                #[inline(always)]
+                |at| one(-h * bond(self.beta, at.own()[0], at.row(0)[0])),
+            ),
+            _ => add::<_, 1, 0, 0>(
+                streams,
+                to,
+                #[inline(always)]
+                |at| one(h * bond(self.beta, at.row(0)[0], at.own()[0])),
+            ),
         }
     }
 
@@ -220,16 +226,27 @@ impl<const STREAM: bool> Scene for Ring<STREAM> {
         to: &mut [[f64; 1]],
     ) {
         match pair {
-            0 => add::<_, 1, 1, 0>(streams, to, |at| {
-                let spring = at.column(0) * (at.row(0)[0] - at.own()[0]);
-                one(h * (spring + t.sin()))
-            }),
-            1 => add::<_, 1, 1, 0>(streams, to, |at| {
-                one(-h * at.column(0) * (at.own()[0] - at.row(0)[0]))
-            }),
-            _ => add::<_, 0, 1, 1>(streams, to, |at| {
-                one(self.sigma * dw[0] + 2.0 * at.column(0) * at.own()[0] * at.increment(0))
-            }),
+            0 => add::<_, 1, 1, 0>(
+                streams,
+                to,
+                #[inline(always)]
+                |at| {
+                    let spring = at.column(0) * (at.row(0)[0] - at.own()[0]);
+                    one(h * (spring + t.sin()))
+                },
+            ),
+            1 => add::<_, 1, 1, 0>(
+                streams,
+                to,
+                #[inline(always)]
+                |at| one(-h * at.column(0) * (at.own()[0] - at.row(0)[0])),
+            ),
+            _ => add::<_, 0, 1, 1>(
+                streams,
+                to,
+                #[inline(always)]
+                |at| one(self.sigma * dw[0] + 2.0 * at.column(0) * at.own()[0] * at.increment(0)),
+            ),
         }
     }
 
@@ -394,8 +411,8 @@ macro_rules! lattice {
                 to: &mut [[f64; 1]],
             ) {
                 match pair {
-                    0 => add::<_, 0, 0, 0>(streams, to, |at| one(h * site(at.own()[0]))),
-                    _ => add::<_, 1, 0, 0>(streams, to, |at| one(h * (at.row(0)[0] - at.own()[0]))),
+                    0 => add::<_, 0, 0, 0>(streams, to, #[inline(always)] |at| one(h * site(at.own()[0]))),
+                    _ => add::<_, 1, 0, 0>(streams, to, #[inline(always)] |at| one(h * (at.row(0)[0] - at.own()[0]))),
                 }
             }
 
