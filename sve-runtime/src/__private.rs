@@ -27,6 +27,7 @@ pub mod lane {
 
 /// The interface of generated scenes.
 pub mod scene {
+    pub use crate::integrator::scenes::Scenes;
     pub use crate::scene::*;
 }
 

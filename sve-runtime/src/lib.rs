@@ -73,6 +73,7 @@ pub use rule::{
     BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, KahanLi8, Midpoint, Rule,
     Split, StageNoise, StormerVerlet, Taylor2, Variational, Weak2,
 };
+pub use scene::{Layout, SceneMechanics};
 pub use solve::newton::Newton;
 pub use solve::{MomentumVelocities, SingularRow};
 /// Derives the steps of a system from its Lagrangian.
@@ -104,8 +105,9 @@ pub mod prelude {
     };
     pub use crate::{
         BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, Integrator, KahanLi8,
-        Mechanics, Method, Midpoint, NeighbourError, Neighbours, Newton, OneStepMethod, Snapshot,
-        Split, StageNoise, State, StepError, StormerVerlet, Taylor2, Weak2, variational,
+        Mechanics, Method, Midpoint, NeighbourError, Neighbours, Newton, OneStepMethod,
+        SceneMechanics, Snapshot, Split, StageNoise, State, StepError, StormerVerlet, Taylor2,
+        Weak2, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

@@ -15,7 +15,8 @@ use std::hint::black_box;
 
 use hand::dispatch;
 use scenes::{Argon, Bodies, Chain, Lattice};
-use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene, Shear};
+use sve_runtime::__private::StepShear as Shear;
+use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene};
 
 const H: f64 = 0.02;
 const ROUNDS: usize = 15;

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `method.rs` | the integrator as a method |
 //! | `steps.rs` | steps by the kind of the system: walks over the substeps of a rule |
+//! | `scenes.rs` | steps of scenes |
 //! | `modes.rs` | the common parts of the modes of a walk |
 //! | `start.rs` | the test of the start; steps in lanes |
 //! | `step.rs` | the fast path; the number of iterations, the impulses of constraints |
@@ -23,6 +24,7 @@ mod gradient;
 mod method;
 pub(crate) mod modes;
 mod rescue;
+pub(crate) mod scenes;
 mod start;
 pub(crate) mod step;
 pub(crate) mod steps;

@@ -9,6 +9,7 @@
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
 //! | `shear.rs` | steps that are lists of drifts and kicks, in place |
+//! | `mechanics.rs` | energies and velocities, for users |
 //! | `layout.rs` | what is known about the loops of a scene of known size |
 //!
 //! The folder knows arrays and no mechanics. A loop of the user is a list of instances, and each
@@ -18,6 +19,7 @@
 
 mod indices;
 mod layout;
+mod mechanics;
 mod rows;
 mod segments;
 mod shear;
@@ -27,8 +29,9 @@ mod written;
 
 pub use indices::Instances;
 pub use layout::Layout;
+pub use mechanics::SceneMechanics;
 pub use rows::Row;
-pub use shear::{Phase, Prepared, Shear};
+pub use shear::{Phase, Prepared};
 pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};
 pub use written::{
     Integer, accumulate, check, integer, place, position, quotient, remainder, row_if_any,

@@ -12,25 +12,7 @@ use super::sweep::{AreFinite, Buffers, DriftAlone, InverseMasses, Kick, Sweep};
 use super::{IndexError, Layout, Row, Scene};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
-
-/// A shear of a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shear {
-    /// The impulse of the potential and of the noises is added to the momenta.
-    Kick {
-        /// The time over which the potential acts.
-        h: f64,
-        /// The fraction of the increments of the step.
-        part: f64,
-        /// The time of the node, from the start of the step.
-        at: f64,
-    },
-    /// The sites move with their velocities.
-    Drift {
-        /// The time over which they move.
-        h: f64,
-    },
-}
+use crate::rule::StepShear;
 
 /// Steps between tests, at least. A block of a small scene has more steps, since the calls of copy
 /// and test cost as much as some of its steps.
@@ -66,18 +48,16 @@ impl Prepared {
     /// # Errors
     /// An index that is out of range; a mass without an inverse.
     pub fn new<S: Scene>(scene: &S, n: usize, t: f64) -> Result<Self, StepError> {
-        let length = S::Row::LENGTH;
         let index = |error| index_error(error, t);
-        let mut masses = vec![S::Row::ZERO; n];
-        scene.masses(n, &mut masses).map_err(index)?;
         let segments = Segments::new(scene, n).map_err(index)?;
+        let numbers = n * S::Row::LENGTH;
         Ok(Self {
             n,
             processes: scene.processes(n).map_err(index)?,
-            masses: inverse(S::Row::numbers(&masses), t, length)?,
+            masses: InverseMasses::new(scene, n, t)?,
             buffers: Buffers::new::<S::Row>(&segments, n),
             segments,
-            before: [vec![0.0; n * length], vec![0.0; n * length]],
+            before: [vec![0.0; numbers], vec![0.0; numbers]],
             of_kick: Vec::new(),
         })
     }
@@ -90,16 +70,6 @@ impl Prepared {
     /// Returns the number of Wiener processes.
     pub fn processes(&self) -> usize {
         self.processes
-    }
-
-    /// Replaces momenta by their velocities.
-    pub fn velocities<R: Row>(&self, p: &mut [R]) {
-        for (at, p) in R::numbers_mut(p).iter_mut().enumerate() {
-            *p *= match &self.masses {
-                InverseMasses::Uniform(inverse) => *inverse,
-                InverseMasses::Each(inverse) => inverse[at],
-            };
-        }
     }
 
     /// Returns what is known about the loops.
@@ -120,7 +90,7 @@ impl Prepared {
     pub fn step<S: Scene>(
         &mut self,
         scene: &S,
-        shears: &[Shear],
+        shears: &[StepShear],
         state: &mut Phase<'_, S::Row>,
         [t, h]: [f64; 2],
         dw: &[f64],
@@ -145,7 +115,7 @@ impl Prepared {
     pub fn block<S: Scene>(
         &mut self,
         scene: &S,
-        shears: &[Shear],
+        shears: &[StepShear],
         state: &mut Phase<'_, S::Row>,
         t: &mut f64,
         dw: &mut [f64],
@@ -219,15 +189,15 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
         }
     }
 
-    fn step(&mut self, shears: &[Shear], t: f64, dw: &[f64]) -> Result<(), IndexError> {
+    fn step(&mut self, shears: &[StepShear], t: f64, dw: &[f64]) -> Result<(), IndexError> {
         for shear in shears {
             match *shear {
-                Shear::Drift { h } => {
+                StepShear::Drift { h } => {
                     self.kick::<false>()?;
                     self.drift_alone();
                     self.drift = Some(h);
                 }
-                Shear::Kick { h, part, at } => {
+                StepShear::Kick { h, part, at } => {
                     // the time of an impulse that does not read it makes no difference
                     let time = if S::READS_TIME { t + at } else { 0.0 };
                     let kick = Some([h, part, time]);
@@ -297,35 +267,49 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
     }
 }
 
-/// Returns the inverse of each mass.
-fn inverse(masses: &[f64], t: f64, length: usize) -> Result<InverseMasses, StepError> {
-    if let Some(at) = masses
-        .iter()
-        .position(|&mass| mass == 0.0 || !mass.is_finite())
-    {
-        return Err(StepError::Mass {
-            t,
-            what: name("v", at, length),
-            mass: masses[at],
-        });
-    }
-    Ok(match masses {
-        [first, others @ ..] if others.iter().all(|mass| mass == first) => {
-            InverseMasses::Uniform(1.0 / first)
+impl InverseMasses {
+    /// Returns the inverse of each mass of a scene of `n` sites.
+    ///
+    /// # Errors
+    /// An index that is out of range; a mass without an inverse.
+    pub(super) fn new<S: Scene>(scene: &S, n: usize, t: f64) -> Result<Self, StepError> {
+        let mut masses = vec![S::Row::ZERO; n];
+        let added = scene.masses(n, &mut masses);
+        added.map_err(|error| index_error(error, t))?;
+        let masses = S::Row::numbers(&masses);
+        if let Some(at) = (masses.iter()).position(|&mass| mass == 0.0 || !mass.is_finite()) {
+            return Err(StepError::Mass {
+                t,
+                what: name("v", at, S::Row::LENGTH),
+                mass: masses[at],
+            });
         }
-        _ => InverseMasses::Each(masses.iter().map(|mass| 1.0 / mass).collect()),
-    })
+        Ok(match masses {
+            [first, others @ ..] if others.iter().all(|mass| mass == first) => {
+                Self::Uniform(1.0 / first)
+            }
+            _ => Self::Each(masses.iter().map(|mass| 1.0 / mass).collect()),
+        })
+    }
+
+    /// Returns the inverse mass of a component.
+    pub(super) fn of(&self, component: usize) -> f64 {
+        match self {
+            Self::Uniform(inverse) => *inverse,
+            Self::Each(inverse) => inverse[component],
+        }
+    }
 }
 
 /// Returns the name of a component: `p[5]`, or `p[5][2]` in a row of several.
-pub(crate) fn name(array: &str, at: usize, length: usize) -> String {
+fn name(array: &str, at: usize, length: usize) -> String {
     match length {
         1 => format!("{array}[{at}]"),
         _ => format!("{array}[{}][{}]", at / length, at % length),
     }
 }
 
-fn index_error(error: IndexError, t: f64) -> StepError {
+pub(super) fn index_error(error: IndexError, t: f64) -> StepError {
     let IndexError {
         text,
         index,

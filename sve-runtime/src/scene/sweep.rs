@@ -147,16 +147,7 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
             let to = if has_nests { &mut *of_nests } else { &mut *p };
             let is_twice = TWICE && !has_nests;
             if let Some(batch) = batch {
-                for (&node, sum) in batch.nodes.iter().zip(sum) {
-                    let to = &mut to[node as usize];
-                    to.add(*sum);
-                    if is_twice {
-                        to.add(*sum);
-                    }
-                    if is_tested {
-                        is_finite &= are_finite(S::Row::numbers(core::slice::from_ref(to)));
-                    }
-                }
+                is_finite &= add_to_nodes(&batch.nodes, to, sum, is_twice, is_tested);
                 continue;
             }
             let to = &mut to[nodes];
@@ -241,6 +232,27 @@ fn streams<'a, R>(
         dw,
         increments: bases.increments,
     }
+}
+
+/// Adds impulses to listed nodes. Returns whether the results are finite, if they are tested.
+#[inline(always)]
+fn add_to_nodes<R: Row>(
+    nodes: &[u32],
+    to: &mut [R],
+    sum: &[R],
+    is_twice: bool,
+    is_tested: bool,
+) -> bool {
+    let mut is_finite = true;
+    for (&node, sum) in nodes.iter().zip(sum) {
+        let to = &mut to[node as usize];
+        to.add(*sum);
+        if is_twice {
+            to.add(*sum);
+        }
+        is_finite &= !is_tested || are_finite(R::numbers(core::slice::from_ref(to)));
+    }
+    is_finite
 }
 
 #[inline(always)]

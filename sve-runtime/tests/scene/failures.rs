@@ -1,6 +1,7 @@
 //! A step that fails leaves the state as it was, and a trajectory ends before the step that fails.
 
-use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene, Shear};
+use sve_runtime::__private::StepShear as Shear;
+use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene};
 use sve_runtime::StepError;
 
 use super::gathered::{ENDPOINT, H, VERLET, advance, numbers, rows};

@@ -1,7 +1,8 @@
 //! Loops that are gathered in segments make the same steps as loops that are made as they are
 //! written, and as loops by hand; impulses are the derivatives of the Lagrangian.
 
-use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene, Shear};
+use sve_runtime::__private::StepShear as Shear;
+use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene};
 use sve_runtime::StepError;
 
 use super::scenes::{Argon, Bodies, Chain, Lattice, Ring};
@@ -128,8 +129,7 @@ fn check<S: Scene, W: Scene<Row = S::Row>>(scene: &S, as_written: &W, q: &[S::Ro
     let dw = vec![0.0; prepared.processes()];
     let made = prepared.step(scene, &shears, &mut state, [t, 1.0], &dw);
     assert_eq!(made, Ok(()));
-    let mut v = start.clone();
-    prepared.velocities(&mut v);
+    let v = start.clone();
     let count = n * S::Row::LENGTH;
     for at in (0..count).step_by((count / 20).max(1)) {
         let shifted = |by: f64| {

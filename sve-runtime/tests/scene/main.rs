@@ -2,4 +2,5 @@
 
 mod failures;
 mod gathered;
+mod integrators;
 mod scenes;

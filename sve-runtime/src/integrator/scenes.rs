@@ -1,0 +1,200 @@
+//! Steps of scenes: lists of shears, made in place by tables that the integrator keeps.
+
+use core::fmt;
+use std::sync::{Mutex, PoisonError};
+
+use super::Integrator;
+use super::accept::check_step_size;
+use super::steps::Steps;
+use crate::error::StepError;
+use crate::phase::configuration::Site;
+use crate::phase::state::State;
+use crate::rule::{Rule, StepShear, Walker, shears};
+use crate::scene::{Layout, Phase, Prepared, Scene};
+use crate::system::{AnySystem, Kind};
+use crate::time::is_next_time;
+
+/// The kind of systems whose length is that of the state.
+#[derive(Clone, Copy, Debug)]
+pub struct Scenes;
+
+impl Kind for Scenes {
+    type Cache = Tables;
+}
+
+/// The tables of a scene for the length of its last state. Steps of one integrator on several
+/// threads wait for one another; threads with integrators of their own do not.
+#[derive(Default)]
+pub struct Tables(Mutex<Option<Prepared>>);
+
+impl fmt::Debug for Tables {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Tables")
+    }
+}
+
+impl Clone for Tables {
+    /// Returns empty tables, which the first step fills.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Tables {
+    /// Works with the tables of a scene of `n` sites.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    fn with<S: Scene, T>(
+        &self,
+        scene: &S,
+        n: usize,
+        t: f64,
+        work: impl FnOnce(&mut Prepared) -> T,
+    ) -> Result<T, StepError> {
+        let is_poisoned = self.0.is_poisoned();
+        let mut tables = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if is_poisoned {
+            // a panic within a step may have left impulses behind
+            *tables = None;
+            self.0.clear_poison();
+        }
+        let prepared = match &mut *tables {
+            Some(prepared) if prepared.sites() == n => prepared,
+            other => other.insert(Prepared::new(scene, n, t)?),
+        };
+        Ok(work(prepared))
+    }
+}
+
+impl<S, R, Q> Steps<S, R> for Scenes
+where
+    S: Scene<Row = Q::Row> + AnySystem<Configuration = Vec<Q>>,
+    R: Rule<S, Increments = [f64]>,
+    Q: Site,
+{
+    type Prepared = Vec<StepShear>;
+
+    fn prepare(walker: Walker<'_, S, R>, _: &Tables, h: f64) -> Vec<StepShear> {
+        shears(walker, &R::prepare(walker.system, h), h)
+    }
+
+    fn step(
+        walker: Walker<'_, S, R>,
+        cache: &Tables,
+        prepared: &Vec<StepShear>,
+        state: &mut State<Vec<Q>>,
+        h: f64,
+        dw: &[f64],
+    ) -> Result<(), StepError> {
+        let t = state.t;
+        if !t.is_finite() {
+            let (what, value) = ("t".to_owned(), t);
+            return Err(StepError::NonFiniteInput { what, value, t });
+        }
+        if !is_next_time(t, t + h) {
+            return Err(StepError::Time { t, h, end: t + h });
+        }
+        let n = sites(state)?;
+        let mut phase = Phase {
+            q: Q::rows_mut(&mut state.q),
+            p: Q::rows_mut(&mut state.p),
+        };
+        let scene = walker.system;
+        cache.with(scene, n, t, |tables| {
+            check_length("dw", dw.len(), tables.processes(), t)?;
+            tables.step(scene, prepared, &mut phase, [t, h], dw)
+        })??;
+        state.t = t + h;
+        Ok(())
+    }
+
+    fn next_step(
+        walker: Walker<'_, S, R>,
+        cache: &Tables,
+        prepared: &mut Vec<StepShear>,
+        state: &mut State<Vec<Q>>,
+        h: f64,
+        dw: &[f64],
+    ) -> Result<(), StepError> {
+        Self::step(walker, cache, prepared, state, h, dw)
+    }
+
+    fn next_steps(
+        walker: Walker<'_, S, R>,
+        cache: &Tables,
+        prepared: &mut Vec<StepShear>,
+        state: &mut State<Vec<Q>>,
+        _: f64,
+        dw: &mut [f64],
+        count: u64,
+        draw: &mut dyn FnMut(u64, &mut [f64]) -> Option<f64>,
+    ) -> u64 {
+        let Ok(n) = sites(state) else {
+            return 0;
+        };
+        let mut phase = Phase {
+            q: Q::rows_mut(&mut state.q),
+            p: Q::rows_mut(&mut state.p),
+        };
+        let (scene, t) = (walker.system, &mut state.t);
+        // The single step that follows finds the error.
+        let made = cache.with(scene, n, *t, |tables| {
+            tables.block(scene, prepared, &mut phase, t, dw, count, draw)
+        });
+        made.unwrap_or(0)
+    }
+
+    fn processes(
+        walker: Walker<'_, S, R>,
+        cache: &Tables,
+        state: &State<Vec<Q>>,
+    ) -> Result<usize, StepError> {
+        let n = state.q.len();
+        cache.with(walker.system, n, state.t, |tables| tables.processes())
+    }
+}
+
+/// Returns the number of sites.
+fn sites<Q: Site>(state: &State<Vec<Q>>) -> Result<usize, StepError> {
+    let n = state.q.len();
+    check_length("p", state.p.len(), n, state.t)?;
+    Ok(n)
+}
+
+fn check_length(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+    t: f64,
+) -> Result<(), StepError> {
+    if found == expected {
+        return Ok(());
+    }
+    let what = what.into();
+    Err(StepError::Length {
+        t,
+        what,
+        found,
+        expected,
+    })
+}
+
+impl<S, R, T, Q> Integrator<S, R>
+where
+    S: AnySystem<Target = T, Kind = Scenes>,
+    T: Scene<Row = Q::Row> + AnySystem<Configuration = Vec<Q>>,
+    R: Rule<T>,
+    Q: Site,
+{
+    /// Returns how the loops of a scene are made from a state with steps of length `h`: which of
+    /// them are gathered, in how many segments, and how many bytes that needs.
+    ///
+    /// # Errors
+    /// The error of a step from this state, as far as its lengths and indices are concerned.
+    pub fn layout(&self, state: &State<Vec<Q>>, h: f64) -> Result<Layout, StepError> {
+        check_step_size(h)?;
+        let (scene, n) = (self.system().target(), sites(state)?);
+        (self.cache).with(scene, n, state.t, |tables| tables.layout::<T>())
+    }
+}
