@@ -109,7 +109,7 @@ impl Lowering<'_> {
             self.fields.taken_for_number = Some(path.clone());
         }
         match (value, as_number(syntax)) {
-            (Value::Int(_) | Value::Index(_), Some(message)) => self.refuse(syntax, message),
+            (Value::Int(_), Some(message)) => self.refuse(syntax, message),
             _ => self.scalar(value, syntax),
         }
     }

@@ -206,6 +206,7 @@ impl Lowering<'_> {
         let value = self.eval(index)?;
         match self.running(&value) {
             Some(at) if !matches!(value, Value::Int(_)) => Some(Pick::At(at, index.span())),
+            None if self.scene.is_scene() => self.integer_at(&value, index).and(None),
             _ => {
                 let at = self.index_of(&value, index)?;
                 Some(Pick::Index(at, index.span()))

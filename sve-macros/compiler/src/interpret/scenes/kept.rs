@@ -160,11 +160,26 @@ impl Lowering<'_> {
             (_, value, [true, false]) | (value, _, [false, true]) => Some(value),
             (Value::Unit, ..) | (_, Value::Unit, _) => Some(Value::Unit),
             (then, other, _) => self.leaves([&then, &then, &other], &mut |x, [then, _, other]| {
-                let then = x.scalar(then, &at)?;
-                let other = x.scalar(other, &at)?;
-                Some(Value::Scalar(x.arena.add(then, other)))
+                x.either(then, other, at)
             }),
         }
+    }
+
+    /// Returns the value of an `if` from the values of its parts.
+    fn either(&mut self, then: &Value, other: &Value, at: Span) -> Option<Value> {
+        let is_integer = |value: &Value| matches!(value, Value::Int(_) | Value::Index(_));
+        if is_integer(then) || is_integer(other) {
+            let integers = self.running(then).zip(self.running(other));
+            return match integers {
+                Some((then, other)) if then == other => Some(self.index_value_of(then)),
+                _ => self.refuse(
+                    &at,
+                    "an integer cannot depend on a condition known when the program runs: compute it, on a ring with `%`, as in `(i + 1) % n`",
+                ),
+            };
+        }
+        let (then, other) = (self.scalar(then, &at)?, self.scalar(other, &at)?);
+        Some(Value::Scalar(self.arena.add(then, other)))
     }
 
     /// Executes a part of a branch. Also returns whether the rest of the loop's body is executed
@@ -266,6 +281,8 @@ impl Lowering<'_> {
         let value = value?;
         self.leaves([&value; 3], &mut |x, [value, ..]| match value {
             Value::Unit => Some(Value::Unit),
+            // the whole `if` reports an integer that depends on its condition
+            Value::Int(_) | Value::Index(_) if nest == Nest::Branch => Some(value.clone()),
             value => {
                 let number = x.scalar(value, &at)?;
                 Some(Value::Scalar(x.sum(head, number, at)))

@@ -193,7 +193,7 @@ impl Lowering<'_> {
     }
 
     /// Returns a value as an integer, or reports an error at `at`.
-    fn integer_at(&mut self, value: &Value, at: &impl Spanned) -> Option<Int> {
+    pub(super) fn integer_at(&mut self, value: &Value, at: &impl Spanned) -> Option<Int> {
         if let Value::Poison = value {
             return None;
         }

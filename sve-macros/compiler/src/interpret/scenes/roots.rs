@@ -19,6 +19,7 @@ use crate::model::scene::{
 use crate::model::{Meaning, Symbols};
 use crate::syntax::parse::RoleFunction;
 use crate::syntax::readable;
+use crate::syntax::roles::Role;
 use crate::syntax::signature::{entry_of_slice, entry_of_vec};
 
 /// Largest number of sums of a scene. A sum that is read in several loops is copied.
@@ -39,7 +40,8 @@ impl Lowering<'_> {
         );
         let lagrangian = self.scalar_result(function, &result);
         let mut noises = Vec::new();
-        for function in &block.noises {
+        // other noises are refused by their role
+        for function in block.noises.iter().filter(|f| f.role == Role::Gamma) {
             let result = self.run_scene(function, time, &[SlotArray::Configuration]);
             if let Some(processes) = self.processes(function, result) {
                 noises.push((function, processes));

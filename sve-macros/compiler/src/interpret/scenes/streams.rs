@@ -156,7 +156,7 @@ impl Lowering<'_> {
         let name = call.syntax.method.to_string();
         if stream.filter.is_some() && !["map", "sum", "copied", "cloned"].contains(&name.as_str()) {
             let message = format!(
-                "`{name}` behind `filter` is not understood: write a loop, `for i in … {{ if … {{ … }} }}`"
+                "`{name}` behind `filter` is not understood, only `map` and `sum` are: write the condition into the closure, `if … {{ … }} else {{ 0.0 }}`"
             );
             return self.refuse(&call.syntax.method, message);
         }
