@@ -172,13 +172,7 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
                 return Err(error);
             }
         }
-        for (to, sum) in p.chunks_mut(TILE).zip(of_nests.chunks_mut(TILE)) {
-            add::<TWICE, _>(to, sum);
-            sum.fill(S::Row::ZERO);
-            if is_tested {
-                is_finite &= are_finite(S::Row::numbers(to));
-            }
-        }
+        is_finite &= move_to::<TWICE, _>(p, of_nests, is_tested);
         Ok(is_finite)
     }
 }
@@ -251,6 +245,19 @@ fn add_to_nodes<R: Row>(
             to.add(*sum);
         }
         is_finite &= !is_tested || are_finite(R::numbers(core::slice::from_ref(to)));
+    }
+    is_finite
+}
+
+/// Adds all impulses to the momenta, and leaves zeros. Returns whether the momenta are finite, if
+/// they are tested.
+#[inline(always)]
+fn move_to<const TWICE: bool, R: Row>(p: &mut [R], sum: &mut [R], is_tested: bool) -> bool {
+    let mut is_finite = true;
+    for (p, sum) in p.chunks_mut(TILE).zip(sum.chunks_mut(TILE)) {
+        add::<TWICE, _>(p, sum);
+        sum.fill(R::ZERO);
+        is_finite &= !is_tested || are_finite(R::numbers(p));
     }
     is_finite
 }
