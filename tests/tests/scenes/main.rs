@@ -1,0 +1,20 @@
+//! Scenes: systems whose number of sites is the length of their state, as users write them. Their
+//! steps are compared with the unrolled steps of the same systems, and their impulses with
+//! differences of the users' functions, which remain plain Rust.
+//!
+//! | file | part |
+//! | --- | --- |
+//! | `common.rs` | one block as a scene and as an unrolled system, and what is compared |
+//! | `chains.rs` | chains and rings, with masses of their own and with noise |
+//! | `lattices.rs` | lattices in two and three dimensions, open and periodic |
+//! | `bodies.rs` | all pairs of bodies, and lists of bonds, angles and neighbours with a cut-off |
+//! | `invariants.rs` | energies, the symplectic form, strong order |
+//! | `failures.rs` | indices out of range and fields of wrong lengths |
+
+#[macro_use]
+mod common;
+mod bodies;
+mod chains;
+mod failures;
+mod invariants;
+mod lattices;
