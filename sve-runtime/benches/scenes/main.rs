@@ -374,7 +374,7 @@ fn molecules(side: usize, is_asked: &dyn Fn(&str) -> bool) {
             at: h,
         },
     ];
-    let count = if n > 10_000 { 4 } else { 64 };
+    let count = if n > 10_000 { 16 } else { 64 };
     let state = || [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
 
     let (start, list) = half_list(&x);

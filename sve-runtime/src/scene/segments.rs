@@ -12,7 +12,7 @@ use super::{IndexError, Instances, Scene, Stop};
 
 /// Nodes of a piece, at most, and of a tile of a drift: the arrays of a tile stay in the first
 /// cache.
-pub(super) const TILE: usize = 512;
+pub(super) const TILE: usize = 1024;
 
 /// Nodes of a segment from which it is a piece of its own. Nodes of shorter ones, such as the borders
 /// of a lattice, are copied to consecutive places, many with contributions of the same pairs.
