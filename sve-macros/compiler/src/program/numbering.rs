@@ -68,6 +68,9 @@ impl Scheduler<'_> {
             let Operation::Mul(x, y) = instruction.operation else {
                 continue;
             };
+            if self.is_kept(scaled) {
+                continue;
+            }
             let (c, x) = if is_constant(x) { (x, y) } else { (y, x) };
             let early = self.program.get(other).tier.rank() <= instruction.tier.rank();
             let prepared = instruction.tier == Tier::Prepare;

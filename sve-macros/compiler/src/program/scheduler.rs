@@ -28,6 +28,8 @@ pub(crate) struct Scheduler<'a> {
     /// True if the denominators of a product that are shared have one reciprocal together. A
     /// division in vectors takes as long as many multiplications.
     joins_reciprocals: bool,
+    /// The intermediate results, if their products stay as they are.
+    pub(super) kept: Option<HashSet<Value>>,
 }
 
 /// Largest number of factors of a product that is multiplied in two ways to choose the cheaper one.
@@ -68,6 +70,7 @@ impl<'a> Scheduler<'a> {
                 .collect(),
             roots: roots.to_vec(),
             joins_reciprocals: false,
+            kept: None,
         }
     }
 
@@ -86,6 +89,17 @@ impl<'a> Scheduler<'a> {
     /// Has the shared denominators of a product computed as one reciprocal.
     pub(crate) fn join_reciprocals(&mut self) {
         self.joins_reciprocals = true;
+    }
+
+    /// Has products that are intermediate results computed as they are, and not factor by factor
+    /// with the other factors of each product that uses them.
+    pub(crate) fn keep_intermediate_results(&mut self) {
+        self.kept = Some(HashSet::new());
+    }
+
+    /// Returns whether a value is an intermediate result that stays as it is.
+    pub(super) fn is_kept(&self, value: Value) -> bool {
+        self.kept.as_ref().is_some_and(|kept| kept.contains(&value))
     }
 
     /// Returns the program that computes `results`.
@@ -128,7 +142,13 @@ impl<'a> Scheduler<'a> {
         match self.arena.node(expr) {
             Node::Constant(bits) => self.constant(bits.get()),
             Node::Symbol(symbol) => self.push(Operation::Input(*symbol)),
-            Node::Opaque(x, _) => self.done[x],
+            Node::Opaque(x, _) => {
+                let value = self.done[x];
+                if let Some(kept) = &mut self.kept {
+                    kept.insert(value);
+                }
+                value
+            }
             Node::Sum(constant, terms) => {
                 let terms: Vec<(Expr, f64)> = terms.iter().map(|t| (t.0, t.1.get())).collect();
                 self.lower_sum(constant.get(), &terms)
@@ -252,6 +272,7 @@ impl<'a> Scheduler<'a> {
                 Operation::Mul(a, b)
                     if tier(value).rank() == last
                         && tier(value) != Tier::Prepare
+                        && !self.is_kept(value)
                         && found.len() <= MAX_FACTORS =>
                 {
                     open.extend([a, b]);

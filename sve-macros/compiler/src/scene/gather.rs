@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::{Derived, Pair};
+use super::{Derived, Pair, share};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::Meaning;
 
@@ -76,7 +76,8 @@ impl Derived {
                 gather.counts[2] += 1;
             }
             let term = &self.terms[pair.term];
-            let slopes = arena.substitute_all(&term.gradient[pair.site], &by);
+            let mut slopes = arena.substitute_all(&term.gradient[pair.site], &by);
+            share(slopes.iter_mut().collect(), arena);
             for (sums, slope) in sums.iter_mut().zip(slopes) {
                 // terms stay apart: `(a - b) + (a - c)` has smaller rounding errors than `2 a - b - c`
                 sums[usize::from(term.is_noise)].push((1.0, arena.opaque(slope)));

@@ -8,6 +8,7 @@
 
 mod gather;
 mod kinetic;
+mod share;
 mod streams;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ use crate::errors::Errors;
 use crate::model::Meaning;
 use crate::model::scene::{Head, Int, Processes, Scene, Slot, SlotArray, SumId};
 pub(crate) use gather::{Gather, Read};
+use share::share;
 pub(crate) use streams::Pair;
 
 /// A scene with its derivatives.
@@ -123,17 +125,15 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     arena.stabilise(Purpose::Values, values.collect());
     let step = arena.symbol(derived.step);
     for term in &mut derived.terms {
-        let mut impulse = |&slope: &Expr| {
-            if term.is_noise {
-                slope
-            } else {
-                arena.mul(step, slope)
+        term.impulses.clone_from(&term.gradient);
+        let impulses = term.impulses.iter_mut().flatten();
+        let mut impulses: Vec<&mut Expr> = impulses.collect();
+        if !term.is_noise {
+            for impulse in &mut impulses {
+                **impulse = arena.mul(step, **impulse);
             }
-        };
-        let rows = term.gradient.iter();
-        term.impulses = rows
-            .map(|row| row.iter().map(&mut impulse).collect())
-            .collect();
+        }
+        share(impulses, arena);
     }
     derived.mark_streams();
     derived.gather(arena);

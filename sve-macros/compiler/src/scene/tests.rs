@@ -2,8 +2,8 @@
 
 use proc_macro2::Span;
 
-use super::{Derived, Read, derive};
-use crate::algebra::{Arena, Expr, Symbol};
+use super::{Derived, Read, derive, share};
+use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::model::scene::{
     Array, Head, IntNode, Integers, Row, Scene, Slot, SlotArray, Sum, SumId,
 };
@@ -115,4 +115,40 @@ fn mass_of_a_site_is_the_second_derivative() {
     };
     assert_eq!(b.arena.constant_value(mass.value), Some(1.0));
     assert_eq!(derived.scene.integers.text(mass.site), "i");
+}
+
+/// The derivatives of `r⁻¹² − r⁻⁶` in the three components of a distance are one factor times a
+/// component.
+#[test]
+fn derivatives_of_a_pair_share_one_factor() {
+    let mut b = Builder::new(Row::Array(3));
+    let (_, i) = b.scene.integers.counter("i".into());
+    let (_, j) = b.scene.integers.counter("j".into());
+    let [a, c] = [i, j]
+        .map(|site| [0, 1, 2].map(|component| b.slot(SlotArray::Configuration(site), component)));
+    let arena = &mut b.arena;
+    let d = [0, 1, 2].map(|k| arena.sub(a[k], c[k]));
+    let squares = d.map(|d| (1.0, arena.mul(d, d)));
+    let r2 = arena.sum(0.0, &squares);
+    let [repulsion, attraction] = [-6, -3].map(|k| arena.pow(r2, k));
+    let potential = arena.sub(repulsion, attraction);
+    let slopes = a.map(|a| {
+        let symbol = arena.symbols_of(a).next().expect("a symbol");
+        arena.diff(potential, symbol)
+    });
+    let mut shared = slopes;
+    share(shared.iter_mut().collect(), arena);
+    let at = |symbol: Symbol| (1.7 * f64::from(symbol.0)).sin();
+    for (plain, shared) in slopes.into_iter().zip(shared) {
+        let (plain, shared) = (arena.evaluate(plain, at), arena.evaluate(shared, at));
+        assert!((plain / shared - 1.0).abs() < 1e-14, "{plain} {shared}");
+    }
+    let opaque = |e: Expr| {
+        let parts = arena.reachable(&[e], |_| true).into_iter();
+        let opaque = parts.filter(|&e| matches!(arena.node(e), Node::Opaque(..)));
+        opaque.collect::<Vec<Expr>>()
+    };
+    let factor = opaque(shared[0]);
+    assert_eq!(factor.len(), 1);
+    assert!(shared.iter().all(|&slope| opaque(slope) == factor));
 }

@@ -54,8 +54,9 @@ impl<'a> Formulas<'a> {
     /// Prints a part of the body of a loop that the compiler turns into vector instructions: the
     /// statements, and an array.
     pub(super) fn within_loop(self, values: &[Expr]) -> (TokenStream, Vec<TokenStream>) {
-        let array = Array::unnamed(values);
-        let kernel = Kernel::new(self.scheduler(values), &[array]);
+        let mut scheduler = self.scheduler(values);
+        scheduler.keep_intermediate_results();
+        let kernel = Kernel::new(scheduler, &[Array::unnamed(values)]);
         let printer = self.printer(&kernel, Place::WithinLoop);
         let tiers = [Tier::Prepare, Tier::State];
         let statements = tiers.map(|tier| printer.statements(tier));
