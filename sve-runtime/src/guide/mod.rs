@@ -23,6 +23,7 @@ pages! {
     noise_terms
     rules
     block
+    scenes
     constraints_and_rotations
     degenerate
     derivatives

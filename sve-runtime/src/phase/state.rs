@@ -8,7 +8,9 @@ use crate::phase::configuration::{Configuration, Coordinates, FixedSize, WithRot
 ///
 /// `Q` is the type of `q` in the user's Lagrangian: `[f64; 2]` for two coordinates, `[[f64; 3]; B]`
 /// for `B` bodies in space. A Lagrangian of a single number `q: f64` has the state
-/// `State<[f64; 1]>`. `P` follows from `Q`: in a vector space both are the same type. `q` and `p`
+/// `State<[f64; 1]>`. If `q` is a slice, the state has a vector, as in `State<Vec<f64>>` or
+/// `State<Vec<[f64; 3]>>`, and its length is that of the system. `P` follows from `Q`: in a vector
+/// space both are the same type. `q` and `p`
 /// are in the units of the Lagrangian; `p = ∂L/∂v`.
 ///
 /// ```
