@@ -81,7 +81,7 @@ pub use solve::{MomentumVelocities, SingularRow};
 #[doc = include_str!("../docs/variational.md")]
 pub use sve_macros::variational;
 pub use system::plan::Plan;
-pub use table::{SaveError, StateTable};
+pub use table::{SaveError, StateTable, Xyz};
 pub use trajectory::{
     Adjoint, Events, Gradient, Method, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
 };
@@ -107,7 +107,7 @@ pub mod prelude {
         BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, Integrator, KahanLi8,
         Mechanics, Method, Midpoint, NeighbourError, Neighbours, Newton, OneStepMethod,
         SceneMechanics, Snapshot, Split, StageNoise, State, StepError, StormerVerlet, Taylor2,
-        Weak2, variational,
+        Weak2, Xyz, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

@@ -10,8 +10,10 @@ mod npy;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod states;
+mod xyz;
 
 pub use states::{SaveError, StateTable};
+pub use xyz::Xyz;
 
 /// The values of a column.
 pub(crate) enum Values {
