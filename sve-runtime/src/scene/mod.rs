@@ -126,8 +126,8 @@ pub trait Scene {
 pub struct Loop {
     /// Its place: "the loop at line 9 of `lagrangian`".
     pub text: &'static str,
-    /// False if the loop is always made as it is written: an index is read from a field, or an
-    /// inner bound depends on an outer counter.
+    /// False if the loop is always made as it is written: an inner bound depends on an outer
+    /// counter, a condition reads the configuration, or a site stays where it is in a loop.
     pub is_stream: bool,
 }
 

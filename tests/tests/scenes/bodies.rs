@@ -265,6 +265,64 @@ fn duplicates_and_loops_of_a_list_are_terms_like_others() {
     assert_eq!(p, [3.0 * (4.0 - 0.625), -0.25 * 3.0, 3.0 * (-4.0 - 0.125)]);
 }
 
+/// The bonds of a chain in the order of its sites are gathered, with the bits of a loop over the
+/// sites; in another order they are made as they are written. A change of the list is a change of
+/// the runs.
+#[test]
+fn runs_of_a_list_are_gathered_like_loops() {
+    struct Listed {
+        bonds: Vec<[usize; 2]>,
+        k: Vec<f64>,
+    }
+    #[variational(endpoint)]
+    impl Listed {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
+            for (bond, k) in self.bonds.iter().zip(&self.k) {
+                l += k * (q[bond[1]] - q[bond[0]]).cos();
+            }
+            l
+        }
+    }
+    struct Looped {
+        k: Vec<f64>,
+    }
+    #[variational(endpoint)]
+    impl Looped {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
+            for i in 1..q.len() {
+                l += self.k[i - 1] * (q[i] - q[i - 1]).cos();
+            }
+            l
+        }
+    }
+    let n = 3000;
+    let (start, k) = (State::new(spread(n, 5), spread(n, 6)), spread(n - 1, 7));
+    let bonds: Vec<[usize; 2]> = (1..n).map(|i| [i - 1, i]).collect();
+    let mut expected = start.clone();
+    let looped = Integrator::new(Looped { k: k.clone() }, Endpoint);
+    looped.step(&mut expected, 0.1, &[]).expect("a step");
+
+    let mut listed = Integrator::new(Listed { bonds, k }, Endpoint);
+    let mut state = start.clone();
+    listed.step(&mut state, 0.1, &[]).expect("a step");
+    assert_eq!(state, expected);
+    let layout = listed.layout(&start, 0.1).expect("a layout");
+    assert_eq!((layout.instances, layout.as_written.len()), (n - 1, 0));
+
+    let Listed { bonds, k } = listed.system_mut();
+    for at in 0..n - 1 {
+        bonds.swap(at, (at * 1009) % (n - 1));
+        k.swap(at, (at * 1009) % (n - 1));
+    }
+    let mut state = start.clone();
+    listed.step(&mut state, 0.1, &[]).expect("a step");
+    crate::common::assert_same(&state, &expected.q, &expected.p, "in another order");
+    let layout = listed.layout(&start, 0.1).expect("a layout");
+    assert_eq!((layout.instances, layout.as_written.len()), (0, 1));
+}
+
 /// The impulses of 10⁴ sites are differences of the user's function. L is a sum of terms of order
 /// 1, so it is only summed over the sites near the one that moves.
 #[test]

@@ -3,9 +3,7 @@
 use super::kinetic::numbers;
 use super::{Derived, Term};
 use crate::algebra::Arena;
-use crate::model::scene::{
-    Access, Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, Step,
-};
+use crate::model::scene::{Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, Step};
 
 /// A term with one of its sites, whose impulse the term adds to.
 pub(crate) struct Pair {
@@ -64,8 +62,9 @@ impl Derived {
 }
 
 impl Scene {
-    /// Returns whether the loops around a term are a stream: the sites follow from counters and
-    /// numbers alone and move with the innermost loop, and no condition reads the configuration.
+    /// Returns whether the loops around a term are a stream: the bounds are those of no other
+    /// counter, the sites move with the innermost loop, and no condition reads the configuration.
+    /// Sites from a list are known when the program runs: the list may have runs.
     fn is_stream(&self, term: &Term) -> bool {
         let loops: Vec<_> = self.loops(term).collect();
         let mut heads = self.heads(term.sum);
@@ -77,18 +76,9 @@ impl Scene {
             let innermost = loops.first();
             innermost.is_none_or(|(counter, _)| self.has_counter(*site, *counter))
         };
-        let is_listed = |site: &Int| {
-            self.reads(*site, &|node| match node {
-                IntNode::Field(access) => self.is_indexed(access),
-                _ => false,
-            })
-        };
         !has_cut_off
             && loops.iter().all(|(_, bounds)| bounds.iter().all(is_free))
-            && term
-                .sites
-                .iter()
-                .all(|site| moves(site) && !is_listed(site))
+            && term.sites.iter().all(moves)
     }
 
     /// Returns whether most nodes have a term: it is in a loop, under no equation.
@@ -113,15 +103,6 @@ impl Scene {
     /// Returns whether an integer depends on a counter.
     pub(crate) fn has_counter(&self, int: Int, counter: Counter) -> bool {
         self.reads(int, &|node| *node == IntNode::Counter(counter))
-    }
-
-    /// Returns whether a path has an index that depends on a counter.
-    fn is_indexed(&self, access: &Access) -> bool {
-        let indices = access.steps.iter().flat_map(indices);
-        let is_counter = |node: &IntNode| matches!(node, IntNode::Counter(_));
-        indices
-            .into_iter()
-            .any(|index| self.reads(index, &is_counter))
     }
 
     /// Returns whether a node of an integer satisfies a condition.
