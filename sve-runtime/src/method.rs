@@ -215,7 +215,7 @@ pub trait OneStepMethod {
 /// A method whose steps can be differentiated by their start and the parameters: every
 /// [`Integrator`](crate::Integrator).
 ///
-/// Gradients along paths require it: [`Ensemble::gradient`](crate::ensemble::Ensemble::gradient),
+/// Gradients along paths require it: `gradient` of an ensemble, and
 /// [`Trajectory::gradient`](crate::Trajectory::gradient).
 #[diagnostic::on_unimplemented(
     message = "the steps of `{Self}` have no derivatives",

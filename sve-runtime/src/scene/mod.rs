@@ -6,6 +6,7 @@
 //! | `streams.rs` | what a printed loop reads: slices that advance by one from node to node |
 //! | `indices.rs` | the instances of the loops, cut into runs of consecutive indices |
 //! | `segments.rs` | the runs, seen from the nodes that they contribute to |
+//! | `pieces.rs` | consecutive nodes with contributions of the same pairs |
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
 //! | `shear.rs` | steps that are lists of drifts and kicks, in place |
@@ -20,6 +21,7 @@
 mod indices;
 mod layout;
 mod mechanics;
+mod pieces;
 mod rows;
 mod segments;
 mod shear;

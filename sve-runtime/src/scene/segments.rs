@@ -8,6 +8,7 @@
 use core::ops::Range;
 
 use super::indices::{Run, Runs};
+use super::pieces::{Bases, Batch, NONE, PairStreams, Piece};
 use super::{IndexError, Instances, Scene, Stop};
 
 /// Nodes of a piece, at most, and of a tile of a drift: the arrays of a tile stay in the first
@@ -26,77 +27,11 @@ const FEW: usize = 4;
 /// many, and still in the second cache.
 const WINDOW: usize = 8 * TILE;
 
-/// The base of a stream that a piece does not have.
-const NONE: u32 = u32::MAX;
-
-/// Consecutive nodes with contributions from the same pairs.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    start: u32,
-    length: u32,
-    /// All nodes that the piece reads are below this one.
-    ready: u32,
-    /// True if all pairs of `Scene::node` contribute.
-    pub(super) is_full: bool,
-    /// True if pairs contribute that are not in `Scene::node`, or if that function is not called.
-    pub(super) has_others: bool,
-    /// The number of the batch, for nodes that are copied.
-    pub(super) batch: Option<u32>,
-}
-
-/// Nodes that are copied to consecutive places, with what their impulses read.
-#[derive(Clone, Debug)]
-pub(super) struct Batch {
-    pub(super) nodes: Vec<u32>,
-    /// For each stream of rows that is there, its place, and the row of each node.
-    pub(super) rows: Vec<(usize, Vec<u32>)>,
-    /// For each stream of increments that is there, its place, and the increment of each node.
-    pub(super) increments: Vec<(usize, Vec<u32>)>,
-}
-
 /// A node of a short segment.
 struct Single {
     node: u32,
     ready: u32,
     bases: Vec<u32>,
-}
-
-impl Piece {
-    #[inline(always)]
-    pub(super) fn nodes(&self) -> Range<usize> {
-        self.start as usize..(self.start + self.length) as usize
-    }
-
-    #[inline(always)]
-    pub(super) fn ready(&self) -> usize {
-        self.ready as usize
-    }
-}
-
-/// The places of the streams of a pair among all streams of one kind.
-#[derive(Clone, Debug)]
-pub(super) struct PairStreams {
-    pub(super) rows: Range<usize>,
-    pub(super) columns: Range<usize>,
-    pub(super) increments: Range<usize>,
-}
-
-/// The bases of the streams of a piece.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bases<'a> {
-    /// One for each pair.
-    pairs: &'a [u32],
-    pub(super) rows: &'a [u32],
-    pub(super) columns: &'a [u32],
-    pub(super) increments: &'a [u32],
-}
-
-impl Bases<'_> {
-    /// Returns whether a pair contributes to the piece.
-    #[inline(always)]
-    pub(super) fn has(&self, pair: usize) -> bool {
-        self.pairs[pair] != NONE
-    }
 }
 
 /// What is known about the loops of a scene for a number of sites.

@@ -7,7 +7,7 @@
 use core::array::from_fn;
 
 use super::Row;
-use super::segments::PairStreams;
+use super::pieces::PairStreams;
 
 /// What the impulse of a node reads.
 pub trait Reads<R> {

@@ -5,7 +5,8 @@
 
 use core::ops::Range;
 
-use super::segments::{BATCH, Bases, Batch, Segments, TILE};
+use super::pieces::{Bases, Batch};
+use super::segments::{BATCH, Segments, TILE};
 use super::streams::Impulse;
 use super::{IndexError, Reads, Row, Scene, StreamCounts, Streams};
 use crate::lanes::dispatch::Kernel;

@@ -8,19 +8,17 @@
 use std::collections::HashMap;
 
 use proc_macro2::Span;
-use syn::spanned::Spanned;
 use syn::visit::Visit;
-use syn::{BinOp, Expr as Syntax};
 
+use super::assigned::assigned;
 use super::streams::Stream;
 use super::{Kept, Lowering};
 use crate::algebra::{Expr, Symbol};
 use crate::interpret::branches::{LoopExit, Truth};
 use crate::interpret::frames::Place;
-use crate::interpret::places::variable_name;
 use crate::interpret::value::Value;
 use crate::model::Meaning;
-use crate::model::scene::{Condition, Head};
+use crate::model::scene::Head;
 
 /// A loop or branch that is being executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,107 +129,6 @@ impl Lowering<'_> {
         })
     }
 
-    /// Executes `if` with a condition that is known when the program runs.
-    pub(in crate::interpret) fn kept_branch(
-        &mut self,
-        branch: &syn::ExprIf,
-        condition: Condition,
-    ) -> Option<Value> {
-        let holds = Truth::Running(condition);
-        let fails = holds.clone().not();
-        let at = branch.if_token.span;
-        let names = assigned(|names| names.visit_block(&branch.then_branch));
-        let (then, rest) = self.part(&holds, at, &names, |x| x.block_value(&branch.then_branch));
-        let (other, other_rest) = match &branch.else_branch {
-            Some((_, other)) => {
-                let names = assigned(|names| names.visit_expr(other));
-                self.part(&fails, at, &names, |x| x.eval(other))
-            }
-            None => (Some(Value::Unit), Truth::Known(true)),
-        };
-        let skips = [&rest, &other_rest].map(|rest| matches!(rest, Truth::Known(false)));
-        if !matches!(
-            (&rest, &other_rest),
-            (Truth::Known(true), Truth::Known(true))
-        ) {
-            self.scene.rest = holds.and(rest).or(fails.and(other_rest));
-        }
-        match (then?, other?, skips) {
-            (_, value, [true, false]) | (value, _, [false, true]) => Some(value),
-            (Value::Unit, ..) | (_, Value::Unit, _) => Some(Value::Unit),
-            (then, other, _) => self.leaves([&then, &then, &other], &mut |x, [then, _, other]| {
-                x.either(then, other, at)
-            }),
-        }
-    }
-
-    /// Returns the value of an `if` from the values of its parts.
-    fn either(&mut self, then: &Value, other: &Value, at: Span) -> Option<Value> {
-        let is_integer = |value: &Value| matches!(value, Value::Int(_) | Value::Index(_));
-        if is_integer(then) || is_integer(other) {
-            let integers = self.running(then).zip(self.running(other));
-            return match integers {
-                Some((then, other)) if then == other => Some(self.index_value_of(then)),
-                _ => self.refuse(
-                    &at,
-                    "an integer cannot depend on a condition known when the program runs: compute it, on a ring with `%`, as in `(i + 1) % n`",
-                ),
-            };
-        }
-        let (then, other) = (self.scalar(then, &at)?, self.scalar(other, &at)?);
-        Some(Value::Scalar(self.arena.add(then, other)))
-    }
-
-    /// Executes a part of a branch. Also returns whether the rest of the loop's body is executed
-    /// after it.
-    fn part(
-        &mut self,
-        condition: &Truth,
-        at: Span,
-        names: &[(String, Span)],
-        run: impl FnOnce(&mut Self) -> Option<Value>,
-    ) -> (Option<Value>, Truth) {
-        let Truth::Running(condition) = condition else {
-            return (None, Truth::Known(true));
-        };
-        let head = Head::If(condition.clone());
-        let mut rest = Truth::Known(true);
-        let value = self.kept(Nest::Branch, &head, at, names, |x| {
-            let value = run(x);
-            rest = std::mem::take(&mut x.scene.rest);
-            if x.leaving.take().is_some() {
-                rest = Truth::Known(false);
-                return Some(Value::Unit);
-            }
-            value
-        });
-        (value, rest)
-    }
-
-    /// Executes the rest of a block after a branch with `continue`.
-    pub(in crate::interpret) fn rest_of_block(
-        &mut self,
-        statements: &[syn::Stmt],
-        rest: Truth,
-        run: impl FnOnce(&mut Self) -> Option<Value>,
-    ) {
-        let mut all = rest.clone();
-        if let (Truth::Running(_), Some(first)) = (&rest, statements.first()) {
-            let at = first.span();
-            let names = assigned(|names| {
-                for statement in statements {
-                    names.visit_stmt(statement);
-                }
-            });
-            let (_, inner) = self.part(&rest, at, &names, |x| {
-                run(x);
-                Some(Value::Unit)
-            });
-            all = rest.and(inner);
-        }
-        self.scene.rest = all;
-    }
-
     /// Ends a round of a loop, whose body may have skipped its rest.
     pub(in crate::interpret) fn end_round(&mut self) -> Option<LoopExit> {
         self.scene.rest = Truth::default();
@@ -240,7 +137,7 @@ impl Lowering<'_> {
 
     /// Executes a body once. Each number that it changes becomes a sum with this head, and so does
     /// each number of the value that it returns.
-    fn kept(
+    pub(super) fn kept(
         &mut self,
         nest: Nest,
         head: &Head,
@@ -439,7 +336,7 @@ impl Lowering<'_> {
     }
 
     /// Combines the entries of values of the same form.
-    fn leaves(
+    pub(super) fn leaves(
         &mut self,
         values: [&Value; 3],
         combine: &mut dyn FnMut(&mut Self, [&Value; 3]) -> Option<Value>,
@@ -466,67 +363,5 @@ fn has_number(value: &Value, number: Expr) -> bool {
     match value {
         Value::Scalar(own) => *own == number,
         _ => value.items().iter().any(|entry| has_number(entry, number)),
-    }
-}
-
-/// Returns the variables that statements assign, each with the place of its first assignment.
-fn assigned(visit: impl FnOnce(&mut Assigned)) -> Vec<(String, Span)> {
-    let mut names = Assigned(Vec::new());
-    visit(&mut names);
-    names.0
-}
-
-struct Assigned(Vec<(String, Span)>);
-
-impl Assigned {
-    fn add(&mut self, place: &Syntax) {
-        match place {
-            Syntax::Tuple(tuple) => tuple.elems.iter().for_each(|place| self.add(place)),
-            Syntax::Array(array) => array.elems.iter().for_each(|place| self.add(place)),
-            Syntax::Index(index) => self.add(&index.expr),
-            Syntax::Field(field) => self.add(&field.base),
-            Syntax::Unary(unary) => self.add(&unary.expr),
-            Syntax::Paren(inner) => self.add(&inner.expr),
-            Syntax::Group(inner) => self.add(&inner.expr),
-            _ => {
-                if let Some(name) = variable_name(place)
-                    && self.0.iter().all(|(other, _)| *other != name)
-                {
-                    self.0.push((name, place.span()));
-                }
-            }
-        }
-    }
-}
-
-impl<'ast> Visit<'ast> for Assigned {
-    fn visit_expr_assign(&mut self, assign: &'ast syn::ExprAssign) {
-        self.add(&assign.left);
-        syn::visit::visit_expr_assign(self, assign);
-    }
-
-    fn visit_expr_binary(&mut self, binary: &'ast syn::ExprBinary) {
-        if let BinOp::AddAssign(_)
-        | BinOp::SubAssign(_)
-        | BinOp::MulAssign(_)
-        | BinOp::DivAssign(_) = binary.op
-        {
-            self.add(&binary.left);
-        }
-        syn::visit::visit_expr_binary(self, binary);
-    }
-
-    fn visit_expr_reference(&mut self, reference: &'ast syn::ExprReference) {
-        if reference.mutability.is_some() {
-            self.add(&reference.expr);
-        }
-        syn::visit::visit_expr_reference(self, reference);
-    }
-
-    fn visit_expr_method_call(&mut self, call: &'ast syn::ExprMethodCall) {
-        if call.method == "iter_mut" {
-            self.add(&call.receiver);
-        }
-        syn::visit::visit_expr_method_call(self, call);
     }
 }

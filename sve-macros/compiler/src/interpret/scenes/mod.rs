@@ -2,10 +2,12 @@
 //! known only when the program runs.
 //!
 //! Reads with such an index are symbols, equal ones the same symbol. A loop over a range with such
-//! a bound is executed once and kept as a sum (`kept.rs`); rows and iterators over them are
+//! a bound is executed once and kept as a sum (`kept.rs`, branches in `branches.rs`); rows and iterators over them are
 //! functions of an index (`streams.rs`). Whether a field is a number or an integer follows from its
 //! uses; the block is executed again if a use shows this too late ([`Known`](super::fields::Known)).
 
+mod assigned;
+mod branches;
 mod kept;
 mod roots;
 pub(super) mod streams;
