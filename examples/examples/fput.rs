@@ -1,0 +1,186 @@
+//! The chain of Fermi, Pasta, Ulam and Tsingou: recurrence of 32 masses, and the energy of 10⁶.
+//!
+//! Springs with a quadratic term in their force join masses between two walls. All energy starts in
+//! the longest mode, flows into the next ones, and after some 150 periods of the first mode nearly
+//! all is back in it. The same struct then has a million masses: the Lagrangian is a loop over a
+//! slice, and the state has the length. A page with the picture is written to `target/fput`.
+
+use std::error::Error;
+use std::f64::consts::{PI, TAU};
+use std::process::ExitCode;
+
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
+use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE};
+use sve_examples::report::{one_row, report};
+use sve_runtime::prelude::*;
+
+/// Masses of 1 between walls, with springs of the force d + α d².
+struct Chain {
+    alpha: f64,
+}
+
+#[variational(stormer_verlet)]
+impl Chain {
+    fn spring(&self, d: f64) -> f64 {
+        0.5 * d * d + self.alpha * d.powi(3) / 3.0
+    }
+
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let n = q.len();
+        let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
+        for i in 0..n {
+            // the left spring of each mass, and the right one of the last
+            if i == 0 {
+                l -= self.spring(q[i]);
+            } else {
+                l -= self.spring(q[i] - q[i - 1]);
+            }
+            if i == n - 1 {
+                l -= self.spring(-q[i]);
+            }
+        }
+        l
+    }
+}
+
+/// A mode of the chain of linear springs: its frequency, and its shape of norm 1.
+struct Mode {
+    frequency: f64,
+    shape: Vec<f64>,
+}
+
+impl Mode {
+    fn new(number: usize, n: usize) -> Self {
+        let angle = PI * number as f64 / (n + 1) as f64;
+        let shape = (1..=n).map(|i| (2.0 / (n + 1) as f64).sqrt() * (angle * i as f64).sin());
+        Self {
+            frequency: 2.0 * (0.5 * angle).sin(),
+            shape: shape.collect(),
+        }
+    }
+
+    /// Returns the energy of linear springs in the mode.
+    fn energy(&self, state: &State<Vec<f64>>) -> f64 {
+        let part = |x: &[f64]| -> f64 { x.iter().zip(&self.shape).map(|(x, s)| x * s).sum() };
+        0.5 * (part(&state.p).powi(2) + (self.frequency * part(&state.q)).powi(2))
+    }
+}
+
+const ALPHA: f64 = 0.25;
+const H: f64 = 0.05;
+const MASSES: usize = 32;
+
+/// Number of modes that are drawn.
+const MODES: usize = 4;
+
+/// Periods of the first mode.
+const PERIODS: f64 = 170.0;
+
+/// A time in periods of the first mode, and the energies of the first modes in parts of the whole.
+type Energies = (f64, [f64; MODES]);
+
+/// Returns the energies of the modes, and the largest error of the whole energy in parts of it.
+fn recurrence() -> Result<(Vec<Energies>, f64), StepError> {
+    let chain = Integrator::new(Chain { alpha: ALPHA }, StormerVerlet);
+    println!("{}\n", chain.plan());
+    let modes: [Mode; MODES] = std::array::from_fn(|k| Mode::new(k + 1, MASSES));
+    let q = (1..=MASSES).map(|i| (PI * i as f64 / (MASSES + 1) as f64).sin());
+    let start = State::new(q.collect(), vec![0.0; MASSES]);
+    println!("{}\n", chain.layout(&start, H)?);
+    let whole = chain.system().hamiltonian(&start)?;
+    let period = TAU / modes[0].frequency;
+    let mut path = chain.trajectory(start, H, NoNoise);
+    let (mut energies, mut worst) = (Vec::new(), 0.0f64);
+    let mut t = 0.0;
+    while t < PERIODS * period {
+        let state = path.advance(20)?;
+        let parts = std::array::from_fn(|k| modes[k].energy(state) / whole);
+        t = state.t;
+        energies.push((t / period, parts));
+        worst = worst.max((chain.system().hamiltonian(state)? / whole - 1.0).abs());
+    }
+    Ok((energies, worst))
+}
+
+const MANY: usize = 1_000_000;
+
+/// Returns the relative error of the energy of 10⁶ masses against the time.
+fn many() -> Result<Vec<(f64, f64)>, StepError> {
+    let chain = Integrator::new(Chain { alpha: ALPHA }, StormerVerlet);
+    // momenta without order, of variance 0.01
+    let p = (1..=MANY).map(|i| 0.1 * 2.0f64.sqrt() * (i as f64).powi(2).sin());
+    let start = State::new(vec![0.0; MANY], p.collect());
+    let whole = chain.system().hamiltonian(&start)?;
+    let mut path = chain.trajectory(start, H, NoNoise);
+    let mut errors = Vec::new();
+    for _ in 0..100 {
+        let state = path.advance(10)?;
+        let error = chain.system().hamiltonian(state)? / whole - 1.0;
+        errors.push((state.t, error));
+    }
+    Ok(errors)
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let (energies, worst) = recurrence()?;
+    let first = |range: std::ops::Range<f64>| {
+        let within = energies.iter().filter(move |e| range.contains(&e.0));
+        within.map(|e| (e.0, e.1[0]))
+    };
+    let least = first(20.0..140.0)
+        .map(|e| e.1)
+        .fold(f64::INFINITY, f64::min);
+    let back = first(100.0..PERIODS).fold((0.0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+
+    let errors = many()?;
+    let largest = |part: &[(f64, f64)]| part.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
+    let [early, late] = [&errors[20..60], &errors[60..]].map(largest);
+    // of 33 springs, with the amplitude 1
+    let estimate = 0.44 * (MASSES as f64 + 1.0).powf(1.5) / ALPHA.sqrt();
+    let checks = [
+        Check::new("least energy in the first mode", least).near(0.0, 0.1, "it flows to others"),
+        Check::new("periods until it is back", back.0).near(
+            estimate,
+            0.1 * estimate,
+            "0.44 N^1.5 / √(αa), Zabusky 1969, an estimate",
+        ),
+        Check::new("energy in the first mode then", back.1).near(1.0, 0.03, "nearly all"),
+        Check::new("largest |ΔH| / H", worst).near(0.0, 1e-4, "order h²"),
+        Check::new("|ΔH| / H of 10⁶ masses, t from 30 to 50", late).near(
+            early,
+            0.2 * early,
+            "no drift: as from 10 to 30",
+        ),
+    ];
+    let caption = "Left: the energy in the first modes of 32 masses, in parts of the whole. Right: the energy error of 10⁶ masses.";
+    let title = "The chain of Fermi, Pasta, Ulam and Tsingou";
+    report(title, &figure(&energies, &errors), caption, &checks)
+}
+
+fn figure(energies: &[Energies], errors: &[(f64, f64)]) -> Figure {
+    let mut left = Panel::new(
+        "Energies of modes, 32 masses",
+        Axis::new("periods of the first mode", 0.0..PERIODS),
+        Axis::new("part of the energy", 0.0..1.45),
+    )
+    .legend(Corner::TopRight);
+    let pens = [(BLUE, 1.6), (ORANGE, 1.2), (BLACK, 0.8), (PURPLE, 2.0)];
+    for (k, (color, width)) in pens.into_iter().enumerate() {
+        let points = energies.iter().map(|e| (e.0, e.1[k])).collect();
+        left = left.with(Layer::new(
+            format!("mode {}", k + 1),
+            points,
+            Pen::line(color, width),
+        ));
+    }
+    let scaled: Vec<(f64, f64)> = errors.iter().map(|e| (e.0, 1e4 * e.1)).collect();
+    let largest = scaled.iter().fold(0.0f64, |m, e| m.max(e.1));
+    let right = Panel::new(
+        "Energy error, 10⁶ masses, h = 0.05",
+        Axis::new("t", 0.0..errors.last().map_or(1.0, |e| e.0)),
+        Axis::new("10⁴ ΔH / H", 0.0..1.2 * largest),
+    )
+    .with(Layer::new("Störmer–Verlet", scaled, Pen::line(GREY, 1.2)));
+    one_row("fput", [980, 400], vec![left, right])
+}
