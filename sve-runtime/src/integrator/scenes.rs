@@ -69,7 +69,9 @@ impl Tables {
 
 impl<S, R, Q> Steps<S, R> for Scenes
 where
-    S: Scene<Row = Q::Row> + AnySystem<Configuration = Vec<Q>>,
+    // The bound that determines `Q` comes first: with `Q::Row` before it, adapters that fold a
+    // borrowed trajectory stop the compiler (rustc 1.95).
+    S: AnySystem<Configuration = Vec<Q>> + Scene<Row = Q::Row>,
     R: Rule<S, Increments = [f64]>,
     Q: Site,
 {
@@ -183,7 +185,7 @@ fn check_length(
 impl<S, R, T, Q> Integrator<S, R>
 where
     S: AnySystem<Target = T, Kind = Scenes>,
-    T: Scene<Row = Q::Row> + AnySystem<Configuration = Vec<Q>>,
+    T: AnySystem<Configuration = Vec<Q>> + Scene<Row = Q::Row>,
     R: Rule<T>,
     Q: Site,
 {

@@ -36,7 +36,7 @@ pub trait SceneMechanics: AnySystem {
 
 impl<S, Q> SceneMechanics for S
 where
-    S: Scene<Row = Q::Row> + AnySystem<Configuration = Vec<Q>>,
+    S: AnySystem<Configuration = Vec<Q>> + Scene<Row = Q::Row>,
     Q: Site,
 {
     fn velocity(&self, state: &State<Vec<Q>>) -> Result<Vec<Q>, StepError> {

@@ -225,3 +225,25 @@ fn processes_of_sites_follow_the_listed_ones() {
     assert_eq!(state.p, [2.5, 4.5, 6.5]);
     assert!(error.to_string().contains('4'), "{error}");
 }
+
+/// Trajectories of scenes are iterators as others are, also where they are borrowed: adapters that
+/// fold them compile.
+#[test]
+fn borrowed_trajectories_are_folded() {
+    struct Springs;
+    #[variational(endpoint)]
+    impl Springs {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            (0..q.len())
+                .map(|i| 0.5 * (v[i] * v[i] - q[i] * q[i]))
+                .sum()
+        }
+    }
+    let springs = Integrator::new(Springs, Endpoint);
+    let start = State::new(vec![1.0; 3], vec![0.0; 3]);
+    let mut path = springs.trajectory(start, 0.125, NoNoise);
+    assert!(path.by_ref().take(4).all(|state| state.is_ok()));
+    let mut saved = path.every(2);
+    let last = saved.by_ref().take(3).last();
+    assert_eq!(last.expect("a state").expect("a step").t, 1.0);
+}
