@@ -46,6 +46,7 @@ mod phase;
 #[cfg(feature = "plot")]
 pub mod plot;
 mod power;
+mod progress;
 mod readable;
 mod rule;
 mod scene;

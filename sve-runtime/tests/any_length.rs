@@ -193,7 +193,9 @@ impl<R: Rule<Ring, Increments = [f64]>> Steps<Ring, R> for Rings {
     type Prepared = Vec<StepShear>;
 
     fn prepare(walker: Walker<'_, Ring, R>, _: &Tables, h: f64) -> Vec<StepShear> {
-        shears(walker, &R::prepare(walker.system, h), h)
+        let mut all = Vec::new();
+        shears(walker, &R::prepare(walker.system, h), h, &mut all);
+        all
     }
 
     fn step(

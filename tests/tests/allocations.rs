@@ -1,4 +1,5 @@
-//! A step and a trajectory do not allocate: counted, for explicit, linear and Newton steps.
+//! A step and a trajectory do not allocate: counted, for explicit, linear and Newton steps, and for
+//! scenes after the first step.
 
 use allocation_counter::measure;
 use sve_models::oracle::{cases, double_pendulum, kubo, mixed, oscillator, pendulum};
@@ -143,4 +144,123 @@ fn no_step_of_many_stages_allocates() {
         });
         assert_eq!(count, 0, "h = {h}");
     }
+}
+
+/// A chain with a process a site, and springs between sites that a list names.
+struct Net {
+    sigma: f64,
+    bonds: Vec<[usize; 2]>,
+}
+
+#[variational(stormer_verlet, endpoint)]
+impl Net {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * v[i] * v[i] - 0.5 * q[i] * q[i];
+        }
+        for i in 1..q.len() {
+            l -= 0.25 * (q[i] - q[i - 1]).powi(4);
+        }
+        for k in 0..self.bonds.len() {
+            l -= 0.5 * (q[self.bonds[k][1]] - q[self.bonds[k][0]]).powi(2);
+        }
+        l
+    }
+
+    #[gamma]
+    fn bath(&self, q: &[f64]) -> Vec<f64> {
+        q.iter().map(|q| self.sigma * q.sin()).collect()
+    }
+}
+
+const SITES: usize = 1000;
+
+fn net() -> Integrator<Net, StormerVerlet> {
+    let bonds = (0..SITES).map(|i| [i, i * i % SITES]).collect();
+    Integrator::new(Net { sigma: 0.1, bonds }, StormerVerlet)
+}
+
+fn at_rest() -> State<Vec<f64>> {
+    let q = (0..SITES).map(|i| (i as f64).sin()).collect();
+    State::new(q, vec![0.0; SITES])
+}
+
+/// The first step makes the tables.
+#[test]
+fn no_step_of_a_scene_allocates_after_the_first() {
+    let net = net();
+    let (mut state, dw) = (at_rest(), vec![0.01; SITES]);
+    let first = allocations(|| net.step(&mut state, 0.01, &dw).unwrap());
+    let rest = allocations(|| (0..10).for_each(|_| net.step(&mut state, 0.01, &dw).unwrap()));
+    assert!(first > 0 && rest == 0, "{first} {rest}");
+    for noise in [Some(Wiener::new(1)), None] {
+        let count = match noise {
+            Some(noise) => advanced(net.trajectory(at_rest(), 0.01, noise)),
+            None => advanced(net.trajectory(at_rest(), 0.01, NoNoise)),
+        };
+        assert_eq!(count, 0, "with noise: {}", noise.is_some());
+    }
+}
+
+/// Returns the number of allocations of a trajectory after its first steps.
+fn advanced<I: OneStepMethod, W: Noise>(mut path: sve_runtime::Trajectory<'_, I, W>) -> u64 {
+    path.advance(5).unwrap();
+    allocations(|| {
+        path.advance(100).unwrap();
+    })
+}
+
+/// Only states that are returned are copied.
+#[test]
+fn skipped_states_of_a_scene_are_not_copied() {
+    let net = net();
+    let path = || net.trajectory(at_rest(), 0.001, NoNoise);
+    path().advance(1).unwrap();
+    let copies = |run: &mut dyn FnMut()| {
+        let bytes = measure(run).bytes_total;
+        bytes as f64 / (16 * SITES) as f64
+    };
+    // the start of each path is a copy that is not counted
+    let mut paths = [path(), path(), path(), path()];
+    for path in &mut paths {
+        path.advance(1).unwrap();
+    }
+    let [nth, every, at, until] = paths;
+    let mut nth = nth;
+    let nth = copies(&mut || drop(nth.nth(99)));
+    let mut every = every.every(100);
+    let every = copies(&mut || drop(every.by_ref().take(4).last()));
+    let mut at = at.at([0.1, 0.2]);
+    let at = copies(&mut || drop(at.by_ref().last()));
+    let mut until = until.every(1000).until(0.2);
+    let until = copies(&mut || drop(until.by_ref().last()));
+    for (copies, states) in [(nth, 1.0), (every, 4.0), (at, 2.0), (until, 2.0)] {
+        assert!((copies - states).abs() < 0.01, "{copies} {states}");
+    }
+}
+
+/// A file of frames needs the memory of a few states.
+#[test]
+fn frames_are_not_kept() {
+    let net = net();
+    let path = || {
+        net.trajectory(at_rest(), 0.001, NoNoise)
+            .every(1)
+            .until(0.1)
+    };
+    let name = format!("sve-frames-{}", std::process::id());
+    let file = std::env::temp_dir().join(name);
+    let most = |write: &mut dyn FnMut()| {
+        let bytes = measure(write).bytes_max;
+        std::fs::remove_file(&file).unwrap();
+        bytes as f64 / (16 * SITES) as f64
+    };
+    // the tables belong to the integrator
+    path().nth(1).unwrap().unwrap();
+    let npy = most(&mut || path().to_npy(&file).unwrap());
+    let xyz = Xyz::<1>::new();
+    let xyz = most(&mut || path().to_xyz(&file, &xyz).unwrap());
+    // of 101 frames
+    assert!(npy < 5.0 && xyz < 5.0, "{npy} {xyz}");
 }

@@ -14,10 +14,10 @@ use super::checkpoint::CheckpointFile;
 use super::info::Info;
 use super::merge_tree::{MergeTree, PartialResult, insert_shared};
 use super::path_block::PathBlock;
-use super::progress::Progress;
 use super::settings::Settings;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, EnsembleError, Warning};
+use crate::progress::Progress;
 use crate::trajectory::Method;
 
 /// Largest number of blocks that are run together: with paths that stop at a constant rate, a
@@ -185,7 +185,7 @@ impl Shared {
             trees: trees.collect(),
             loaded: Vec::new(),
             stop: Mutex::new(None),
-            progress: Progress::new(settings.ensemble.execution.progress, paths),
+            progress: Progress::new(settings.ensemble.execution.progress, paths, "paths"),
             #[cfg(feature = "checkpoint")]
             checkpoint: None,
         }

@@ -49,7 +49,6 @@ mod passage;
 mod path_block;
 mod path_noise;
 mod path_table;
-mod progress;
 mod quantiles;
 mod record;
 mod refine;

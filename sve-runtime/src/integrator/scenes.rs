@@ -25,7 +25,14 @@ impl Kind for Scenes {
 /// The tables of a scene for the length of its last state. Steps of one integrator on several
 /// threads wait for one another; threads with integrators of their own do not.
 #[derive(Default)]
-pub struct Tables(Mutex<Option<Prepared>>);
+pub struct Tables(Mutex<Option<Kept>>);
+
+struct Kept {
+    prepared: Prepared,
+    /// The shears of a step, and its length; NaN before the first step.
+    shears: Vec<StepShear>,
+    h: f64,
+}
 
 impl fmt::Debug for Tables {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -50,7 +57,7 @@ impl Tables {
         scene: &S,
         n: usize,
         t: f64,
-        work: impl FnOnce(&mut Prepared) -> T,
+        work: impl FnOnce(&mut Kept) -> T,
     ) -> Result<T, StepError> {
         let is_poisoned = self.0.is_poisoned();
         let mut tables = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -59,11 +66,30 @@ impl Tables {
             *tables = None;
             self.0.clear_poison();
         }
-        let prepared = match &mut *tables {
-            Some(prepared) if prepared.sites() == n => prepared,
-            other => other.insert(Prepared::new(scene, n, t)?),
+        let kept = match &mut *tables {
+            Some(kept) if kept.prepared.sites() == n => kept,
+            other => other.insert(Kept {
+                prepared: Prepared::new(scene, n, t)?,
+                shears: Vec::new(),
+                h: f64::NAN,
+            }),
         };
-        Ok(work(prepared))
+        Ok(work(kept))
+    }
+}
+
+impl Kept {
+    /// Returns the tables, and the shears of a step of length `h`.
+    fn for_steps<S, R: Rule<S>>(
+        &mut self,
+        walker: Walker<'_, S, R>,
+        h: f64,
+    ) -> (&mut Prepared, &[StepShear]) {
+        if self.h != h {
+            shears(walker, &R::prepare(walker.system, h), h, &mut self.shears);
+            self.h = h;
+        }
+        (&mut self.prepared, &self.shears)
     }
 }
 
@@ -75,16 +101,15 @@ where
     R: Rule<S, Increments = [f64]>,
     Q: Site,
 {
-    type Prepared = Vec<StepShear>;
+    /// The tables have what the steps need.
+    type Prepared = ();
 
-    fn prepare(walker: Walker<'_, S, R>, _: &Tables, h: f64) -> Vec<StepShear> {
-        shears(walker, &R::prepare(walker.system, h), h)
-    }
+    fn prepare(_: Walker<'_, S, R>, _: &Tables, _: f64) {}
 
     fn step(
         walker: Walker<'_, S, R>,
         cache: &Tables,
-        prepared: &Vec<StepShear>,
+        (): &(),
         state: &mut State<Vec<Q>>,
         h: f64,
         dw: &[f64],
@@ -103,9 +128,10 @@ where
             p: Q::rows_mut(&mut state.p),
         };
         let scene = walker.system;
-        cache.with(scene, n, t, |tables| {
+        cache.with(scene, n, t, |kept| {
+            let (tables, shears) = kept.for_steps(walker, h);
             check_length("dw", dw.len(), tables.processes(), t)?;
-            tables.step(scene, prepared, &mut phase, [t, h], dw)
+            tables.step(scene, shears, &mut phase, [t, h], dw)
         })??;
         state.t = t + h;
         Ok(())
@@ -114,20 +140,20 @@ where
     fn next_step(
         walker: Walker<'_, S, R>,
         cache: &Tables,
-        prepared: &mut Vec<StepShear>,
+        (): &mut (),
         state: &mut State<Vec<Q>>,
         h: f64,
         dw: &[f64],
     ) -> Result<(), StepError> {
-        Self::step(walker, cache, prepared, state, h, dw)
+        Self::step(walker, cache, &(), state, h, dw)
     }
 
     fn next_steps(
         walker: Walker<'_, S, R>,
         cache: &Tables,
-        prepared: &mut Vec<StepShear>,
+        (): &mut (),
         state: &mut State<Vec<Q>>,
-        _: f64,
+        h: f64,
         dw: &mut [f64],
         count: u64,
         draw: &mut dyn FnMut(u64, &mut [f64]) -> Option<f64>,
@@ -141,8 +167,9 @@ where
         };
         let (scene, t) = (walker.system, &mut state.t);
         // The single step that follows finds the error.
-        let made = cache.with(scene, n, *t, |tables| {
-            tables.block(scene, prepared, &mut phase, t, dw, count, draw)
+        let made = cache.with(scene, n, *t, |kept| {
+            let (tables, shears) = kept.for_steps(walker, h);
+            tables.block(scene, shears, &mut phase, t, dw, count, draw)
         });
         made.unwrap_or(0)
     }
@@ -153,7 +180,7 @@ where
         state: &State<Vec<Q>>,
     ) -> Result<usize, StepError> {
         let n = state.q.len();
-        cache.with(walker.system, n, state.t, |tables| tables.processes())
+        cache.with(walker.system, n, state.t, |kept| kept.prepared.processes())
     }
 }
 
@@ -197,6 +224,6 @@ where
     pub fn layout(&self, state: &State<Vec<Q>>, h: f64) -> Result<Layout, StepError> {
         check_step_size(h)?;
         let (scene, n) = (self.system().target(), sites(state)?);
-        (self.cache).with(scene, n, state.t, |tables| tables.layout::<T>())
+        (self.cache).with(scene, n, state.t, |kept| kept.prepared.layout::<T>())
     }
 }

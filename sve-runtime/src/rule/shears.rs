@@ -37,28 +37,26 @@ pub enum StepShear {
     },
 }
 
-/// Returns the shears of a step of length `h`, in order.
+/// Writes the shears of a step of length `h` to `shears`, in order.
 pub fn shears<S, R: Rule<S>>(
     walker: Walker<'_, S, R>,
     prepared: &R::Prepared,
     h: f64,
-) -> Vec<StepShear> {
-    let mut all = Collected {
-        shears: Vec::new(),
-        at: 0.0,
-    };
+    shears: &mut Vec<StepShear>,
+) {
+    shears.clear();
+    let mut all = Collected { shears, at: 0.0 };
     let Ok(()) = R::walk(walker, prepared, &mut R::Memory::none(), h, &1.0, &mut all);
-    all.shears
 }
 
 /// The mode that collects the shears of a step.
-struct Collected {
-    shears: Vec<StepShear>,
+struct Collected<'a> {
+    shears: &'a mut Vec<StepShear>,
     /// The time reached by the drifts so far, from the start of the step.
     at: f64,
 }
 
-impl<S, I: ?Sized> Mode<S, I> for Collected {
+impl<S, I: ?Sized> Mode<S, I> for Collected<'_> {
     /// The fraction of the increments of the step.
     type Increments = f64;
     type Part = f64;

@@ -12,6 +12,8 @@ mod parquet;
 mod states;
 mod xyz;
 
+#[cfg(feature = "npy")]
+pub(crate) use npy::frames_header;
 pub use states::{SaveError, StateTable};
 pub use xyz::Xyz;
 

@@ -1,6 +1,7 @@
 //! Tables as arrays of `NumPy`.
 //!
-//! Input: a table. Output: a one-dimensional structured array, a record for each row.
+//! Input: a table, or frames of sites. Output: a one-dimensional structured array, a record for each
+//! row or frame.
 //! Invariant: little-endian on every machine; the data start at a multiple of 64 bytes.
 //!
 //! Source: the format as `NumPy` documents it, `numpy.lib.format`, versions 1.0 and, for names
@@ -34,6 +35,19 @@ impl Table {
         }
         to.flush()
     }
+}
+
+/// Returns the bytes before an array of frames, records of a time `t` and of rows `q` and `p` of
+/// `sites` times `numbers` numbers.
+pub(crate) fn frames_header(frames: usize, sites: usize, numbers: usize) -> Vec<u8> {
+    let shape = match numbers {
+        1 => format!("({sites},)"),
+        _ => format!("({sites}, {numbers})"),
+    };
+    let fields = format!("('t', '<f8'), ('q', '<f8', {shape}), ('p', '<f8', {shape})");
+    preamble(&format!(
+        "{{'descr': [{fields}], 'fortran_order': False, 'shape': ({frames},), }}"
+    ))
 }
 
 /// Returns the bytes before the data: magic, version, length of the header, the header padded with

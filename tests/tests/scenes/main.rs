@@ -10,6 +10,7 @@
 //! | `bodies.rs` | all pairs of bodies, and lists of bonds, angles and neighbours with a cut-off |
 //! | `invariants.rs` | energies, the symplectic form, strong order |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
+//! | `output.rs` | saved states, files and snapshots |
 
 #[macro_use]
 mod common;
@@ -18,3 +19,4 @@ mod chains;
 mod failures;
 mod invariants;
 mod lattices;
+mod output;

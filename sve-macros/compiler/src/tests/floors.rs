@@ -33,6 +33,7 @@ const COMPILER: &[&str] = &[
 const RUNTIME: &[&str] = &[
     "angle_addition",
     "power",
+    "progress",
     "parameter",
     "readable",
     "time",

@@ -17,6 +17,7 @@ use self::search::Steps;
 use super::{RefinedTrajectory, Trajectory};
 use crate::method::OneStepMethod;
 use crate::noise::{Halves, Noise};
+use crate::progress::Progress;
 use crate::time::WrittenTimes;
 use crate::trajectory::Method;
 
@@ -37,7 +38,8 @@ use crate::trajectory::Method;
 /// is an error that says so. A time that is the end of a whole step up to rounding counts as one.
 ///
 /// [`to_csv`](Self::to_csv), `to_npy` and `to_parquet` write the states, with the names of the
-/// coordinates; [`table`](Self::table) returns them.
+/// coordinates; [`table`](Self::table) returns them. The states of a scene have no table:
+/// `to_npy` and, for bodies, [`to_xyz`](Self::to_xyz) write them one by one, as they come.
 ///
 /// It dereferences to the trajectory, which is after the last whole step.
 #[derive(Debug)]
@@ -48,10 +50,13 @@ pub struct Saved<T> {
     /// The time at which to end.
     end: Option<f64>,
     has_ended: bool,
+    /// Whether the progress is to be shown from the next state on.
+    begins_progress: bool,
+    progress: Option<Progress>,
 }
 
 /// The states that are saved.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Wanted {
     /// From the step `next` on, one state for each `every` steps.
     Steps { next: u64, every: u64 },
@@ -187,6 +192,8 @@ impl<T: Steps> Saved<T> {
             wanted,
             end: None,
             has_ended: false,
+            begins_progress: false,
+            progress: None,
         }
     }
 
@@ -232,6 +239,20 @@ impl<T: Steps> Saved<T> {
     #[must_use]
     pub fn until(mut self, t: f64) -> Self {
         self.end = Some(t);
+        self
+    }
+
+    /// Shows how many of the states are saved, on standard error if it is a terminal, with the
+    /// feature `progress` as a bar. Without an end, from [`at`](Trajectory::at) or
+    /// [`until`](Self::until), nothing is shown.
+    ///
+    #[doc = include_str!("../../example.md")]
+    /// let path = pendulum.trajectory(start, 0.1, NoNoise).every(2).until(1.0);
+    /// assert_eq!(path.progress(true).count(), 6);
+    #[doc = include_str!("../../example_end.md")]
+    #[must_use]
+    pub fn progress(mut self, shown: bool) -> Self {
+        self.begins_progress = shown;
         self
     }
 }

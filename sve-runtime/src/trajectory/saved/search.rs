@@ -10,6 +10,7 @@ use super::{Saved, Wanted};
 use crate::error::StepError;
 use crate::method::OneStepMethod;
 use crate::noise::{Halves, Noise, increments_until};
+use crate::progress::Progress;
 use crate::system::{AnySystem, StateOf};
 use crate::time::{WrittenTimes, is_next_time};
 use crate::trajectory::Method;
@@ -158,6 +159,24 @@ impl<T: Steps> Saved<T> {
         Ok(Some(Point::Time(end)))
     }
 
+    /// Returns the number of states up to the end; `None` without an end.
+    ///
+    /// # Errors
+    /// The error of an end or an interval that does not exist, which the next state has too.
+    pub(super) fn count_states(&mut self) -> Result<Option<usize>, StepError> {
+        if self.end.is_none() && matches!(self.wanted, Wanted::Steps { .. }) {
+            return Ok(None);
+        }
+        let (wanted, has_ended) = (self.wanted.clone(), self.has_ended);
+        let points = core::iter::from_fn(|| {
+            let is_left = !self.has_ended;
+            is_left.then(|| self.next_point().transpose()).flatten()
+        });
+        let counted: Result<usize, _> = points.map(|point| point.map(|_| 1)).sum();
+        (self.wanted, self.has_ended) = (wanted, has_ended);
+        counted.map(Some)
+    }
+
     /// Returns the number of whole steps before a time, and whether the time is the end of these
     /// steps.
     fn place_of(&self, t: f64) -> Result<(u64, bool), StepError> {
@@ -218,8 +237,19 @@ impl<T: Steps> Iterator for Saved<T> {
         if self.has_ended {
             return None;
         }
+        if self.begins_progress {
+            self.begins_progress = false;
+            let count = self.count_states().ok().flatten();
+            self.progress = count.map(|count| Progress::new(true, count as u64, "states"));
+        }
         let item = self.advance().transpose();
         self.has_ended |= !matches!(item, Some(Ok(_)));
+        if let Some(progress) = &self.progress {
+            progress.add(u64::from(matches!(item, Some(Ok(_)))));
+            if self.has_ended {
+                progress.end();
+            }
+        }
         item
     }
 }

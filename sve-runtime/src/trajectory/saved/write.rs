@@ -1,11 +1,21 @@
 //! Saved states as a table, and in files.
 
+use std::fs::File;
+use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
 use super::search::Steps;
 use super::{Saved, Wanted};
-use crate::system::System;
-use crate::table::{SaveError, StateTable};
+use crate::phase::configuration::Site;
+use crate::system::{ConfigurationOf, MomentumOf, StateOf, System};
+use crate::table::{SaveError, StateTable, Xyz};
+
+#[cfg(feature = "npy")]
+use crate::{
+    integrator::scenes::Scenes,
+    system::{AnySystem, FixedSizes, Kind},
+    table::frames_header,
+};
 
 #[allow(private_bounds)] // trajectories, plain and refined
 impl<T: Steps<System: System>> Saved<T> {
@@ -64,23 +74,6 @@ impl<T: Steps<System: System>> Saved<T> {
         Ok(self.table()?.to_csv(path)?)
     }
 
-    /// Makes the steps and writes the saved states as a structured array of `NumPy` into a file;
-    /// see [`StateTable::write_npy`].
-    ///
-    #[doc = include_str!("../../example.md")]
-    /// let path = std::env::temp_dir().join(format!("saved-{}.npy", std::process::id()));
-    /// pendulum.trajectory(start, 0.1, NoNoise).every(2).until(1.0).to_npy(&path)?;
-    /// assert!(std::fs::read(&path)?.starts_with(b"\x93NUMPY"));
-    /// # std::fs::remove_file(path)?;
-    #[doc = include_str!("../../example_end.md")]
-    ///
-    /// # Errors
-    /// As [`to_csv`](Self::to_csv).
-    #[cfg(feature = "npy")]
-    pub fn to_npy(self, path: impl AsRef<Path>) -> Result<(), SaveError> {
-        Ok(self.table()?.to_npy(path)?)
-    }
-
     /// Makes the steps and writes the saved states as Parquet into a file; see
     /// [`StateTable::write_parquet`].
     ///
@@ -96,5 +89,177 @@ impl<T: Steps<System: System>> Saved<T> {
     #[cfg(feature = "parquet")]
     pub fn to_parquet(self, path: impl AsRef<Path>) -> Result<(), SaveError> {
         Ok(self.table()?.to_parquet(path)?)
+    }
+}
+
+#[allow(private_bounds)] // trajectories, plain and refined
+impl<T: Steps> Saved<T> {
+    /// Makes the steps and writes the saved states as a structured array of `NumPy` into a file.
+    ///
+    /// For a system of fixed size, its fields are the columns of [`table`](Self::table); see
+    /// [`StateTable::write_npy`]. For a scene they are `t`, `q` and `p`: of `frames` states with
+    /// `n` sites, `numpy.load(path)["q"]` has the shape `(frames, n)`, or `(frames, n, D)` for
+    /// sites of `D` > 1 numbers. Each state of a scene is written as it comes, and not kept.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// struct Ring;
+    ///
+    /// #[variational(stormer_verlet)]
+    /// impl Ring {
+    ///     fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+    ///         let mut l = 0.0;
+    ///         for i in 0..q.len() {
+    ///             l += 0.5 * v[i] * v[i] - (1.0 - (q[(i + 1) % q.len()] - q[i]).cos());
+    ///         }
+    ///         l
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let ring = Integrator::new(Ring, StormerVerlet);
+    /// let start = State::new(vec![0.0, 1.0, 0.0], vec![0.0; 3]);
+    /// let path = std::env::temp_dir().join(format!("ring-{}.npy", std::process::id()));
+    /// ring.trajectory(start, 0.1, NoNoise).every(2).until(1.0).to_npy(&path)?;
+    /// // 6 frames of 7 numbers after the header
+    /// assert_eq!(std::fs::read(&path)?.len() % 64, 6 * 7 * 8 % 64);
+    /// # std::fs::remove_file(path)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the
+    /// error of a step; errors of the file, which is complete or not written at all.
+    #[cfg(feature = "npy")]
+    pub fn to_npy(self, path: impl AsRef<Path>) -> Result<(), SaveError>
+    where
+        KindOf<T>: WriteNpy<T::System>,
+    {
+        KindOf::<T>::write_npy(self, path.as_ref())
+    }
+
+    /// Makes the steps and writes the saved states of bodies as frames in the extended XYZ format
+    /// into a file. Each state is written as it comes, and not kept.
+    ///
+    /// Bodies are the entries of a configuration that is a vector or an array of them: numbers,
+    /// arrays `[f64; D]` or vectors of nalgebra. `xyz` has their names and their box. Positions are
+    /// those of the state, also outside of the box.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// Free bodies in a plane.
+    /// struct Gas;
+    ///
+    /// #[variational(stormer_verlet)]
+    /// impl Gas {
+    ///     fn lagrangian(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
+    ///         (0..q.len()).map(|i| 0.5 * (v[i][0] * v[i][0] + v[i][1] * v[i][1])).sum()
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let gas = Integrator::new(Gas, StormerVerlet);
+    /// let start = State::new(vec![[0.5, 0.5], [1.0, 2.0]], vec![[1.0, 0.0], [0.0, -1.0]]);
+    /// let xyz = Xyz::new().species(["Ar"]).periodic([4.0, 4.0]);
+    /// let path = std::env::temp_dir().join(format!("gas-{}.xyz", std::process::id()));
+    /// gas.trajectory(start, 0.25, NoNoise).every(2).until(1.0).to_xyz(&path, &xyz)?;
+    /// let text = std::fs::read_to_string(&path)?;
+    /// assert!(text.ends_with("Time=1.0\nAr 1.5 0.5 0.0 1.0 0.0 0.0\nAr 1.0 1.0 0.0 0.0 -1.0 0.0\n"));
+    /// # std::fs::remove_file(path)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the
+    /// error of a step; errors of the file, which is complete or not written at all, and of
+    /// [`Xyz::write_frame`].
+    pub fn to_xyz<B, const D: usize>(
+        mut self,
+        path: impl AsRef<Path>,
+        xyz: &Xyz<D>,
+    ) -> Result<(), SaveError>
+    where
+        ConfigurationOf<T::System>: AsRef<[B]>,
+        MomentumOf<T::System>: AsRef<[B]>,
+        B: Site<Row = [f64; D]>,
+    {
+        self.frames()?;
+        self.write_frames(path.as_ref(), &[], |file, state| {
+            let (q, p) = (B::rows(state.q.as_ref()), B::rows(state.p.as_ref()));
+            xyz.write_frame(file, state.t, q, p)
+        })
+    }
+
+    /// Returns the number of states that will be written.
+    fn frames(&mut self) -> Result<usize, SaveError> {
+        self.count_states()?.ok_or(SaveError::NoEnd)
+    }
+
+    /// Makes the steps and writes a header and each saved state into a file.
+    fn write_frames(
+        self,
+        path: &Path,
+        header: &[u8],
+        mut write: impl FnMut(&mut BufWriter<File>, &StateOf<T::System>) -> io::Result<()>,
+    ) -> Result<(), SaveError> {
+        let mut failed = None;
+        let written = crate::file::write(path, |file| {
+            file.write_all(header)?;
+            for state in self {
+                match state {
+                    Ok(state) => write(file, &state)?,
+                    Err(error) => {
+                        failed = Some(error);
+                        return Err(io::ErrorKind::Other.into());
+                    }
+                }
+            }
+            Ok(())
+        });
+        match failed {
+            Some(error) => Err(error.into()),
+            None => Ok(written?),
+        }
+    }
+}
+
+#[cfg(feature = "npy")]
+type KindOf<T> = <<T as Steps>::System as AnySystem>::Kind;
+
+/// How the saved states of systems of a kind are written as an array of `NumPy`.
+#[cfg(feature = "npy")]
+pub(crate) trait WriteNpy<S: AnySystem>: Kind {
+    /// Makes the steps and writes the saved states.
+    ///
+    /// # Errors
+    /// As [`Saved::to_npy`].
+    fn write_npy<T: Steps<System = S>>(saved: Saved<T>, path: &Path) -> Result<(), SaveError>;
+}
+
+#[cfg(feature = "npy")]
+impl<S: System> WriteNpy<S> for FixedSizes {
+    fn write_npy<T: Steps<System = S>>(saved: Saved<T>, path: &Path) -> Result<(), SaveError> {
+        Ok(saved.table()?.to_npy(path)?)
+    }
+}
+
+#[cfg(feature = "npy")]
+impl<S: AnySystem<Configuration = Vec<Q>>, Q: Site> WriteNpy<S> for Scenes {
+    fn write_npy<T: Steps<System = S>>(mut saved: Saved<T>, path: &Path) -> Result<(), SaveError> {
+        let frames = saved.frames()?;
+        let sites = saved.path.reached().q.len();
+        let header = frames_header(frames, sites, Q::NUMBERS);
+        saved.write_frames(path, &header, |file, state| {
+            file.write_all(&state.t.to_le_bytes())?;
+            for sites in [&state.q, &state.p] {
+                let mut numbers = Q::rows(sites).iter().flat_map(AsRef::as_ref);
+                numbers.try_for_each(|x| file.write_all(&x.to_le_bytes()))?;
+            }
+            Ok(())
+        })
     }
 }
