@@ -7,6 +7,8 @@
 #![allow(unsafe_code)]
 
 mod hand;
+mod lists;
+mod measure;
 #[path = "../../tests/scene/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;
@@ -14,12 +16,13 @@ mod scenes;
 use std::hint::black_box;
 
 use hand::dispatch;
-use scenes::{Argon, Bodies, Chain, Lattice};
+use lists::{bonds, grid, molecules};
+use measure::{Case, compare};
+use scenes::{Bodies, Chain, Lattice};
 use sve_runtime::__private::StepShear as Shear;
 use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene};
 
 const H: f64 = 0.02;
-const ROUNDS: usize = 15;
 
 fn main() {
     let words: Vec<String> = std::env::args()
@@ -48,82 +51,10 @@ fn main() {
     }
     for side in [4, 15, 69] {
         molecules(side, &is_asked);
+        bonds(side, &is_asked);
     }
     for n in [34, 334, 3334] {
         all_pairs(n, &is_asked);
-    }
-}
-
-#[repr(C)]
-struct Time {
-    seconds: i64,
-    nanoseconds: i64,
-}
-
-/// Returns the time of the processor for this thread, in seconds.
-#[cfg(target_os = "linux")]
-fn now() -> f64 {
-    unsafe extern "C" {
-        fn clock_gettime(clock: i32, time: *mut Time) -> i32;
-    }
-    let mut time = Time {
-        seconds: 0,
-        nanoseconds: 0,
-    };
-    // Safety: the function writes to the structure that it is given.
-    unsafe { clock_gettime(3, &raw mut time) };
-    time.seconds as f64 + 1e-9 * time.nanoseconds as f64
-}
-
-#[cfg(not(target_os = "linux"))]
-fn now() -> f64 {
-    use std::sync::OnceLock;
-    use std::time::Instant;
-    static START: OnceLock<Instant> = OnceLock::new();
-    START.get_or_init(Instant::now).elapsed().as_secs_f64()
-}
-
-/// A case: its name, sites times steps of a call, and the call.
-type Case<'a> = (&'static str, f64, Box<dyn FnMut() + 'a>);
-
-fn compare(title: &str, is_asked: &dyn Fn(&str) -> bool, mut cases: Vec<Case<'_>>) {
-    if !is_asked(title) {
-        return;
-    }
-    let mut repeats = Vec::new();
-    for (_, _, call) in &mut cases {
-        let mut count = 1;
-        loop {
-            let start = now();
-            (0..count).for_each(|_| call());
-            let time = now() - start;
-            if time > 0.003 {
-                break;
-            }
-            count *= 2;
-        }
-        repeats.push(count);
-    }
-    let mut times = vec![Vec::new(); cases.len()];
-    for _ in 0..ROUNDS {
-        for (at, (_, units, call)) in cases.iter_mut().enumerate() {
-            let start = now();
-            (0..repeats[at]).for_each(|_| call());
-            times[at].push((now() - start) * 1e9 / (f64::from(repeats[at]) * *units));
-        }
-    }
-    let median = |mut of: Vec<f64>| {
-        of.sort_by(f64::total_cmp);
-        of[of.len() / 2]
-    };
-    println!("{title}");
-    for (at, (name, ..)) in cases.iter().enumerate() {
-        let ratios = times[at]
-            .iter()
-            .zip(&times[0])
-            .map(|(time, first)| time / first);
-        let [time, ratio] = [times[at].clone(), ratios.collect()].map(median);
-        println!("  {name:<32} {time:>8.3} ns  {ratio:.3}");
     }
 }
 
@@ -309,148 +240,6 @@ fn lattice(sides: [usize; 3], is_asked: &dyn Fn(&str) -> bool) {
             ],
         );
     }
-}
-
-/// A grid of atoms, in an order in which neighbours are near.
-fn grid(side: usize) -> Vec<[f64; 3]> {
-    let turned = |at: usize, row: usize| {
-        if row.is_multiple_of(2) {
-            at
-        } else {
-            side - 1 - at
-        }
-    };
-    (0..side * side * side)
-        .map(|i| {
-            let (z, y) = (i / (side * side), i / side % side);
-            let site = [turned(i % side, y + z * side), turned(y, z), z];
-            let noise = |k: usize| 0.05 * ((i * 3 + k) as f64 * 12.9898).sin();
-            std::array::from_fn(|k| 1.06 * site[k] as f64 + noise(k))
-        })
-        .collect()
-}
-
-/// Returns a half list by rows of all pairs nearer than 2.5.
-fn half_list(x: &[[f64; 3]]) -> (Vec<usize>, Vec<usize>) {
-    let cell = |x: &[f64; 3]| x.map(|x| ((x + 0.06) / 2.5).max(0.0) as i64);
-    let mut cells = std::collections::HashMap::<[i64; 3], Vec<usize>>::new();
-    for (i, x) in x.iter().enumerate() {
-        cells.entry(cell(x)).or_default().push(i);
-    }
-    let (mut start, mut list) = (vec![0], Vec::new());
-    for (i, a) in x.iter().enumerate() {
-        let at = cell(a);
-        for near in 0..27 {
-            let near = [
-                at[0] + near / 9 - 1,
-                at[1] + near / 3 % 3 - 1,
-                at[2] + near % 3 - 1,
-            ];
-            let others = cells.get(&near).map_or(&[][..], Vec::as_slice);
-            list.extend(others.iter().filter(|&&j| {
-                let r2: f64 = (0..3).map(|k| (x[j][k] - a[k]).powi(2)).sum();
-                j > i && r2 < 6.25
-            }));
-        }
-        start.push(list.len());
-    }
-    (start, list)
-}
-
-fn molecules(side: usize, is_asked: &dyn Fn(&str) -> bool) {
-    let x = grid(side);
-    let n = x.len();
-    let h = 1e-6;
-    let shears = vec![
-        Shear::Kick {
-            h: 0.5 * h,
-            part: 0.5,
-            at: 0.0,
-        },
-        Shear::Drift { h },
-        Shear::Kick {
-            h: 0.5 * h,
-            part: 0.5,
-            at: h,
-        },
-    ];
-    let count = if n > 10_000 { 16 } else { 64 };
-    let state = || [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
-
-    let (start, list) = half_list(&x);
-    let [short_start, short] =
-        [&start, &list].map(|of| of.iter().map(|&i| i as u32).collect::<Vec<_>>());
-    let pairs = list.len() as f64 * count as f64;
-    let argon = Argon {
-        start,
-        list,
-        cut2: 6.25,
-        mass: 1.0,
-    };
-    let mut path = Path {
-        shears: shears.clone(),
-        ..Path::new(&argon, &x, true)
-    };
-    let [mut q, mut p, mut f] = state();
-    compare(
-        &format!("argon of {n} atoms, {} pairs", short.len()),
-        is_asked,
-        vec![
-            (
-                "by hand, half list",
-                pairs,
-                Box::new(|| {
-                    for _ in 0..count {
-                        hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
-                            hand::argon(&short_start, &short, x, f);
-                        });
-                    }
-                }),
-            ),
-            (
-                "trajectory, Störmer–Verlet",
-                pairs,
-                Box::new(|| path.advance(count)),
-            ),
-        ],
-    );
-
-    let bonds: Vec<[usize; 2]> = (1..n).filter(|i| i % 50 != 0).map(|i| [i - 1, i]).collect();
-    let short: Vec<[u32; 2]> = bonds.iter().map(|bond| bond.map(|i| i as u32)).collect();
-    let units = bonds.len() as f64 * count as f64;
-    let bodies = Bodies::<false> {
-        bonds,
-        k: 100.0,
-        length: 1.0,
-        softening: 0.0,
-    };
-    let mut path = Path {
-        shears,
-        ..Path::new(&bodies, &x, true)
-    };
-    let [mut q, mut p, mut f] = state();
-    compare(
-        &format!("bonds of {n} atoms"),
-        is_asked,
-        vec![
-            (
-                "by hand, plain list",
-                units,
-                Box::new(|| {
-                    for _ in 0..count {
-                        hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
-                            hand::bonds(&short, x, f);
-                        });
-                    }
-                }),
-            ),
-            (
-                "trajectory, Störmer–Verlet",
-                units,
-                Box::new(|| path.advance(count)),
-            ),
-        ],
-    );
 }
 
 fn all_pairs(n: usize, is_asked: &dyn Fn(&str) -> bool) {

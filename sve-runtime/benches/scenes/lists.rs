@@ -1,0 +1,186 @@
+//! Atoms with pairs from lists: neighbours within a cut-off, and bonds.
+
+use std::hint::black_box;
+
+use sve_runtime::__private::StepShear as Shear;
+use sve_runtime::variational;
+
+use crate::measure::compare;
+use crate::scenes::Argon;
+use crate::{Path, hand};
+
+/// Atoms with bonds of length 1 from a list.
+struct Polymer {
+    bonds: Vec<[usize; 2]>,
+    k: f64,
+}
+
+#[variational(stormer_verlet)]
+impl Polymer {
+    fn lagrangian(&self, q: &[[f64; 3]], v: &[[f64; 3]]) -> f64 {
+        let mut l = 0.0;
+        for v in v {
+            l += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        }
+        for bond in &self.bonds {
+            let (a, b) = (q[bond[0]], q[bond[1]]);
+            let d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+            l -= 0.5 * self.k * ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - 1.0).powi(2);
+        }
+        l
+    }
+}
+
+/// A grid of atoms, in an order in which neighbours are near.
+pub(crate) fn grid(side: usize) -> Vec<[f64; 3]> {
+    let turned = |at: usize, row: usize| {
+        if row.is_multiple_of(2) {
+            at
+        } else {
+            side - 1 - at
+        }
+    };
+    (0..side * side * side)
+        .map(|i| {
+            let (z, y) = (i / (side * side), i / side % side);
+            let site = [turned(i % side, y + z * side), turned(y, z), z];
+            let noise = |k: usize| 0.05 * ((i * 3 + k) as f64 * 12.9898).sin();
+            std::array::from_fn(|k| 1.06 * site[k] as f64 + noise(k))
+        })
+        .collect()
+}
+
+/// Returns a half list by rows of all pairs nearer than 2.5.
+fn half_list(x: &[[f64; 3]]) -> (Vec<usize>, Vec<usize>) {
+    let cell = |x: &[f64; 3]| x.map(|x| ((x + 0.06) / 2.5).max(0.0) as i64);
+    let mut cells = std::collections::HashMap::<[i64; 3], Vec<usize>>::new();
+    for (i, x) in x.iter().enumerate() {
+        cells.entry(cell(x)).or_default().push(i);
+    }
+    let (mut start, mut list) = (vec![0], Vec::new());
+    for (i, a) in x.iter().enumerate() {
+        let at = cell(a);
+        for near in 0..27 {
+            let near = [
+                at[0] + near / 9 - 1,
+                at[1] + near / 3 % 3 - 1,
+                at[2] + near % 3 - 1,
+            ];
+            let others = cells.get(&near).map_or(&[][..], Vec::as_slice);
+            list.extend(others.iter().filter(|&&j| {
+                let r2: f64 = (0..3).map(|k| (x[j][k] - a[k]).powi(2)).sum();
+                j > i && r2 < 6.25
+            }));
+        }
+        start.push(list.len());
+    }
+    (start, list)
+}
+
+/// Returns a step so short that atoms stay in their order, with its shears.
+fn short_steps() -> (f64, Vec<Shear>) {
+    let h = 1e-6;
+    let kick = |at: f64| Shear::Kick {
+        h: 0.5 * h,
+        part: 0.5,
+        at,
+    };
+    (h, vec![kick(0.0), Shear::Drift { h }, kick(h)])
+}
+
+pub(crate) fn molecules(side: usize, is_asked: &dyn Fn(&str) -> bool) {
+    let x = grid(side);
+    let n = x.len();
+    let (h, shears) = short_steps();
+    let count = if n > 10_000 { 16 } else { 64 };
+    let state = || [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
+
+    let (start, list) = half_list(&x);
+    let [short_start, short] =
+        [&start, &list].map(|of| of.iter().map(|&i| i as u32).collect::<Vec<_>>());
+    let pairs = list.len() as f64 * count as f64;
+    let argon = Argon {
+        start,
+        list,
+        cut2: 6.25,
+        mass: 1.0,
+    };
+    let mut path = Path {
+        shears: shears.clone(),
+        ..Path::new(&argon, &x, true)
+    };
+    let [mut q, mut p, mut f] = state();
+    compare(
+        &format!("argon of {n} atoms, {} pairs", short.len()),
+        is_asked,
+        vec![
+            (
+                "by hand, half list",
+                pairs,
+                Box::new(|| {
+                    for _ in 0..count {
+                        hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                            hand::argon(&short_start, &short, x, f);
+                        });
+                    }
+                }),
+            ),
+            (
+                "trajectory, Störmer–Verlet",
+                pairs,
+                Box::new(|| path.advance(count)),
+            ),
+        ],
+    );
+}
+
+/// Bonds of a list in the order of the atoms, which has runs: of one chain and of chains of 50; and
+/// the latter shuffled.
+pub(crate) fn bonds(side: usize, is_asked: &dyn Fn(&str) -> bool) {
+    let x = grid(side);
+    let n = x.len();
+    let (h, shears) = short_steps();
+    let count = if n > 10_000 { 16 } else { 64 };
+    let chains = |length: usize| (1..n).filter(move |i| i % length != 0);
+    let [one, many] = [n, 50].map(|length| chains(length).map(|i| [i - 1, i]).collect::<Vec<_>>());
+    let mut shuffled = many.clone();
+    for i in 0..shuffled.len() {
+        shuffled.swap(i, i * 7919 % many.len());
+    }
+    for (bonds, order) in [
+        (one, "one chain"),
+        (many, "chains of 50"),
+        (shuffled, "shuffled"),
+    ] {
+        let short: Vec<[u32; 2]> = bonds.iter().map(|bond| bond.map(|i| i as u32)).collect();
+        let units = bonds.len() as f64 * count as f64;
+        let polymer = Polymer { bonds, k: 100.0 };
+        let mut path = Path {
+            shears: shears.clone(),
+            ..Path::new(&polymer, &x, true)
+        };
+        let [mut q, mut p, mut f] = [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
+        compare(
+            &format!("bonds of {n} atoms, {order}"),
+            is_asked,
+            vec![
+                (
+                    "by hand, plain list",
+                    units,
+                    Box::new(|| {
+                        for _ in 0..count {
+                            hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                                hand::bonds(&short, x, f);
+                            });
+                        }
+                    }),
+                ),
+                (
+                    "trajectory, Störmer–Verlet",
+                    units,
+                    Box::new(|| path.advance(count)),
+                ),
+            ],
+        );
+    }
+}
