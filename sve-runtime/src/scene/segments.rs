@@ -142,6 +142,7 @@ impl Segments {
     }
 
     /// Returns the places of rows, columns and increments among the bases of a piece.
+    #[inline(always)]
     fn places(&self) -> [Range<usize>; 3] {
         let last = self.streams.last();
         let mut end = self.streams.len();
@@ -269,17 +270,20 @@ impl Segments {
     pub(super) fn pieces(&self) -> impl Iterator<Item = (&Piece, Bases<'_>)> {
         let [rows, columns, increments] = self.places();
         let width = increments.end;
-        self.pieces.iter().enumerate().map(move |(at, piece)| {
-            let bases = &self.bases[at * width..][..width];
-            let [rows, columns, increments] = [&rows, &columns, &increments];
-            let bases = Bases {
-                pairs: &bases[..rows.start],
-                rows: &bases[rows.clone()],
-                columns: &bases[columns.clone()],
-                increments: &bases[increments.clone()],
-            };
-            (piece, bases)
-        })
+        self.pieces.iter().enumerate().map(
+            #[inline(always)]
+            move |(at, piece)| {
+                let bases = &self.bases[at * width..][..width];
+                let [rows, columns, increments] = [&rows, &columns, &increments];
+                let bases = Bases {
+                    pairs: &bases[..rows.start],
+                    rows: &bases[rows.clone()],
+                    columns: &bases[columns.clone()],
+                    increments: &bases[increments.clone()],
+                };
+                (piece, bases)
+            },
+        )
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) struct Kick<'a> {
 /// Arrays that a sweep needs, of the components of rows.
 #[derive(Clone, Debug)]
 pub(super) struct Buffers {
-    /// Impulses of the pairs of one piece.
+    /// Impulses of the pairs of one piece: zeros between pieces.
     of_piece: Vec<f64>,
     /// The rows of copied nodes, of `BATCH` nodes each, and of what their impulses read.
     of_batch: Vec<f64>,
@@ -135,7 +135,6 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
                 streams(q, nodes.start, segments, bases, dw)
             };
             let sum = &mut of_piece[..nodes.len()];
-            sum.fill(S::Row::ZERO);
             let mut first = 0;
             if piece.is_full {
                 S::Counts::add::<false, _>(&streams, sum, &node);
@@ -148,14 +147,14 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
             let to = if has_nests { &mut *of_nests } else { &mut *p };
             let is_twice = TWICE && !has_nests;
             if let Some(batch) = batch {
-                is_finite &= add_to_nodes(&batch.nodes, to, sum, is_twice, is_tested);
+                is_finite &= move_to_nodes(&batch.nodes, to, sum, is_twice, is_tested);
                 continue;
             }
             let to = &mut to[nodes];
             if is_twice {
-                add::<true, _>(to, sum);
+                move_all::<true, _>(to, sum);
             } else {
-                add::<false, _>(to, sum);
+                move_all::<false, _>(to, sum);
             }
             if is_tested {
                 is_finite &= are_finite(S::Row::numbers(to));
@@ -229,12 +228,13 @@ fn streams<'a, R>(
     }
 }
 
-/// Adds impulses to listed nodes. Returns whether the results are finite, if they are tested.
+/// Adds impulses to listed nodes, and leaves zeros. Returns whether the results are finite, if they
+/// are tested.
 #[inline(always)]
-fn add_to_nodes<R: Row>(
+fn move_to_nodes<R: Row>(
     nodes: &[u32],
     to: &mut [R],
-    sum: &[R],
+    sum: &mut [R],
     is_twice: bool,
     is_tested: bool,
 ) -> bool {
@@ -245,6 +245,7 @@ fn add_to_nodes<R: Row>(
         if is_twice {
             to.add(*sum);
         }
+        *sum = R::ZERO;
         is_finite &= !is_tested || are_finite(R::numbers(core::slice::from_ref(to)));
     }
     is_finite
@@ -256,21 +257,22 @@ fn add_to_nodes<R: Row>(
 fn move_to<const TWICE: bool, R: Row>(p: &mut [R], sum: &mut [R], is_tested: bool) -> bool {
     let mut is_finite = true;
     for (p, sum) in p.chunks_mut(TILE).zip(sum.chunks_mut(TILE)) {
-        add::<TWICE, _>(p, sum);
-        sum.fill(R::ZERO);
+        move_all::<TWICE, _>(p, sum);
         is_finite &= !is_tested || are_finite(R::numbers(p));
     }
     is_finite
 }
 
+/// Adds impulses once or twice, and leaves zeros.
 #[inline(always)]
-fn add<const TWICE: bool, R: Row>(to: &mut [R], sum: &[R]) {
-    let (to, sum) = (R::numbers_mut(to), R::numbers(sum));
+fn move_all<const TWICE: bool, R: Row>(to: &mut [R], sum: &mut [R]) {
+    let (to, sum) = (R::numbers_mut(to), R::numbers_mut(sum));
     for (to, sum) in to.iter_mut().zip(sum) {
-        *to += sum;
+        *to += *sum;
         if TWICE {
-            *to += sum;
+            *to += *sum;
         }
+        *sum = 0.0;
     }
 }
 
