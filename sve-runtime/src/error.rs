@@ -55,7 +55,8 @@ pub enum StepError {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// The array: `p`, which is as long as `q`, or `dw`, which has an entry for each process.
+        /// The array: `p`, which is as long as `q`, `dw`, which has an entry for each process, or
+        /// the result of a force, which has an entry for each site.
         what: Box<str>,
         /// Its length.
         found: usize,

@@ -61,7 +61,7 @@ impl Ring {
         let n = state.q.len();
         for i in 0..n {
             match shear {
-                StepShear::Drift { h } => state.q[i] += h * state.p[i],
+                StepShear::Drift { h, .. } => state.q[i] += h * state.p[i],
                 StepShear::Kick { h, part, .. } => {
                     let (left, right) = (state.q[(i + n - 1) % n], state.q[(i + 1) % n]);
                     state.p[i] += h * self.k * (left - 2.0 * state.q[i] + right);

@@ -85,7 +85,17 @@ fn short_steps() -> (f64, Vec<Shear>) {
         part: 0.5,
         at,
     };
-    (h, vec![kick(0.0), Shear::Drift { h }, kick(h)])
+    (
+        h,
+        vec![
+            kick(0.0),
+            Shear::Drift {
+                h,
+                friction: [0.0; 2],
+            },
+            kick(h),
+        ],
+    )
 }
 
 pub(crate) fn molecules(side: usize, is_asked: &dyn Fn(&str) -> bool) {

@@ -66,9 +66,22 @@ fn shears(is_verlet: bool) -> Vec<Shear> {
         at: at * H,
     };
     if is_verlet {
-        vec![kick(0.5, 0.0), Shear::Drift { h: H }, kick(0.5, 1.0)]
+        vec![
+            kick(0.5, 0.0),
+            Shear::Drift {
+                h: H,
+                friction: [0.0; 2],
+            },
+            kick(0.5, 1.0),
+        ]
     } else {
-        vec![Shear::Drift { h: H }, kick(1.0, 1.0)]
+        vec![
+            Shear::Drift {
+                h: H,
+                friction: [0.0; 2],
+            },
+            kick(1.0, 1.0),
+        ]
     }
 }
 

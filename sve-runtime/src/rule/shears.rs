@@ -34,6 +34,9 @@ pub enum StepShear {
     Drift {
         /// The time over which they move.
         h: f64,
+        /// The times over which friction acts with the velocity of this drift: before it and after
+        /// it, those of the kicks on the same sides.
+        friction: [f64; 2],
     },
 }
 
@@ -47,6 +50,15 @@ pub fn shears<S, R: Rule<S>>(
     shears.clear();
     let mut all = Collected { shears, at: 0.0 };
     let Ok(()) = R::walk(walker, prepared, &mut R::Memory::none(), h, &1.0, &mut all);
+}
+
+/// Returns the fraction of a step over which shears kick.
+fn kicked(shears: &[Shear]) -> f64 {
+    let kicks = shears.iter().map(|shear| match *shear {
+        Shear::Kick(fraction) => fraction,
+        Shear::Drift(_) => 0.0,
+    });
+    kicks.sum()
 }
 
 /// The mode that collects the shears of a step.
@@ -80,7 +92,7 @@ impl<S, I: ?Sized> Mode<S, I> for Collected<'_> {
     fn shears(&mut self, shears: &[Shear], h: f64, part: &f64) -> Result<(), Infallible> {
         let start = self.at;
         let mut drifted = 0.0;
-        for shear in shears {
+        for (at, shear) in shears.iter().enumerate() {
             self.shears.push(match *shear {
                 Shear::Kick(fraction) => StepShear::Kick {
                     h: fraction * h,
@@ -90,7 +102,11 @@ impl<S, I: ?Sized> Mode<S, I> for Collected<'_> {
                 Shear::Drift(fraction) => {
                     drifted += fraction;
                     self.at = start + drifted * h;
-                    StepShear::Drift { h: fraction * h }
+                    let kicks = [&shears[..at], &shears[at..]];
+                    StepShear::Drift {
+                        h: fraction * h,
+                        friction: kicks.map(|kicks| h * kicked(kicks)),
+                    }
                 }
             });
         }

@@ -1,8 +1,8 @@
 //! Energies and velocities of scenes, for users.
 
 use super::Scene;
+use super::masses::InverseMasses;
 use super::shear::index_error;
-use super::sweep::InverseMasses;
 use crate::error::StepError;
 use crate::phase::configuration::Site;
 use crate::phase::state::State;

@@ -10,6 +10,7 @@
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
 //! | `shear.rs` | steps that are lists of drifts and kicks, in place |
+//! | `masses.rs` | masses and friction |
 //! | `mechanics.rs` | energies and velocities, for users |
 //! | `layout.rs` | what is known about the loops of a scene of known size |
 //!
@@ -20,6 +21,7 @@
 
 mod indices;
 mod layout;
+mod masses;
 mod mechanics;
 mod pieces;
 mod rows;
@@ -76,7 +78,25 @@ pub trait Scene {
     /// An index that is out of range.
     fn masses(&self, n: usize, masses: &mut [Self::Row]) -> Result<(), IndexError>;
 
-    /// Returns the impulse h ∂L/∂q + Σ ΔW ∂γ/∂q of a node to which each of the first
+    /// Adds the friction ν of each component of each of `n` sites: of the forces −ν v.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn frictions(&self, n: usize, frictions: &mut [Self::Row]) -> Result<(), IndexError> {
+        let _ = (n, frictions);
+        Ok(())
+    }
+
+    /// Visits the forces, each with its name and the number of its entries for `n` sites.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn forces(&self, n: usize, visit: &mut dyn FnMut(&'static str, i64)) -> Result<(), IndexError> {
+        let _ = (n, visit);
+        Ok(())
+    }
+
+    /// Returns the impulse h (∂L/∂q + F) + Σ ΔW ∂γ/∂q of a node to which each of the first
     /// [`NODE_PAIRS`](Self::NODE_PAIRS) pairs contributes once. `#[inline(always)]`.
     ///
     /// `dw` has all increments of the step: those of listed processes, then those of terms.

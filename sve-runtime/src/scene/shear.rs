@@ -7,8 +7,9 @@
 //! repeated from the copy with a test each, so that the step that fails is known, and the state
 //! before it is restored.
 
+use super::masses::InverseMasses;
 use super::segments::Segments;
-use super::sweep::{AreFinite, Buffers, DriftAlone, InverseMasses, Kick, Sweep};
+use super::sweep::{AreFinite, Buffers, Drift, DriftAlone, Kick, Sweep};
 use super::{IndexError, Layout, Row, Scene};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
@@ -35,6 +36,8 @@ pub struct Prepared {
     processes: usize,
     segments: Segments,
     masses: InverseMasses,
+    /// The friction of each component divided by its mass; empty without friction.
+    rates: Vec<f64>,
     buffers: Buffers,
     /// The state before a step or block.
     before: [Vec<f64>; 2],
@@ -46,15 +49,19 @@ impl Prepared {
     /// Executes the indices of a scene of `n` sites, and reads its masses.
     ///
     /// # Errors
-    /// An index that is out of range; a mass without an inverse.
+    /// An index that is out of range; a mass without an inverse; a force without an entry for
+    /// each site.
     pub fn new<S: Scene>(scene: &S, n: usize, t: f64) -> Result<Self, StepError> {
         let index = |error| index_error(error, t);
+        check_forces(scene, n, t)?;
         let segments = Segments::new(scene, n).map_err(index)?;
         let numbers = n * S::Row::LENGTH;
+        let masses = InverseMasses::new(scene, n, t)?;
         Ok(Self {
             n,
             processes: scene.processes(n).map_err(index)?,
-            masses: InverseMasses::new(scene, n, t)?,
+            rates: masses.rates(scene, n).map_err(index)?,
+            masses,
             buffers: Buffers::new::<S::Row>(&segments, n),
             segments,
             before: [vec![0.0; numbers], vec![0.0; numbers]],
@@ -78,7 +85,11 @@ impl Prepared {
             InverseMasses::Uniform(_) => 0,
             InverseMasses::Each(inverse) => inverse.len(),
         };
-        let numbers = masses + self.buffers.len() + 2 * self.before[0].len() + self.of_kick.len();
+        let numbers = masses
+            + self.rates.len()
+            + self.buffers.len()
+            + 2 * self.before[0].len()
+            + self.of_kick.len();
         Layout::new::<S>(self.n, &self.segments, numbers * size_of::<f64>())
     }
 
@@ -164,7 +175,8 @@ struct Run<'a, 'b, S: Scene> {
     prepared: &'a mut Prepared,
     state: &'a mut Phase<'b, S::Row>,
     is_tested: bool,
-    drift: Option<f64>,
+    /// The time of a drift, and the times of friction before it and after it.
+    drift: Option<(f64, [f64; 2])>,
     /// Length, part of the increments and time of a kick.
     kick: Option<[f64; 3]>,
     /// Whether all numbers are finite, as far as they were tested.
@@ -192,10 +204,10 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
     fn step(&mut self, shears: &[StepShear], t: f64, dw: &[f64]) -> Result<(), IndexError> {
         for shear in shears {
             match *shear {
-                StepShear::Drift { h } => {
+                StepShear::Drift { h, friction } => {
                     self.kick::<false>()?;
                     self.drift_alone();
-                    self.drift = Some(h);
+                    self.drift = Some((h, friction));
                 }
                 StepShear::Kick { h, part, at } => {
                     // the time of an impulse that does not read it makes no difference
@@ -228,6 +240,7 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
         let Prepared {
             segments,
             masses,
+            rates,
             buffers,
             of_kick: dw,
             ..
@@ -235,8 +248,12 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
         self.is_finite &= dispatch(Sweep::<S, TWICE> {
             scene: self.scene,
             segments,
-            masses,
-            drift: self.drift.take(),
+            drift: self.drift.take().map(|(h, friction)| Drift {
+                masses,
+                rates,
+                h,
+                friction,
+            }),
             kick: Kick { h, t, dw },
             q: self.state.q,
             p: self.state.p,
@@ -248,10 +265,15 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
 
     /// Makes the drift that waits.
     fn drift_alone(&mut self) {
-        if let Some(h) = self.drift.take() {
+        if let Some((h, friction)) = self.drift.take() {
+            let Prepared { masses, rates, .. } = &*self.prepared;
             self.is_finite &= dispatch(DriftAlone {
-                masses: &self.prepared.masses,
-                h,
+                drift: Drift {
+                    masses,
+                    rates,
+                    h,
+                    friction,
+                },
                 q: self.state.q,
                 p: self.state.p,
                 is_tested: self.is_tested,
@@ -267,42 +289,27 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
     }
 }
 
-impl InverseMasses {
-    /// Returns the inverse of each mass of a scene of `n` sites.
-    ///
-    /// # Errors
-    /// An index that is out of range; a mass without an inverse.
-    pub(super) fn new<S: Scene>(scene: &S, n: usize, t: f64) -> Result<Self, StepError> {
-        let mut masses = vec![S::Row::ZERO; n];
-        let added = scene.masses(n, &mut masses);
-        added.map_err(|error| index_error(error, t))?;
-        let masses = S::Row::numbers(&masses);
-        if let Some(at) = (masses.iter()).position(|&mass| mass == 0.0 || !mass.is_finite()) {
-            return Err(StepError::Mass {
+/// Checks that each force has an entry for each site.
+fn check_forces<S: Scene>(scene: &S, n: usize, t: f64) -> Result<(), StepError> {
+    let mut mistake = None;
+    let visited = scene.forces(n, &mut |name, found| {
+        // the number of rounds of a loop is not negative
+        let found = usize::try_from(found).unwrap_or_default();
+        if found != n && mistake.is_none() {
+            mistake = Some(StepError::Length {
                 t,
-                what: name("v", at, S::Row::LENGTH),
-                mass: masses[at],
+                what: format!("the result of `{name}`").into(),
+                found,
+                expected: n,
             });
         }
-        Ok(match masses {
-            [first, others @ ..] if others.iter().all(|mass| mass == first) => {
-                Self::Uniform(1.0 / first)
-            }
-            _ => Self::Each(masses.iter().map(|mass| 1.0 / mass).collect()),
-        })
-    }
-
-    /// Returns the inverse mass of a component.
-    pub(super) fn of(&self, component: usize) -> f64 {
-        match self {
-            Self::Uniform(inverse) => *inverse,
-            Self::Each(inverse) => inverse[component],
-        }
-    }
+    });
+    visited.map_err(|error| index_error(error, t))?;
+    mistake.map_or(Ok(()), Err)
 }
 
 /// Returns the name of a component: `p[5]`, or `p[5][2]` in a row of several.
-fn name(array: &str, at: usize, length: usize) -> String {
+pub(super) fn name(array: &str, at: usize, length: usize) -> String {
     match length {
         1 => format!("{array}[{at}]"),
         _ => format!("{array}[{}][{}]", at / length, at % length),

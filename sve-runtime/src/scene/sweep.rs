@@ -5,19 +5,23 @@
 
 use core::ops::Range;
 
+use super::masses::InverseMasses;
 use super::pieces::{Bases, Batch};
 use super::segments::{BATCH, Segments, TILE};
 use super::streams::Impulse;
 use super::{IndexError, Reads, Row, Scene, StreamCounts, Streams};
 use crate::lanes::dispatch::Kernel;
 
-/// Inverse masses of all components of all sites.
-#[derive(Clone, Debug)]
-pub(super) enum InverseMasses {
-    /// All have this one.
-    Uniform(f64),
-    /// One for each component.
-    Each(Vec<f64>),
+/// A motion of all sites with their velocities.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drift<'a> {
+    pub(super) masses: &'a InverseMasses,
+    /// The friction of each component divided by its mass; empty without friction.
+    pub(super) rates: &'a [f64],
+    /// The time of the motion.
+    pub(super) h: f64,
+    /// The times over which friction acts before it and after it.
+    pub(super) friction: [f64; 2],
 }
 
 /// The impulse over the time `h` at the time `t`.
@@ -58,12 +62,11 @@ impl Buffers {
     }
 }
 
-/// A drift over the time `drift`, if there is one, and then a kick, made `TWICE` or once.
+/// A drift, if there is one, and then a kick, made `TWICE` or once.
 pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
     pub(super) scene: &'a S,
     pub(super) segments: &'a Segments,
-    pub(super) masses: &'a InverseMasses,
-    pub(super) drift: Option<f64>,
+    pub(super) drift: Option<Drift<'a>>,
     pub(super) kick: Kick<'a>,
     pub(super) q: &'a mut [S::Row],
     pub(super) p: &'a mut [S::Row],
@@ -81,8 +84,7 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
         let Self {
             scene,
             segments,
-            masses,
-            drift: time,
+            drift: motion,
             kick,
             q,
             p,
@@ -105,12 +107,12 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
         let mut moved = 0;
         let has_nests = !segments.nests.is_empty();
         for (piece, bases) in segments.pieces() {
-            if let Some(time) = time
+            if let Some(motion) = &motion
                 && moved < piece.ready()
             {
                 let tiles = moved..piece.ready().next_multiple_of(TILE).min(n);
                 moved = tiles.end;
-                is_finite &= drift::<S::Row>(q, p, tiles, time, masses, is_tested);
+                is_finite &= drift::<S::Row>(q, p, tiles, motion, is_tested);
             }
             let nodes = piece.nodes();
             if !piece.has_others && piece.batch.is_none() {
@@ -160,8 +162,8 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
                 is_finite &= are_finite(S::Row::numbers(to));
             }
         }
-        if let Some(time) = time {
-            is_finite &= drift::<S::Row>(q, p, moved..n, time, masses, is_tested);
+        if let Some(motion) = &motion {
+            is_finite &= drift::<S::Row>(q, p, moved..n, motion, is_tested);
         }
         if !has_nests {
             return Ok(is_finite);
@@ -278,10 +280,9 @@ fn move_all<const TWICE: bool, R: Row>(to: &mut [R], sum: &mut [R]) {
 
 /// A drift of all nodes.
 pub(super) struct DriftAlone<'a, R> {
-    pub(super) masses: &'a InverseMasses,
-    pub(super) h: f64,
+    pub(super) drift: Drift<'a>,
     pub(super) q: &'a mut [R],
-    pub(super) p: &'a [R],
+    pub(super) p: &'a mut [R],
     pub(super) is_tested: bool,
 }
 
@@ -290,32 +291,52 @@ impl<R: Row> Kernel for DriftAlone<'_, R> {
 
     #[inline(always)]
     fn run(self) -> bool {
-        let Self {
-            masses, h, q, p, ..
-        } = self;
-        drift::<R>(q, p, 0..q.len(), h, masses, self.is_tested)
+        let nodes = 0..self.q.len();
+        drift::<R>(self.q, self.p, nodes, &self.drift, self.is_tested)
     }
 }
 
-/// Moves some nodes with their velocities for the time `h`. Returns whether their places are
-/// finite, if they are tested.
+/// Moves some nodes with their velocities. Returns whether the results are finite, if they are
+/// tested.
 #[inline(always)]
 fn drift<R: Row>(
     q: &mut [R],
-    p: &[R],
+    p: &mut [R],
     nodes: Range<usize>,
-    h: f64,
-    masses: &InverseMasses,
+    drift: &Drift<'_>,
     is_tested: bool,
 ) -> bool {
     let first = nodes.start * R::LENGTH;
-    let (q, p) = (&mut q[nodes.clone()], &p[nodes]);
-    let (q, p) = (R::numbers_mut(q), R::numbers(p));
+    let (q, p) = (&mut q[nodes.clone()], &mut p[nodes]);
+    let (q, p) = (R::numbers_mut(q), R::numbers_mut(p));
+    let Drift {
+        masses, rates, h, ..
+    } = *drift;
+    if rates.is_empty() {
+        match masses {
+            InverseMasses::Uniform(inverse) => shift(q, p, h * inverse),
+            InverseMasses::Each(inverse) => shift_each(q, p, &inverse[first..], h),
+        }
+        return !is_tested || are_finite(q);
+    }
+    damp(p, &rates[first..], |p, rate| {
+        p / (1.0 + drift.friction[0] * rate)
+    });
     match masses {
         InverseMasses::Uniform(inverse) => shift(q, p, h * inverse),
         InverseMasses::Each(inverse) => shift_each(q, p, &inverse[first..], h),
     }
-    !is_tested || are_finite(q)
+    damp(p, &rates[first..], |p, rate| {
+        p * (1.0 - drift.friction[1] * rate)
+    });
+    !is_tested || (are_finite(q) && are_finite(p))
+}
+
+#[inline(always)]
+fn damp(p: &mut [f64], rates: &[f64], by: impl Fn(f64, f64) -> f64) {
+    for (p, &rate) in p.iter_mut().zip(rates) {
+        *p = by(*p, rate);
+    }
 }
 
 #[inline(always)]

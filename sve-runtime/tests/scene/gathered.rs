@@ -7,9 +7,28 @@ use sve_runtime::StepError;
 
 use super::scenes::{Argon, Bodies, Chain, Lattice, Ring};
 
-pub(super) const VERLET: [Shear; 3] = [kick(0.5, 0.0), Shear::Drift { h: H }, kick(0.5, 1.0)];
-pub(super) const ENDPOINT: [Shear; 2] = [Shear::Drift { h: H }, kick(1.0, 1.0)];
-pub(super) const INITIAL_POINT: [Shear; 2] = [kick(1.0, 0.0), Shear::Drift { h: H }];
+pub(super) const VERLET: [Shear; 3] = [
+    kick(0.5, 0.0),
+    Shear::Drift {
+        h: H,
+        friction: [0.0; 2],
+    },
+    kick(0.5, 1.0),
+];
+pub(super) const ENDPOINT: [Shear; 2] = [
+    Shear::Drift {
+        h: H,
+        friction: [0.0; 2],
+    },
+    kick(1.0, 1.0),
+];
+pub(super) const INITIAL_POINT: [Shear; 2] = [
+    kick(1.0, 0.0),
+    Shear::Drift {
+        h: H,
+        friction: [0.0; 2],
+    },
+];
 pub(super) const H: f64 = 0.05;
 
 const fn kick(part: f64, at: f64) -> Shear {

@@ -4,13 +4,14 @@ use sve_runtime::nalgebra::SVector;
 use sve_runtime::prelude::*;
 
 /// Defines a system twice from one body, as `scene::System` and as `unrolled::System`. The second
-/// γ is that of the unrolled system.
+/// γ and the second force are those of the unrolled system.
 macro_rules! both {
     (
         struct { $($field:ident: $ty:ty),* $(,)? }
         [$($row:tt)*] $n:tt
         |$this:ident, $q:ident, $v:ident| { $($body:tt)* }
         $(gamma { $($scene:tt)* } or { $($unrolled:tt)* })?
+        $(force { $($scene_force:tt)* } or { $($unrolled_force:tt)* })?
     ) => {
         pub(crate) mod scene {
             use super::*;
@@ -22,6 +23,7 @@ macro_rules! both {
             impl System {
                 pub(crate) fn lagrangian(&$this, $q: &[$($row)*], $v: &[$($row)*]) -> f64 { $($body)* }
                 $(#[gamma] $($scene)*)?
+                $(#[force] $($scene_force)*)?
             }
         }
         pub(crate) mod unrolled {
@@ -34,6 +36,7 @@ macro_rules! both {
             impl System {
                 pub(crate) fn lagrangian(&$this, $q: [$($row)*; $n], $v: [$($row)*; $n]) -> f64 { $($body)* }
                 $(#[gamma] $($unrolled)*)?
+                $(#[force] $($unrolled_force)*)?
             }
         }
     };

@@ -9,6 +9,7 @@
 //! | `lattices.rs` | lattices in two and three dimensions, open and periodic |
 //! | `bodies.rs` | all pairs of bodies, and lists of bonds, angles and neighbours with a cut-off |
 //! | `invariants.rs` | energies, the symplectic form, strong order |
+//! | `forces.rs` | friction, pushes and forces of neighbours |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
 
@@ -17,6 +18,7 @@ mod common;
 mod bodies;
 mod chains;
 mod failures;
+mod forces;
 mod invariants;
 mod lattices;
 mod output;

@@ -1,5 +1,7 @@
 //! A scene as text: its summands and the impulses that they give, each with its loops.
 
+use std::fmt::Write as _;
+
 use crate::algebra::{Arena, Expr, Notation, Symbol};
 use crate::catalogue::{Nodes, Rule};
 use crate::model::SymbolNames;
@@ -16,6 +18,9 @@ pub(crate) struct SceneTexts {
     pub(crate) motion: String,
     /// The impulses of the sites.
     sweep: Vec<String>,
+    /// The friction of the sites.
+    friction: Vec<String>,
+    has_forces: bool,
 }
 
 /// Prints a scene.
@@ -33,14 +38,37 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         let (value, loops) = (writer.formula(summand.value), writer.loops(summand.sum));
         format!("L += {value} {loops}")
     });
+    let forces = derived.scene.forces.iter();
+    let forces = forces.map(|force| format!("F {}: an entry for each site", force.name));
+    let has_forces = !derived.scene.forces.is_empty();
+    let force = if has_forces {
+        "(∂L/∂q + F)"
+    } else {
+        "∂L/∂q"
+    };
     SceneTexts {
-        system: summands.chain(noises).collect::<Vec<_>>().join("\n"),
-        motion: "dq = M⁻¹ p dt\ndp = ∂L/∂q dt + Σ ∂γ/∂q ∘ dW".to_owned(),
+        system: summands
+            .chain(noises)
+            .chain(forces)
+            .collect::<Vec<_>>()
+            .join("\n"),
+        motion: format!("dq = M⁻¹ p dt\ndp = {force} dt + Σ ∂γ/∂q ∘ dW"),
         sweep: writer.sweep(),
+        friction: writer.friction(),
+        has_forces,
     }
 }
 
 impl SceneTexts {
+    /// Returns all formulas of the system, by which stored states know it.
+    pub(crate) fn formulas(&self) -> String {
+        let lines = [&self.system]
+            .into_iter()
+            .chain(&self.sweep)
+            .chain(&self.friction);
+        lines.map(String::as_str).collect::<Vec<_>>().join("\n")
+    }
+
     /// Returns the discrete action and the step of a rule.
     pub(crate) fn step(&self, rule: Rule) -> [String; 2] {
         let (nodes, start, end) = match rule.nodes {
@@ -49,14 +77,42 @@ impl SceneTexts {
             _ => ("L(t₁, q₁, v)", None, Some("")),
         };
         let noises = nodes.replace(", v)", ")").replace('L', "γ");
-        let action = format!("S_d = h {nodes} + ⟨p, q₁ − q₀ − h v⟩ + Σ {noises} ΔW");
+        let mut action = format!("S_d = h {nodes} + ⟨p, q₁ − q₀ − h v⟩ + Σ {noises} ΔW");
+        if self.has_forces {
+            let at = |part: Option<&str>, at| part.map(|part| format!("{part}h F({at}, v)·δ{at}"));
+            let work: Vec<String> = at(start, "q₀").into_iter().chain(at(end, "q₁")).collect();
+            write!(
+                action,
+                "\nwith the virtual work {} beside δS",
+                work.join(" + ")
+            )
+            .ok();
+        }
         let kick = |part: &str, at: &str| format!("kick: p += {part}I({at}), a sweep at {at}");
         let mut step = Vec::new();
         step.extend(start.map(|part| kick(part, "q₀")));
+        let damped = |part: Option<&str>, how: [&str; 2]| {
+            let part = part.filter(|_| !self.friction.is_empty());
+            part.map(|part| format!("friction: p {} (1 {} {part}h N M⁻¹)", how[0], how[1]))
+        };
+        step.extend(damped(start, ["/=", "+"]));
         step.push("drift: q₁ = q₀ + h M⁻¹ p".to_owned());
+        step.extend(damped(end, ["*=", "−"]));
         step.extend(end.map(|part| kick(part, "q₁")));
-        step.push("all in place, with the impulses I = h ∂L/∂q + Σ ∂γ/∂q ΔW:".to_owned());
-        step.extend(self.sweep.iter().cloned());
+        let force = if self.has_forces {
+            "(∂L/∂q + F)"
+        } else {
+            "∂L/∂q"
+        };
+        let without = if self.friction.is_empty() {
+            ""
+        } else {
+            ", F without the friction −N v"
+        };
+        step.push(format!(
+            "all in place, with the impulses I = h {force} + Σ ∂γ/∂q ΔW{without}:"
+        ));
+        step.extend(self.sweep.iter().chain(&self.friction).cloned());
         [action, step.join("\n")]
     }
 }
@@ -78,7 +134,8 @@ impl Writer<'_> {
         let scene = &self.derived.scene;
         for term in &self.derived.terms {
             let loops = self.loops(term.sum);
-            for (&site, impulses) in term.sites.iter().zip(&term.impulses) {
+            for at in term.receivers(self.arena) {
+                let (site, impulses) = (term.sites[at], &term.impulses[at]);
                 for (component, &impulse) in impulses.iter().enumerate() {
                     let index = scene.integers.text(site);
                     let component = self.component(component);
@@ -88,6 +145,18 @@ impl Writer<'_> {
             }
         }
         lines
+    }
+
+    /// Returns the friction of each component of a site.
+    fn friction(&self) -> Vec<String> {
+        let frictions = self.derived.frictions.iter();
+        let lines = frictions.map(|friction| {
+            let index = self.derived.scene.integers.text(friction.site);
+            let component = self.component(friction.component);
+            let (value, loops) = (self.formula(friction.value), self.loops(friction.sum));
+            format!("N[{index}]{component} += {value} {loops}")
+        });
+        lines.collect()
     }
 
     /// Returns the index of a component; nothing for numbers.

@@ -119,6 +119,7 @@ pub(crate) struct Scene {
     pub(crate) sums: Vec<Sum>,
     pub(crate) lagrangian: Expr,
     pub(crate) noises: Vec<SceneNoise>,
+    pub(crate) forces: Vec<SceneForce>,
     /// As in [`Model`](super::Model).
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }
@@ -141,6 +142,16 @@ pub(crate) enum Processes {
     /// A function that returns a `Vec`. The summand of the sum, a `For`, is γ of the process
     /// `counter − from`.
     Each(SumId),
+}
+
+/// A force.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneForce {
+    /// Source name.
+    pub(crate) name: String,
+    /// For each component, the sum whose summand, a `For`, is the force on the site
+    /// `counter − from`; `None` for a component that is zero everywhere.
+    pub(crate) components: Vec<Option<SumId>>,
 }
 
 impl Head {

@@ -1,12 +1,12 @@
 //! The kinetic energy of a scene: `½ Σ m v²` with masses that do not depend on the motion.
 
-use super::{Mass, Summand, Terms};
+use super::{Coefficient, Summand, Terms};
 use crate::algebra::{Expr, Symbol};
 use crate::model::scene::{Condition, Head, Int, SlotArray, SumId};
 use proc_macro2::Span;
 
 /// Returns the masses. Velocities that occur in another way are mistakes.
-pub(super) fn masses(terms: &mut Terms<'_>, summands: &[Summand]) -> Vec<Mass> {
+pub(super) fn masses(terms: &mut Terms<'_>, summands: &[Summand]) -> Vec<Coefficient> {
     for sum in 0..terms.scene.sums.len() {
         terms.check_condition(SumId(sum));
     }
@@ -43,7 +43,7 @@ impl Terms<'_> {
     }
 
     /// Returns the masses in a summand.
-    fn masses_of(&mut self, summand: &Summand) -> Vec<Mass> {
+    fn masses_of(&mut self, summand: &Summand) -> Vec<Coefficient> {
         let Summand { root, sum, value } = *summand;
         let velocities: Vec<(Symbol, Int, usize)> = self
             .slots_of(value)
@@ -71,7 +71,7 @@ impl Terms<'_> {
                 self.errors.push(self.place(sum), mistake);
                 return Vec::new();
             }
-            masses.push(Mass {
+            masses.push(Coefficient {
                 root,
                 sum,
                 site,
@@ -111,27 +111,14 @@ impl Terms<'_> {
                 "the velocity `{own}` occurs in a term that is linear in it: {WORKS}"
             ));
         }
-        let conditions = self.scene.heads(summand.sum).filter_map(|head| match head {
-            Head::If(condition) => Some(numbers(condition)),
-            Head::For { .. } => None,
-        });
-        let conditions: Vec<Expr> = conditions.flatten().collect();
-        let reads = conditions.into_iter().chain([mass]).find_map(|expr| {
-            if self.arena.contains(expr, self.scene.time) {
-                return Some("t".to_owned());
-            }
-            let slots = self.slots_of(expr);
-            let is_coordinate = |array: &SlotArray| matches!(array, SlotArray::Configuration(_));
-            let found = slots.iter().find(|slot| is_coordinate(slot.1))?;
-            Some(self.text(found.0))
-        });
+        let reads = self.varies(summand.sum, mass);
         reads.map(|read| {
             format!("the mass of the velocity `{own}` depends on `{read}`: masses of kept loops are constants, which may differ from site to site")
         })
     }
 
     /// Returns a slot as the source may spell it.
-    fn text(&self, symbol: Symbol) -> String {
+    pub(super) fn text(&self, symbol: Symbol) -> String {
         let Some(slot) = self.scene.slot(symbol) else {
             return self.scene.symbols.name(symbol);
         };
@@ -143,7 +130,7 @@ impl Terms<'_> {
     }
 
     /// Returns the place of a sum.
-    fn place(&self, sum: Option<SumId>) -> Span {
+    pub(super) fn place(&self, sum: Option<SumId>) -> Span {
         sum.map_or_else(Span::call_site, |sum| self.scene.sums[sum.0].at)
     }
 }

@@ -6,6 +6,7 @@
 //! So `h L + Σ γ ΔW` is the sum of all terms over all instances, and an impulse of a site is the
 //! sum of the derivatives of the terms that read the site.
 
+mod forces;
 mod gather;
 mod kinetic;
 mod share;
@@ -32,8 +33,10 @@ pub(crate) struct Derived {
     pub(crate) roots: Vec<Root>,
     /// The summands of the Lagrangian.
     pub(crate) lagrangian: Vec<Summand>,
-    pub(crate) masses: Vec<Mass>,
-    /// The terms of potentials and noises.
+    pub(crate) masses: Vec<Coefficient>,
+    /// The friction ν of the forces −ν v.
+    pub(crate) frictions: Vec<Coefficient>,
+    /// The terms of potentials, noises and forces.
     pub(crate) terms: Vec<Term>,
     /// The terms of streams with their sites, those of most nodes first, each as a loop over nodes
     /// computes it.
@@ -63,8 +66,8 @@ pub(crate) struct Summand {
     pub(crate) value: Expr,
 }
 
-/// The mass of a component of a site, in each instance of a sum.
-pub(crate) struct Mass {
+/// A number of a component of a site, in each instance of a sum: its mass, or its friction.
+pub(crate) struct Coefficient {
     pub(crate) root: usize,
     pub(crate) sum: Option<SumId>,
     pub(crate) site: Int,
@@ -72,7 +75,8 @@ pub(crate) struct Mass {
     pub(crate) value: Expr,
 }
 
-/// A term that depends on the configuration.
+/// A term that adds to the impulses of sites: a term of a potential or a noise, which depends on
+/// them, or a force on the first one.
 pub(crate) struct Term {
     pub(crate) root: usize,
     pub(crate) sum: Option<SumId>,
@@ -83,7 +87,7 @@ pub(crate) struct Term {
     pub(crate) sites: Vec<Int>,
     /// The fields and integers that the derivatives read.
     pub(crate) columns: Vec<Symbol>,
-    /// For each site, the derivative in each component.
+    /// For each site, the derivative in each component, or the force.
     pub(crate) gradient: Vec<Vec<Expr>>,
     /// For each site, the impulse in each component: the derivative, times h for a term of the
     /// Lagrangian.
@@ -100,16 +104,19 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     let masses = kinetic::masses(&mut terms, &summands);
     let at_rest: Vec<Summand> = summands.iter().map(|s| terms.at_rest(s)).collect();
     let noises = terms.noises();
+    let (forces, frictions) = terms.forces();
     let mut list = Vec::new();
     for (summands, is_noise) in [(at_rest, false), (noises, true)] {
         let all = summands.iter().filter_map(|s| terms.term(s, is_noise));
         list.extend(all);
     }
+    list.extend(forces);
     let mut derived = Derived {
         step: terms.scene.symbols.declare(Meaning::StepSize),
         roots: terms.roots,
         lagrangian: summands,
         masses,
+        frictions,
         terms: list,
         listed: terms.listed,
         each: terms.each,
@@ -290,6 +297,15 @@ impl<'a> Terms<'a> {
         }
     }
 
+    /// Returns the fields and integers that numbers read.
+    fn columns_of(&self, numbers: &[Expr]) -> Vec<Symbol> {
+        let read = numbers.iter().flat_map(|&number| self.slots_of(number));
+        let is_column = |array| matches!(array, &SlotArray::Field(_) | &SlotArray::Number(_));
+        let columns: BTreeSet<Symbol> =
+            read.filter(|slot| is_column(slot.1)).map(|s| s.0).collect();
+        columns.into_iter().collect()
+    }
+
     /// Returns a term with its derivatives; `None` if it does not depend on the configuration.
     fn term(&mut self, summand: &Summand, is_noise: bool) -> Option<Term> {
         let Summand { root, sum, value } = *summand;
@@ -318,10 +334,6 @@ impl<'a> Terms<'a> {
         if self.arena.zeros(&slopes).into_iter().all(|is_zero| is_zero) {
             return None;
         }
-        let read = slopes.iter().flat_map(|&slope| self.slots_of(slope));
-        let is_column = |array| matches!(array, &SlotArray::Field(_) | &SlotArray::Number(_));
-        let columns: BTreeSet<Symbol> =
-            read.filter(|slot| is_column(slot.1)).map(|s| s.0).collect();
         let of_each = self.each.iter();
         let mut of_each = of_each.map(|&(symbol, _)| self.arena.contains(value, symbol));
         Some(Term {
@@ -329,11 +341,19 @@ impl<'a> Terms<'a> {
             sum,
             is_noise,
             sites,
-            columns: columns.into_iter().collect(),
+            columns: self.columns_of(&slopes),
             impulses: Vec::new(),
             gradient,
             increment: of_each.position(|is_read| is_read),
         })
+    }
+}
+
+impl Term {
+    /// Returns the sites whose impulses the term adds to.
+    pub(crate) fn receivers<'a>(&'a self, arena: &'a Arena) -> impl Iterator<Item = usize> + 'a {
+        let is_zero = |slope: &Expr| arena.constant_value(*slope) == Some(0.0);
+        (0..self.sites.len()).filter(move |&site| !self.gradient[site].iter().all(is_zero))
     }
 }
 

@@ -37,7 +37,7 @@ impl Derived {
             if !self.roots[term.root].is_stream {
                 continue;
             }
-            for site in 0..term.sites.len() {
+            for site in term.receivers(arena) {
                 let slopes = &term.gradient[site];
                 let reads = |symbol| slopes.iter().any(|&slope| arena.contains(slope, symbol));
                 let rows = (0..term.sites.len()).filter(|&other| {

@@ -29,6 +29,7 @@ impl Builder {
             sums: Vec::new(),
             lagrangian,
             noises: Vec::new(),
+            forces: Vec::new(),
             constants: Vec::new(),
         };
         Self { arena, scene }

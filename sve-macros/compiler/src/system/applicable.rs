@@ -85,10 +85,9 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
         .noises
         .iter()
         .filter(|f| f.role != FunctionRole::Gamma);
-    let others = block.forces.iter().chain(&block.symmetries);
-    for function in h1.chain(others).chain(&block.constraints) {
+    for function in h1.chain(&block.symmetries).chain(&block.constraints) {
         let message = format!(
-            "`#[{}]` is not for scenes, systems whose coordinates are slices: their functions are `lagrangian`, `#[gamma]` and helpers",
+            "`#[{}]` is not for scenes, systems whose coordinates are slices: their functions are `lagrangian`, `#[gamma]`, `#[force]` and helpers",
             function.role.attribute()
         );
         errors.push(function.name.span(), message);

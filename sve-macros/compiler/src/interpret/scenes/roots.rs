@@ -14,7 +14,7 @@ use crate::algebra::{Expr, Node, Symbol};
 use crate::interpret::types::Shape;
 use crate::interpret::value::Value;
 use crate::model::scene::{
-    Array, Head, Int, IntNode, Processes, Row, Scene, SceneNoise, SlotArray, Sum, SumId,
+    Array, Head, Int, IntNode, Processes, Row, Scene, SceneForce, SceneNoise, SlotArray, Sum, SumId,
 };
 use crate::model::{Meaning, Symbols};
 use crate::syntax::parse::RoleFunction;
@@ -47,6 +47,15 @@ impl Lowering<'_> {
                 noises.push((function, processes));
             }
         }
+        let mut forces = Vec::new();
+        for function in &block.forces {
+            let rows: [fn(Int) -> SlotArray; 2] = [SlotArray::Configuration, SlotArray::Velocity];
+            let result = self.run_scene(function, time, &rows);
+            forces.extend(
+                self.force_on_sites(function, result)
+                    .map(|force| (function, force)),
+            );
+        }
         let mut sums = Vec::new();
         let lagrangian = self.root(lagrangian?, function.name.span(), &mut sums)?;
         let mut placed = Vec::new();
@@ -58,17 +67,25 @@ impl Lowering<'_> {
                     let values = values.map(|value| self.root(value, at, &mut sums));
                     Processes::Listed(values.collect::<Option<_>>()?)
                 }
-                Found::Each(sum) => {
-                    let id = SumId(sums.len());
-                    self.placed(sum, None, &mut sums)?;
-                    Processes::Each(id)
-                }
+                Found::Each(sum) => Processes::Each(self.placed_root(sum, &mut sums)?),
             };
             let name = function.name.to_string();
             placed.push(SceneNoise {
                 name,
                 at,
                 processes,
+            });
+        }
+        let mut placed_forces = Vec::new();
+        for (function, components) in forces {
+            let components = components.into_iter();
+            let placed = components.map(|sum| match sum {
+                Some(sum) => self.placed_root(sum, &mut sums).map(Some),
+                None => Some(None),
+            });
+            placed_forces.push(SceneForce {
+                name: function.name.to_string(),
+                components: placed.collect::<Option<_>>()?,
             });
         }
         if self.errors.count() > 0 {
@@ -83,6 +100,7 @@ impl Lowering<'_> {
             sums,
             lagrangian,
             noises: placed,
+            forces: placed_forces,
             constants: std::mem::take(&mut self.constants),
         })
     }
@@ -164,23 +182,7 @@ impl Lowering<'_> {
             if !crate::syntax::parse::is_f64(entry) {
                 return self.refuse(entry, "a process an entry is a number: return `Vec<f64>`");
             }
-            let at = function
-                .item
-                .block
-                .stmts
-                .last()
-                .map_or(name_span(function), Spanned::span);
-            let stream = match value {
-                Value::Poison => return None,
-                Value::Stream(stream) if stream.filter.is_none() => stream,
-                other => {
-                    let message = format!(
-                        "expected a `Vec` made by `collect`, `q.iter().map(|x| …).collect()`, found {}",
-                        other.kind()
-                    );
-                    return self.refuse(&at, message);
-                }
-            };
+            let (stream, at) = self.collected(function, value)?;
             let first = self.scene.sums.len();
             let value = self.rounds(&stream, at, &Body::none("i"), |_, value| Some(value))?;
             self.scalar(&value, &at)?;
@@ -208,6 +210,69 @@ impl Lowering<'_> {
         Some(Found::Listed(
             named.into_iter().map(|(_, value)| value).collect(),
         ))
+    }
+
+    /// Returns the entries of the `Vec` that a function returns, and their place.
+    fn collected(&mut self, function: &RoleFunction, value: Value) -> Option<(Stream, Span)> {
+        let last = function.item.block.stmts.last();
+        let at = last.map_or(name_span(function), Spanned::span);
+        match value {
+            Value::Poison => None,
+            Value::Stream(stream) if stream.filter.is_none() => Some((stream, at)),
+            other => {
+                let message = format!(
+                    "expected a `Vec` made by `collect`, `q.iter().map(|x| …).collect()`, found {}",
+                    other.kind()
+                );
+                self.refuse(&at, message)
+            }
+        }
+    }
+
+    /// Returns the sum of each component of a force; `None` for one that is zero.
+    fn force_on_sites(
+        &mut self,
+        function: &RoleFunction,
+        value: Value,
+    ) -> Option<Vec<Option<Symbol>>> {
+        let of_site = entry_of_slice(self.block.coordinates())?;
+        let entry = match entry_of_vec(&function.output) {
+            Some(entry) => self.shape(entry),
+            None => None,
+        };
+        let shape = self.scene.shape.clone()?;
+        if entry.as_ref() != Some(&shape) {
+            let message = format!(
+                "a force has an entry for each site: return `Vec<{}>`",
+                readable(of_site)
+            );
+            return self.refuse(&function.output, message);
+        }
+        let (stream, at) = self.collected(function, value)?;
+        let body = Body::none("i");
+        let mut components = Vec::new();
+        let sums = self.rounds(&stream, at, &body, |x, value| {
+            // the entries are of the shape of a site
+            x.entries(&value, &shape, &at, &mut components)?;
+            let numbers = components.iter().map(|&number| Value::Scalar(number));
+            Some(Value::Array(numbers.collect()))
+        })?;
+        let sums = sums.items().iter();
+        let sums = sums.map(|sum| match sum {
+            Value::Scalar(sum) => {
+                let mut symbols = self.arena.symbols_of(*sum);
+                symbols.find(|&symbol| self.kept_sum(symbol).is_some())
+            }
+            _ => None,
+        });
+        Some(sums.collect())
+    }
+
+    /// Appends a sum that is a root. Returns its number.
+    fn placed_root(&mut self, sum: Symbol, sums: &mut Vec<Sum>) -> Option<SumId> {
+        let id = SumId(sums.len());
+        self.placed(sum, None, sums)?;
+        Some(id)
     }
 
     /// Returns whether a number depends on the configuration.

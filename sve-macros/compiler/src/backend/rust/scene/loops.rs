@@ -5,11 +5,11 @@ use quote::{format_ident, quote};
 use syn::Type;
 
 use super::super::function::Formulas;
-use super::super::{attributes, verbatim};
+use super::super::{attributes, ident, verbatim};
 use super::nodes::{contribution, node};
 use super::walk::{Action, Leaf, Walk};
-use crate::model::scene::Head;
-use crate::scene::{Derived, Pair, Root};
+use crate::model::scene::{Head, SumId};
+use crate::scene::{Coefficient, Derived, Pair, Root};
 
 pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -> TokenStream {
     let (private, attributes) = (formulas.private, attributes());
@@ -19,7 +19,14 @@ pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -
     let (node, contribution) = (node(derived, formulas), contribution(derived, formulas));
     let loops = Loops { derived, formulas };
     let (instances, nest) = (loops.instances(), loops.nest());
-    let (masses, lagrangian) = (loops.masses(), loops.lagrangian());
+    let masses = loops.components("masses", &derived.masses);
+    let has_forces = !derived.scene.forces.is_empty();
+    let forces = has_forces.then(|| {
+        let frictions = loops.components("frictions", &derived.frictions);
+        [frictions, loops.forces()]
+    });
+    let forces = forces.into_iter().flatten();
+    let lagrangian = loops.lagrangian();
     let processes = loops.processes();
     quote! {
         #attributes
@@ -29,6 +36,7 @@ pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -
             #tables
             #instances
             #masses
+            #(#forces)*
             #node
             #contribution
             #nest
@@ -168,11 +176,8 @@ impl Loops<'_> {
             let mut roots = self.derived.roots.iter();
             let function = roots.find(|root| root.sum == Some(sum));
             let function = function.map_or("", |root| &root.function);
-            let mut walk = Walk::new(self.derived, self.formulas, function, Vec::new());
-            if let Head::For { from, to, .. } = self.derived.scene.sums[sum.0].head {
-                let [from, to] = [from, to].map(|bound| walk.integer(bound, &mut code));
-                code.extend(quote!(count += i64::max(0, i64::saturating_sub(#to, #from));));
-            }
+            let count = self.rounds(function, sum, &mut code);
+            code.extend(quote!(count += #count;));
         }
         quote!(#code count)
     }
@@ -205,10 +210,12 @@ impl Loops<'_> {
             |_| true,
             |term| {
                 let term = &self.derived.terms[term];
+                let receivers: Vec<usize> = term.receivers(self.formulas.arena).collect();
+                let impulses = receivers.iter().flat_map(|&site| &term.impulses[site]);
                 Leaf {
                     sum: term.sum,
-                    values: term.impulses.concat(),
-                    action: Action::AddRows(term.sites.clone()),
+                    values: impulses.copied().collect(),
+                    action: Action::AddRows(receivers.iter().map(|&at| term.sites[at]).collect()),
                 }
             },
         );
@@ -230,20 +237,21 @@ impl Loops<'_> {
         }
     }
 
-    fn masses(&self) -> TokenStream {
-        let private = self.formulas.private;
+    /// A function that adds a number of each component of each site.
+    fn components(&self, name: &str, components: &[Coefficient]) -> TokenStream {
+        let (private, name) = (self.formulas.private, ident(name));
         let roots = 0..self.derived.roots.len();
         let loops = roots.map(|root| {
-            let masses = self.derived.masses.iter().filter(|mass| mass.root == root);
-            let leaves = masses.map(|mass| Leaf {
-                sum: mass.sum,
-                values: vec![mass.value],
-                action: Action::AddComponent(mass.site, mass.component),
+            let of_root = components.iter().filter(|of| of.root == root);
+            let leaves = of_root.map(|of| Leaf {
+                sum: of.sum,
+                values: vec![of.value],
+                action: Action::AddComponent(of.site, of.component),
             });
             self.loops(root, leaves.collect())
         });
         quote! {
-            fn masses(
+            fn #name(
                 &self,
                 n: usize,
                 to: &mut [Self::Row],
@@ -253,6 +261,38 @@ impl Loops<'_> {
                 ::core::result::Result::Ok(())
             }
         }
+    }
+
+    /// The names of the forces, each with the number of its entries.
+    fn forces(&self) -> TokenStream {
+        let private = self.formulas.private;
+        let forces = self.derived.scene.forces.iter().filter_map(|force| {
+            let sum = force.components.iter().flatten().next()?;
+            let mut code = TokenStream::new();
+            let count = self.rounds(&force.name, *sum, &mut code)?;
+            let name = verbatim(&force.name);
+            Some(quote!({ #code visit(#name, #count); }))
+        });
+        quote! {
+            fn forces(
+                &self,
+                n: usize,
+                visit: &mut dyn ::core::ops::FnMut(&'static str, i64),
+            ) -> ::core::result::Result<(), #private::scene::IndexError> {
+                #(#forces)*
+                ::core::result::Result::Ok(())
+            }
+        }
+    }
+
+    /// The number of rounds of a loop, after `code` that finds its bounds.
+    fn rounds(&self, function: &str, sum: SumId, code: &mut TokenStream) -> Option<TokenStream> {
+        let mut walk = Walk::new(self.derived, self.formulas, function, Vec::new());
+        let Head::For { from, to, .. } = self.derived.scene.sums[sum.0].head else {
+            return None;
+        };
+        let [from, to] = [from, to].map(|bound| walk.integer(bound, code));
+        Some(quote!(i64::max(0, i64::saturating_sub(#to, #from))))
     }
 
     fn lagrangian(&self) -> TokenStream {

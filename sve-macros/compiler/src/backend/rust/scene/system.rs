@@ -39,14 +39,15 @@ impl Context<'_> {
         let kind = self.kind();
         let [coordinates, momenta] = ["q", "p"].map(|letter| self.names(letter));
         let mut hash = XxHash64::default();
-        hash.write(self.texts.system.as_bytes());
+        hash.write(self.texts.formulas().as_bytes());
         let hash = Literal::u64_unsuffixed(hash.finish());
         let visited = self.derived.scene.symbols.meanings().iter();
         let visited = visited.filter_map(|meaning| match meaning {
             Meaning::Parameter { access, .. } => Some(number(access, private)),
             _ => None,
         });
-        let functions = self.block.noises.iter().chain([&self.block.lagrangian]);
+        let functions = self.block.noises.iter().chain(&self.block.forces);
+        let functions = functions.chain([&self.block.lagrangian]);
         let functions = functions.map(|function| &function.name);
         let constants = self.derived.scene.constants.iter();
         let constants = constants.map(|(path, value)| constant_check(path, *value));
