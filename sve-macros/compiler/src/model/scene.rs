@@ -4,15 +4,12 @@
 //! Invariant: a sum occurs once, in the summand of its parent or in one root of the scene, and
 //! parents come before their children. A condition contains no sum.
 
-#![allow(dead_code)]
-
 mod integers;
 
 use proc_macro2::{Span, TokenStream};
 
 use super::Symbols;
 use crate::algebra::{Expr, Symbol};
-#[allow(unused_imports)]
 pub(crate) use integers::{Access, Array, Counter, Int, IntNode, Integers, Step};
 
 /// The number of a sum. Its symbol has the meaning `Meaning::Sum`.
@@ -129,8 +126,6 @@ pub(crate) struct Scene {
 pub(crate) struct SceneNoise {
     /// Source name.
     pub(crate) name: String,
-    /// The place of the name.
-    pub(crate) at: Span,
     pub(crate) processes: Processes,
 }
 

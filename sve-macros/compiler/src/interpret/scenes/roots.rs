@@ -70,11 +70,7 @@ impl Lowering<'_> {
                 Found::Each(sum) => Processes::Each(self.placed_root(sum, &mut sums)?),
             };
             let name = function.name.to_string();
-            placed.push(SceneNoise {
-                name,
-                at,
-                processes,
-            });
+            placed.push(SceneNoise { name, processes });
         }
         let mut placed_forces = Vec::new();
         for (function, components) in forces {
