@@ -99,7 +99,8 @@ pub trait Scene {
     /// Returns the impulse h (∂L/∂q + F) + Σ ΔW ∂γ/∂q of a node to which each of the first
     /// [`NODE_PAIRS`](Self::NODE_PAIRS) pairs contributes once. `#[inline(always)]`.
     ///
-    /// `dw` has all increments of the step: those of listed processes, then those of terms.
+    /// `dw` has all increments of the step: those of listed processes, then those of terms; and then
+    /// the totals.
     fn node(&self, h: f64, t: f64, dw: &[f64], reads: &impl Reads<Self::Row>) -> Self::Row;
 
     /// Adds the impulses of one pair to consecutive nodes, with [`add`]. `#[inline(always)]`.
@@ -129,6 +130,19 @@ pub trait Scene {
         q: &[Self::Row],
         to: &mut [Self::Row],
     ) -> Result<(), IndexError>;
+
+    /// The number of sums that enter formulas, such as a mean field, and of the derivatives with
+    /// respect to them.
+    const TOTALS: usize = 0;
+
+    /// Writes these numbers to the end of `dw`, the last one first.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn totals(&self, t: f64, q: &[Self::Row], dw: &mut [f64]) -> Result<(), IndexError> {
+        let _ = (t, q, dw);
+        Ok(())
+    }
 
     /// Returns the Lagrangian.
     ///

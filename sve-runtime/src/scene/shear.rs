@@ -237,6 +237,13 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
         let Some([h, _, t]) = self.kick.take() else {
             return Ok(());
         };
+        if S::TOTALS > 0 {
+            // the places of all sites
+            self.drift_alone();
+            let of_kick = &mut self.prepared.of_kick;
+            of_kick.resize(of_kick.len() + S::TOTALS, 0.0);
+            self.scene.totals(t, self.state.q, of_kick)?;
+        }
         let Prepared {
             segments,
             masses,

@@ -10,6 +10,7 @@
 //! | `bodies.rs` | all pairs of bodies, and lists of bonds, angles and neighbours with a cut-off |
 //! | `invariants.rs` | energies, the symplectic form, strong order |
 //! | `forces.rs` | friction, pushes and forces of neighbours |
+//! | `totals.rs` | sums that enter other formulas, such as a mean field |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
 
@@ -22,3 +23,4 @@ mod forces;
 mod invariants;
 mod lattices;
 mod output;
+mod totals;

@@ -6,7 +6,7 @@ use crate::algebra::{Arena, Expr, Notation, Symbol};
 use crate::catalogue::{Nodes, Rule};
 use crate::model::SymbolNames;
 use crate::model::scene::{Comparison, Condition, Head, Processes, SlotArray, SumId};
-use crate::scene::Derived;
+use crate::scene::{Derived, Summand};
 
 /// Characters of a formula, beyond which its text is left out.
 const LONGEST: usize = 600;
@@ -34,10 +34,15 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         };
         format!("γ {}: {processes}", noise.name)
     });
-    let summands = derived.lagrangian.iter().map(|summand| {
-        let (value, loops) = (writer.formula(summand.value), writer.loops(summand.sum));
-        format!("L += {value} {loops}")
-    });
+    let summands = |name: String, list: &[Summand]| {
+        let lines = list.iter().map(|summand| {
+            let (value, loops) = (writer.formula(summand.value), writer.loops(summand.sum));
+            format!("{name} += {value} {loops}")
+        });
+        lines.collect::<Vec<_>>()
+    };
+    let totals = derived.totals.iter();
+    let totals = totals.flat_map(|total| summands(writer.symbol(total.symbol), &total.summands));
     let forces = derived.scene.forces.iter();
     let forces = forces.map(|force| format!("F {}: an entry for each site", force.name));
     let has_forces = !derived.scene.forces.is_empty();
@@ -47,7 +52,8 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         "∂L/∂q"
     };
     SceneTexts {
-        system: summands
+        system: totals
+            .chain(summands("L".to_owned(), &derived.lagrangian))
             .chain(noises)
             .chain(forces)
             .collect::<Vec<_>>()

@@ -190,6 +190,7 @@ impl Notation for SymbolNames<'_> {
             Meaning::Radius(_) | Meaning::Sum(_) | Meaning::Slot(_) | Meaning::Partial => {
                 self.symbols.name(symbol)
             }
+            Meaning::Total(i) => format!("S[{i}]"),
             Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),
         }

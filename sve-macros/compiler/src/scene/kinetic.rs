@@ -21,7 +21,7 @@ pub(super) fn masses(terms: &mut Terms<'_>, summands: &[Summand]) -> Vec<Coeffic
     masses
 }
 
-const WORKS: &str =
+pub(super) const WORKS: &str =
     "kept loops need the kinetic energy `0.5 * m * v[i] * v[i]` of each component of each site";
 
 impl Terms<'_> {

@@ -13,6 +13,7 @@ mod share;
 mod streams;
 #[cfg(test)]
 mod tests;
+mod totals;
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -23,6 +24,7 @@ use crate::model::scene::{Head, Int, Processes, Scene, Slot, SlotArray, SumId};
 pub(crate) use gather::{Gather, Read};
 use share::share;
 pub(crate) use streams::Pair;
+pub(crate) use totals::Total;
 
 /// A scene with its derivatives.
 pub(crate) struct Derived {
@@ -31,6 +33,9 @@ pub(crate) struct Derived {
     pub(crate) step: Symbol,
     /// The outermost loops, and the functions outside of their loops.
     pub(crate) roots: Vec<Root>,
+    /// The sums that enter formulas in another way than with a factor, and the derivatives with
+    /// respect to them; each reads the ones before it.
+    pub(crate) totals: Vec<Total>,
     /// The summands of the Lagrangian.
     pub(crate) lagrangian: Vec<Summand>,
     pub(crate) masses: Vec<Coefficient>,
@@ -100,9 +105,11 @@ pub(crate) struct Term {
 pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     let mut errors = Errors::new();
     let mut terms = Terms::new(scene, arena, &mut errors);
-    let summands = terms.lagrangian();
+    let (summands, slopes) = terms.lagrangian();
+    terms.check_totals();
     let masses = kinetic::masses(&mut terms, &summands);
-    let at_rest: Vec<Summand> = summands.iter().map(|s| terms.at_rest(s)).collect();
+    let all = summands.iter().chain(&slopes);
+    let at_rest: Vec<Summand> = all.map(|s| terms.at_rest(s)).collect();
     let noises = terms.noises();
     let (forces, frictions) = terms.forces();
     let mut list = Vec::new();
@@ -114,6 +121,7 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     let mut derived = Derived {
         step: terms.scene.symbols.declare(Meaning::StepSize),
         roots: terms.roots,
+        totals: terms.totals,
         lagrangian: summands,
         masses,
         frictions,
@@ -128,7 +136,12 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     errors.finish(())?;
     let gradients = derived.terms.iter_mut().flat_map(|t| &mut t.gradient);
     arena.stabilise(Purpose::Step, gradients.flatten().collect());
-    let values = derived.lagrangian.iter_mut().map(|s| &mut s.value);
+    let totals = derived.totals.iter_mut().flat_map(|t| &mut t.summands);
+    let values = derived
+        .lagrangian
+        .iter_mut()
+        .chain(totals)
+        .map(|s| &mut s.value);
     arena.stabilise(Purpose::Values, values.collect());
     let step = arena.symbol(derived.step);
     for term in &mut derived.terms {
@@ -155,6 +168,7 @@ struct Terms<'a> {
     /// The symbols of the sums.
     sums: HashMap<Symbol, SumId>,
     roots: Vec<Root>,
+    totals: Vec<Total>,
     listed: usize,
     each: Vec<(Symbol, SumId)>,
 }
@@ -172,22 +186,23 @@ impl<'a> Terms<'a> {
             arena,
             errors,
             roots: Vec::new(),
+            totals: Vec::new(),
             listed: 0,
             each: Vec::new(),
         }
     }
 
-    /// Returns the summands of the Lagrangian.
-    fn lagrangian(&mut self) -> Vec<Summand> {
-        let one = self.arena.constant(1.0);
-        let mut found = Vec::new();
-        self.function("lagrangian", self.scene.lagrangian, one, &mut found);
-        found
+    /// Returns the summands of the Lagrangian, and those of its totals with their weights, which have
+    /// its derivatives and not its value.
+    fn lagrangian(&mut self) -> (Vec<Summand>, Vec<Summand>) {
+        let (mut found, mut slopes) = (Vec::new(), Vec::new());
+        let value = self.scene.lagrangian;
+        self.function("lagrangian", value, [&mut found, &mut slopes]);
+        (found, slopes)
     }
 
     /// Returns the summands of all noises, each times its increment.
     fn noises(&mut self) -> Vec<Summand> {
-        let one = self.arena.constant(1.0);
         let mut found = Vec::new();
         for noise in self.scene.noises.clone() {
             match noise.processes {
@@ -201,7 +216,10 @@ impl<'a> Terms<'a> {
                         products.push((1.0, self.arena.mul(increment, gamma)));
                     }
                     let total = self.arena.sum(0.0, &products);
-                    self.function(&noise.name, total, one, &mut found);
+                    // a noise is its derivatives: its value is not needed
+                    let mut slopes = Vec::new();
+                    self.function(&noise.name, total, [&mut found, &mut slopes]);
+                    found.extend(slopes);
                 }
                 Processes::Each(sum) => {
                     let increment = Meaning::Slot(self.scene.symbols.meanings().len());
@@ -216,9 +234,18 @@ impl<'a> Terms<'a> {
         found
     }
 
-    /// Adds the summands of a function: those outside of its loops, and those of each loop.
-    fn function(&mut self, name: &str, value: Expr, weight: Expr, to: &mut Vec<Summand>) {
-        let (own, inner) = self.parts(value, weight);
+    /// Adds the summands of a function: those outside of its loops, and those of each loop; and
+    /// those of its totals with their weights.
+    fn function(&mut self, name: &str, value: Expr, [to, slopes]: [&mut Vec<Summand>; 2]) {
+        let value = self.with_totals(name, value, None, slopes);
+        for (sum, _) in self.sums_in(value) {
+            if self.is_once(sum) {
+                let summand = self.scene.sums[sum.0].summand;
+                self.scene.sums[sum.0].summand = self.with_totals(name, summand, Some(sum), slopes);
+            }
+        }
+        let one = self.arena.constant(1.0);
+        let (own, inner) = self.parts(value, one);
         if self.arena.constant_value(own) != Some(0.0) {
             let (root, sum) = (self.root(None, name), None);
             let value = own;
@@ -228,6 +255,16 @@ impl<'a> Terms<'a> {
             let root = self.root(Some(sum), name);
             self.sum(root, sum, weight, to);
         }
+    }
+
+    /// Returns the sums in an expression, with their symbols.
+    fn sums_in(&self, value: Expr) -> Vec<(SumId, Symbol)> {
+        let symbols = self.arena.symbols_of(value);
+        let mut sums: Vec<(SumId, Symbol)> = symbols
+            .filter_map(|symbol| Some((*self.sums.get(&symbol)?, symbol)))
+            .collect();
+        sums.sort_by_key(|sum| sum.0.0);
+        sums
     }
 
     fn root(&mut self, sum: Option<SumId>, function: &str) -> usize {
@@ -255,17 +292,13 @@ impl<'a> Terms<'a> {
     /// Splits an expression into its part without sums, and the sums in it with their weights;
     /// both times `weight`.
     fn parts(&mut self, value: Expr, weight: Expr) -> (Expr, Vec<(SumId, Expr)>) {
-        let symbols = self.arena.symbols_of(value);
-        let mut sums: Vec<(SumId, Symbol)> = symbols
-            .filter_map(|symbol| Some((*self.sums.get(&symbol)?, symbol)))
-            .collect();
-        sums.sort_by_key(|sum| sum.0.0);
+        let sums = self.sums_in(value);
         let zero = self.arena.constant(0.0);
         let mut inner = Vec::new();
         for &(sum, symbol) in &sums {
             let slope = self.arena.diff(value, symbol);
             if sums.iter().any(|&(_, s)| self.arena.contains(slope, s)) {
-                let message = "this loop's sum enters another formula, which needs two passes over the loop, and is not kept yet: use the sum with a factor and plus or minus, or give the number of sites at compile time, `[f64; N]`";
+                let message = "this sum of an inner loop enters another formula of the loop around it, which needs two passes over the inner loop, and is not kept yet: use the sum with a factor and plus or minus, or give the number of sites at compile time, `[f64; N]`";
                 self.errors.push(self.scene.sums[sum.0].at, message);
                 continue;
             }

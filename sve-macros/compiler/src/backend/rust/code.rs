@@ -279,6 +279,11 @@ fn input(meaning: &Meaning, place: Place) -> Option<TokenStream> {
         Meaning::Start(Quantity::Position, i) => (quote!(state.q), i),
         Meaning::Start(Quantity::Momentum, i) => (quote!(state.p), i),
         Meaning::Wiener(i) => (quote!(dw), i),
+        // the totals of a kick stand after its increments, the last one first
+        Meaning::Total(i) => {
+            let from_end = Literal::usize_unsuffixed(i + 1);
+            return Some(quote!(dw[dw.len() - #from_end]));
+        }
         Meaning::StepSize
         | Meaning::Unknown(_)
         | Meaning::Limit(_)

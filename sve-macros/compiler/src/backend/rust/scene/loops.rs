@@ -9,7 +9,7 @@ use super::super::{attributes, ident, verbatim};
 use super::nodes::{contribution, node};
 use super::walk::{Action, Leaf, Walk};
 use crate::model::scene::{Head, SumId};
-use crate::scene::{Coefficient, Derived, Pair, Root};
+use crate::scene::{Coefficient, Derived, Pair, Root, Summand};
 
 pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -> TokenStream {
     let (private, attributes) = (formulas.private, attributes());
@@ -26,7 +26,7 @@ pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -
         [frictions, loops.forces()]
     });
     let forces = forces.into_iter().flatten();
-    let lagrangian = loops.lagrangian();
+    let (totals, lagrangian) = (loops.totals(), loops.lagrangian());
     let processes = loops.processes();
     quote! {
         #attributes
@@ -40,6 +40,7 @@ pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -
             #node
             #contribution
             #nest
+            #totals
             #lagrangian
             #processes
         }
@@ -89,11 +90,13 @@ fn tables(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
             }
         }
     });
-    let mut impulses = derived
+    let impulses = derived
         .terms
         .iter()
-        .flat_map(|term| term.impulses.iter().flatten());
-    let reads_time = impulses.any(|&e| formulas.arena.contains(e, derived.scene.time));
+        .flat_map(|term| term.impulses.iter().flatten().copied());
+    let totals = derived.totals.iter().flat_map(|total| &total.summands);
+    let mut numbers = impulses.chain(totals.map(|summand| summand.value));
+    let reads_time = numbers.any(|e| formulas.arena.contains(e, derived.scene.time));
     let common = derived.common;
     quote! {
         const LOOPS: &'static [#private::scene::Loop] = &[#(#roots),*];
@@ -295,17 +298,61 @@ impl Loops<'_> {
         Some(quote!(i64::max(0, i64::saturating_sub(#to, #from))))
     }
 
-    fn lagrangian(&self) -> TokenStream {
+    /// The totals, if there are any.
+    fn totals(&self) -> Option<TokenStream> {
         let private = self.formulas.private;
+        let count = self.derived.totals.len();
+        let totals = self.derived.totals.iter().enumerate().map(|(at, total)| {
+            let from_end = Literal::usize_unsuffixed(at + 1);
+            let loops = self.values(&total.summands);
+            quote! {
+                let total = { let mut value = 0f64; #loops value };
+                dw[all - #from_end] = total;
+            }
+        });
+        (count > 0).then(|| {
+            let count = Literal::usize_unsuffixed(count);
+            quote! {
+                const TOTALS: usize = #count;
+                fn totals(
+                    &self,
+                    time: f64,
+                    q: &[Self::Row],
+                    dw: &mut [f64],
+                ) -> ::core::result::Result<(), #private::scene::IndexError> {
+                    let n = q.len();
+                    let all = dw.len();
+                    #(#totals)*
+                    ::core::result::Result::Ok(())
+                }
+            }
+        })
+    }
+
+    /// The loops that add summands to `value`.
+    fn values(&self, summands: &[Summand]) -> TokenStream {
         let roots = 0..self.derived.roots.len();
         let loops = roots.map(|root| {
-            let summands = self.derived.lagrangian.iter().filter(|s| s.root == root);
-            let leaves = summands.map(|summand| Leaf {
+            let of_root = summands.iter().filter(|s| s.root == root);
+            let leaves = of_root.map(|summand| Leaf {
                 sum: summand.sum,
                 values: vec![summand.value],
                 action: Action::AddValue,
             });
             self.loops(root, leaves.collect())
+        });
+        quote!(#({ #loops })*)
+    }
+
+    fn lagrangian(&self) -> TokenStream {
+        let private = self.formulas.private;
+        let loops = self.values(&self.derived.lagrangian);
+        let totals = (!self.derived.totals.is_empty()).then(|| {
+            let listed = Literal::usize_unsuffixed(self.derived.listed);
+            quote! {
+                let mut dw = [0f64; #listed + Self::TOTALS];
+                self.totals(time, q, &mut dw)?;
+            }
         });
         quote! {
             fn lagrangian(
@@ -315,8 +362,9 @@ impl Loops<'_> {
                 v: &[Self::Row],
             ) -> ::core::result::Result<f64, #private::scene::IndexError> {
                 let n = q.len();
+                #totals
                 let mut value = 0f64;
-                #({ #loops })*
+                #loops
                 ::core::result::Result::Ok(value)
             }
         }

@@ -1,0 +1,92 @@
+//! Sums that enter formulas in another way than with a factor, such as a mean field.
+//!
+//! Such a sum S in a function f is a *total*: a number that is known before the loops whose terms
+//! read it. So is the derivative ∂f/∂S, the weight with which the derivatives of the summands of S
+//! enter the impulses.
+
+use std::collections::HashMap;
+
+use super::kinetic::WORKS;
+use super::{Summand, Terms};
+use crate::algebra::{Expr, Symbol};
+use crate::model::Meaning;
+use crate::model::scene::{Head, SlotArray, SumId};
+
+/// A sum whose value the terms of other loops, or its own ones, read.
+pub(crate) struct Total {
+    pub(crate) symbol: Symbol,
+    pub(crate) summands: Vec<Summand>,
+}
+
+impl Terms<'_> {
+    /// Returns whether a sum stands for what is outside of all loops.
+    pub(super) fn is_once(&self, sum: SumId) -> bool {
+        let Head::For { from, to, .. } = self.scene.sums[sum.0].head else {
+            return false;
+        };
+        let bounds = [from, to].map(|bound| self.scene.integers.value(bound));
+        bounds == [Some(0), Some(1)]
+    }
+
+    /// Returns the summand of `home` with symbols of totals in the place of the sums whose factors
+    /// contain sums. The derivatives with respect to these sums are totals too: they are the weights
+    /// of the summands that are added to `slopes`.
+    pub(super) fn with_totals(
+        &mut self,
+        name: &str,
+        value: Expr,
+        home: Option<SumId>,
+        slopes: &mut Vec<Summand>,
+    ) -> Expr {
+        let sums = self.sums_in(value);
+        let factors: Vec<Expr> = sums.iter().map(|s| self.arena.diff(value, s.1)).collect();
+        let one = self.arena.constant(1.0);
+        let (mut by, mut found) = (HashMap::new(), Vec::new());
+        for &(sum, of_sum) in &sums {
+            let enters = |&factor: &Expr| self.arena.contains(factor, of_sum);
+            if !factors.iter().any(enters) {
+                continue;
+            }
+            self.scene.sums[sum.0].parent = None;
+            let (root, mut summands) = (self.root(Some(sum), name), Vec::new());
+            self.sum(root, sum, one, &mut summands);
+            let symbol = self.total(summands);
+            by.insert(of_sum, self.arena.symbol(symbol));
+            found.push((symbol, sum, root));
+        }
+        let value = self.arena.substitute(value, &by);
+        for (symbol, sum, root) in found {
+            let weight = Summand {
+                root: self.root(home, name),
+                sum: home,
+                value: self.arena.diff(value, symbol),
+            };
+            let weight = self.total(vec![weight]);
+            let weight = self.arena.symbol(weight);
+            self.sum(root, sum, weight, slopes);
+        }
+        value
+    }
+
+    /// Appends a total. Returns its symbol.
+    fn total(&mut self, summands: Vec<Summand>) -> Symbol {
+        let symbol = Meaning::Total(self.totals.len());
+        let symbol = self.scene.symbols.declare(symbol);
+        self.totals.push(Total { symbol, summands });
+        symbol
+    }
+
+    /// Checks that totals do not read velocities.
+    pub(super) fn check_totals(&mut self) {
+        for at in 0..self.totals.len() {
+            for summand in 0..self.totals[at].summands.len() {
+                let Summand { sum, value, .. } = self.totals[at].summands[summand];
+                let slots = self.slots_of(value);
+                if slots.iter().any(|s| matches!(s.1, SlotArray::Velocity(_))) {
+                    let message = format!("this sum of velocities enters another formula: {WORKS}");
+                    self.errors.push(self.place(sum), message);
+                }
+            }
+        }
+    }
+}

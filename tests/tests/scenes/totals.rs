@@ -1,0 +1,127 @@
+//! Sums that enter other formulas, such as a mean field.
+
+use sve_runtime::prelude::*;
+
+use crate::common::spread;
+
+/// Rotors in the field of their mean, which the first one changes, with noise by another sum.
+mod rotors {
+    use sve_runtime::prelude::*;
+    both! {
+        struct { j: f64, sigma: f64, mass: Vec<f64> }
+        [f64] 11
+        |self, q, v| {
+            let n = q.len() as f64;
+            let x = q.iter().map(|q| q.cos()).sum::<f64>() / n;
+            let y = q.iter().map(|q| q.sin()).sum::<f64>() / n;
+            let mut l = 0.5 * self.j * n * (x * x + y * y).sqrt() + 0.3 * q[0] * x * x;
+            for i in 0..q.len() {
+                l += 0.5 * self.mass[i] * v[i] * v[i] - 0.1 * q[i] * q[i];
+            }
+            l
+        }
+        gamma {
+            fn bath(&self, q: &[f64]) -> f64 {
+                let s = q.iter().map(|q| q * q).sum::<f64>();
+                self.sigma * s.sqrt()
+            }
+        } or {
+            fn bath(&self, q: [f64; 11]) -> f64 {
+                let s = q.iter().map(|q| q * q).sum::<f64>();
+                self.sigma * s.sqrt()
+            }
+        }
+    }
+}
+
+/// The squared distances of neighbours and from the centre.
+mod cloud {
+    use sve_runtime::nalgebra::Vector3;
+    use sve_runtime::prelude::*;
+    both! {
+        struct { g: f64 }
+        [Vector3<f64>] 5
+        |self, q, v| {
+            let mut l = 0.0;
+            let mut spread = 0.0;
+            let mut stretch = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * v[i].norm_squared();
+                spread += q[i].norm_squared();
+                for j in 0..i {
+                    stretch += (q[i] - q[j]).norm_squared();
+                }
+            }
+            l - self.g * (spread * stretch) / (1.0 + spread) - 0.1 * stretch
+        }
+    }
+}
+
+#[test]
+fn mean_fields_step_like_unrolled_ones() {
+    let mass: Vec<f64> = (1..=11).map(|i| 0.5 + 0.1 * f64::from(i)).collect();
+    let q: [f64; 11] = spread(11, 3).try_into().expect("11 numbers");
+    let p: [f64; 11] = spread(11, 4).try_into().expect("11 numbers");
+    compare!(
+        rotors {
+            j: 0.8,
+            sigma: 0.3,
+            mass: mass.clone()
+        },
+        q,
+        p,
+        [0.2]
+    );
+}
+
+#[test]
+fn sums_in_formulas_of_bodies_step_like_unrolled_ones() {
+    use sve_runtime::nalgebra::Vector3;
+    let row = |x: &[f64]| Vector3::new(x[0], x[1], x[2]);
+    let rows = |seed| -> [Vector3<f64>; 5] {
+        let numbers = spread(15, seed);
+        std::array::from_fn(|i| row(&numbers[3 * i..]))
+    };
+    compare!(cloud { g: 0.7 }, rows(5), rows(6), []);
+}
+
+/// The energy is that of the user's function, and blocks of steps have the bits of single steps.
+#[test]
+fn mean_fields_have_energies_and_trajectories() {
+    let n = 3000;
+    let system = rotors::scene::System {
+        j: 0.8,
+        sigma: 0.0,
+        mass: vec![1.0; n],
+    };
+    let rotors = Integrator::new(system, StormerVerlet);
+    let start = State::new(spread(n, 1), spread(n, 2));
+    let energy = |state: &State<Vec<f64>>| {
+        let expected = -rotors.system().lagrangian(&state.q, &vec![0.0; n])
+            + state.p.iter().map(|p| 0.5 * p * p).sum::<f64>();
+        let found = rotors.system().hamiltonian(state).expect("an energy");
+        assert!((found - expected).abs() < 1e-12 * expected.abs());
+        found
+    };
+    let first = energy(&start);
+    let mut path = rotors.trajectory(start.clone(), 0.02, NoNoise);
+    let end = path.advance(200).expect("steps").clone();
+    // order h²: 1.4e-5 of the energy
+    assert!((energy(&end) / first - 1.0).abs() < 1e-4);
+    let mut single = rotors.trajectory(start, 0.02, NoNoise);
+    for _ in 0..200 {
+        single.advance(1).expect("a step");
+    }
+    assert_eq!(&end, single.advance(0).expect("the state"));
+}
+
+#[test]
+fn the_plan_lists_totals() {
+    let system = rotors::scene::System {
+        j: 0.8,
+        sigma: 0.0,
+        mass: vec![],
+    };
+    let plan = Integrator::new(system, Endpoint).plan().to_string();
+    assert!(plan.contains("S[0] += cos(q[i])"), "{plan}");
+}
