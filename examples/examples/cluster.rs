@@ -7,7 +7,7 @@
 //! order h². A page with pictures is written to `target/cluster`.
 
 use std::error::Error;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::process::ExitCode;
 
 use indicatif::ProgressBar;
@@ -15,6 +15,7 @@ use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::palette::{BLACK, BLUE, GREY};
 use sve_examples::report::{one_row, report};
+use sve_examples::uniform::Uniform;
 use sve_runtime::nalgebra::Vector3;
 use sve_runtime::prelude::*;
 
@@ -67,35 +68,17 @@ const UNTIL: f64 = 20.0;
 const RADIUS: f64 = 3.0 * PI / 16.0;
 const HALF_MASS: f64 = 1.3048 * RADIUS;
 
-/// Numbers between 0 and 1, by Marsaglia's xorshift.
-struct Uniform(u64);
-
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn direction(&mut self) -> Vector3<f64> {
-        let (z, angle) = (2.0 * self.next() - 1.0, TAU * self.next());
-        let side = (1.0 - z * z).sqrt();
-        Vector3::new(side * angle.cos(), side * angle.sin(), z)
-    }
-}
-
 /// Returns stars of Plummer's model, whose centre is at rest at 0.
 fn plummer() -> Stars {
-    let (mut uniform, m) = (Uniform(0x9e37_79b9_7f4a_7c15), 1.0 / STARS as f64);
+    let (mut uniform, m) = (Uniform::new(1), 1.0 / STARS as f64);
     let (mut q, mut p) = (Vec::new(), Vec::new());
     for _ in 0..STARS {
         // one star in a thousand is farther out than the farthest one here
-        let part = 0.999 * uniform.next();
+        let part = 0.999 * uniform.number();
         let r = RADIUS / (part.powf(-2.0 / 3.0) - 1.0).sqrt();
         // the density of v/v_escape is x²(1 − x²)^(7/2), which is below 0.1
         let x = loop {
-            let [x, y] = [uniform.next(), 0.1 * uniform.next()];
+            let [x, y] = [uniform.number(), 0.1 * uniform.number()];
             if y < x * x * (1.0 - x * x).powf(3.5) {
                 break x;
             }

@@ -10,6 +10,7 @@ pub mod gaussian;
 pub mod page;
 pub mod render;
 pub mod report;
+pub mod uniform;
 
 pub use sve_runtime::plot::{figure, palette};
 

@@ -1,0 +1,289 @@
+//! Stiff chains in a bath: bonds, angles, end-to-end distances and diffusion.
+//!
+//! Each chain has N beads of mass 1 with V = Σ ½k(|bᵢ| − 1)² − κ Σ cos θᵢ, where bᵢ are the bonds and
+//! θᵢ the angles between neighbouring bonds, in a Langevin bath of temperature T. At equilibrium the
+//! lengths and the angles of all bonds are independent: ⟨cos θ⟩ = coth x − 1/x with x = κ/T, and
+//! ⟨bᵢ·bⱼ⟩ = ⟨|b|⟩² ⟨cos θ⟩^|i − j| for different bonds, as in a chain that rotates freely (P. J. Flory,
+//! Statistical Mechanics of Chain Molecules, 1969). Forces within a chain do not move its centre,
+//! which is a free particle of mass N in the bath. All chains are one scene. They start from
+//! equilibrium, and a wrong force would drive them from it. A page is written to `target/polymer`.
+
+use std::error::Error;
+use std::process::ExitCode;
+
+use indicatif::ProgressBar;
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
+use sve_examples::palette::{BLACK, BLUE, ORANGE, PURPLE};
+use sve_examples::report::{one_row, report};
+use sve_examples::uniform::Uniform;
+use sve_runtime::nalgebra::Vector3;
+use sve_runtime::prelude::*;
+
+/// Chains of beads, one after the other.
+struct Polymer {
+    chains: usize,
+    beads: usize,
+    k: f64,
+    kappa: f64,
+    nu: f64,
+    sigma: f64,
+}
+
+#[variational(stormer_verlet)]
+impl Polymer {
+    fn lagrangian(&self, q: &[Vector3<f64>], v: &[Vector3<f64>]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * v[i].norm_squared();
+        }
+        for c in 0..self.chains {
+            for i in 1..self.beads {
+                let bond = q[c * self.beads + i] - q[c * self.beads + i - 1];
+                l -= 0.5 * self.k * (bond.norm() - 1.0).powi(2);
+            }
+            for i in 2..self.beads {
+                let one = q[c * self.beads + i - 1] - q[c * self.beads + i - 2];
+                let next = q[c * self.beads + i] - q[c * self.beads + i - 1];
+                l += self.kappa * one.dot(&next) / (one.norm() * next.norm());
+            }
+        }
+        l
+    }
+
+    #[gamma]
+    fn bath_x(&self, q: &[Vector3<f64>]) -> Vec<f64> {
+        q.iter().map(|q| self.sigma * q[0]).collect()
+    }
+
+    #[gamma]
+    fn bath_y(&self, q: &[Vector3<f64>]) -> Vec<f64> {
+        q.iter().map(|q| self.sigma * q[1]).collect()
+    }
+
+    #[gamma]
+    fn bath_z(&self, q: &[Vector3<f64>]) -> Vec<f64> {
+        q.iter().map(|q| self.sigma * q[2]).collect()
+    }
+
+    #[force]
+    fn friction(&self, _q: &[Vector3<f64>], v: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        v.iter().map(|v| v * (-self.nu)).collect()
+    }
+}
+
+type Beads = State<Vec<Vector3<f64>>>;
+
+const CHAINS: usize = 800;
+const BEADS: usize = 20;
+const STIFFNESS: f64 = 100.0;
+const KAPPA: f64 = 2.0;
+const FRICTION: f64 = 1.0;
+const TEMPERATURE: f64 = 1.0;
+const H: f64 = 0.01;
+
+/// Steps between samples, and the number of samples.
+const APART: u64 = 50;
+const SAMPLES: u64 = 60;
+
+/// Returns a number with the density `weight`, which is at most 1, between two bounds.
+fn drawn(uniform: &mut Uniform, [from, to]: [f64; 2], weight: impl Fn(f64) -> f64) -> f64 {
+    loop {
+        let x = from + (to - from) * uniform.number();
+        if uniform.number() < weight(x) {
+            return x;
+        }
+    }
+}
+
+/// Bounds of the lengths of bonds: twelve standard deviations and more.
+const LENGTHS: [f64; 2] = [0.0, 2.5];
+
+/// Returns the density of lengths, with a factor.
+fn length_weight(b: f64) -> f64 {
+    b * b * (-0.5 * STIFFNESS * (b - 1.0).powi(2) / TEMPERATURE).exp() / 1.1
+}
+
+/// Returns the means of |b| and |b|².
+fn lengths() -> [f64; 2] {
+    let n = 10_000;
+    let points = (0..n).map(|i| LENGTHS[1] * (f64::from(i) + 0.5) / f64::from(n));
+    let [all, one, two] = points.fold([0.0; 3], |[all, one, two], b| {
+        let weight = length_weight(b);
+        [all + weight, one + b * weight, two + b * b * weight]
+    });
+    [one / all, two / all]
+}
+
+/// Returns a vector whose components are normal, by sums of twelve uniform numbers: their variance is
+/// that of the normal distribution, and the bath does the rest.
+fn thermal(uniform: &mut Uniform) -> Vector3<f64> {
+    let mut component = || (0..12).map(|_| uniform.number()).sum::<f64>() - 6.0;
+    let [x, y, z] = [component(), component(), component()];
+    TEMPERATURE.sqrt() * Vector3::new(x, y, z)
+}
+
+/// Returns chains in equilibrium.
+fn start() -> Beads {
+    let (mut uniform, mut q) = (Uniform::new(2), Vec::new());
+    for _ in 0..CHAINS {
+        let (mut place, mut direction) = (Vector3::zeros(), uniform.direction());
+        q.push(place);
+        for _ in 1..BEADS {
+            place += drawn(&mut uniform, LENGTHS, length_weight) * direction;
+            q.push(place);
+            let x = KAPPA / TEMPERATURE;
+            let cosine = drawn(&mut uniform, [-1.0, 1.0], |c| (x * (c - 1.0)).exp());
+            // a direction at a right angle
+            let side = uniform.direction().cross(&direction).normalize();
+            direction = cosine * direction + (1.0 - cosine * cosine).sqrt() * side;
+        }
+    }
+    let p = q.iter().map(|_| thermal(&mut uniform)).collect();
+    State::new(q, p)
+}
+
+/// Returns the means of |b|, |b|², cos θ, the squared end-to-end distance R², and the squared way of
+/// the centre of a chain.
+fn means(q: &[Vector3<f64>], first: &[Vector3<f64>]) -> [f64; 5] {
+    let mut sums = [0.0; 5];
+    for (chain, first) in q.chunks(BEADS).zip(first.chunks(BEADS)) {
+        let bonds: Vec<Vector3<f64>> = chain.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let over = 1.0 / bonds.len() as f64;
+        sums[0] += bonds.iter().map(Vector3::norm).sum::<f64>() * over;
+        sums[1] += bonds.iter().map(Vector3::norm_squared).sum::<f64>() * over;
+        let cosine = |pair: &[Vector3<f64>]| pair[0].normalize().dot(&pair[1].normalize());
+        sums[2] += bonds.windows(2).map(cosine).sum::<f64>() / (bonds.len() - 1) as f64;
+        sums[3] += (chain[BEADS - 1] - chain[0]).norm_squared();
+        let moved: Vector3<f64> = chain.iter().zip(first).map(|(a, b)| a - b).sum();
+        sums[4] += (moved / BEADS as f64).norm_squared();
+    }
+    sums.map(|sum| sum / CHAINS as f64)
+}
+
+/// Returns ⟨R²⟩ from the means of |b|, |b|² and cos θ.
+fn end_to_end([length, square]: [f64; 2], cosine: f64) -> f64 {
+    let bonds = BEADS - 1;
+    let pairs: f64 = (1..bonds)
+        .map(|apart| (bonds - apart) as f64 * cosine.powi(apart as i32))
+        .sum();
+    bonds as f64 * square + 2.0 * length * length * pairs
+}
+
+/// Returns the mean of the squared way of the centre after a time, from equilibrium.
+fn way(t: f64) -> f64 {
+    let turns = FRICTION * t;
+    6.0 * TEMPERATURE / (BEADS as f64 * FRICTION * FRICTION) * (turns - 1.0 + (-turns).exp())
+}
+
+/// Returns the mean of samples and its standard error from the means of ten blocks.
+fn estimate(samples: &[f64]) -> (f64, f64) {
+    let blocks = samples.chunks(samples.len() / 10);
+    let blocks: Vec<f64> = blocks
+        .map(|b| b.iter().sum::<f64>() / b.len() as f64)
+        .collect();
+    let n = blocks.len() as f64;
+    let mean = blocks.iter().sum::<f64>() / n;
+    let squares: f64 = blocks.iter().map(|x| (x - mean).powi(2)).sum();
+    (mean, (squares / (n * (n - 1.0))).sqrt())
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let polymer = Polymer {
+        chains: CHAINS,
+        beads: BEADS,
+        k: STIFFNESS,
+        kappa: KAPPA,
+        nu: FRICTION,
+        sigma: (2.0 * FRICTION * TEMPERATURE).sqrt(),
+    };
+    let polymer = Integrator::new(polymer, StormerVerlet);
+    println!("{}\n", polymer.plan());
+    let start = start();
+    println!("{}\n", polymer.layout(&start, H)?);
+    let mut path = polymer.trajectory(start.clone(), H, Wiener::new(3));
+    let (bar, mut samples) = (ProgressBar::new(SAMPLES), Vec::new());
+    for _ in 0..SAMPLES {
+        let state = path.advance(APART)?;
+        samples.push((state.t, means(&state.q, &start.q)));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let end = path.advance(0)?.clone();
+
+    let column = |k: usize| samples.iter().map(|s| s.1[k]).collect::<Vec<f64>>();
+    let x = KAPPA / TEMPERATURE;
+    let (lengths, cosine) = (lengths(), 1.0 / x.tanh() - 1.0 / x);
+    let within = |name: &str, k: usize, expected: f64| {
+        let (mean, error) = estimate(&column(k));
+        Check::new(name, mean).near(expected, 4.0 * error, "4 standard errors of ten blocks")
+    };
+    let r2 = end_to_end(lengths, cosine);
+    let last = samples[samples.len() - 1];
+    // R² and the way are sums of three normal numbers, nearly and exactly: of relative variance 2/3
+    let of_chains = (2.0 / (3 * CHAINS) as f64).sqrt();
+    let checks = [
+        within("⟨|b|⟩", 0, lengths[0]),
+        within("⟨|b|²⟩", 1, lengths[1]),
+        within("⟨cos θ⟩", 2, cosine),
+        Check::new("⟨R²⟩ at the end", last.1[3]).near(
+            r2,
+            3.0 * of_chains * r2,
+            "3 standard errors of 800 chains",
+        ),
+        Check::new("way² of the centres at the end", last.1[4]).near(
+            way(last.0),
+            3.0 * of_chains * way(last.0),
+            "3 standard errors of 800 chains",
+        ),
+    ];
+    let caption = "Left: 12 of the chains at the end, side by side. Middle: the squared end-to-end distance. Right: the squared way of the centres of the chains.";
+    let figure = figure(&samples, r2, &end);
+    report("Stiff chains in a bath", &figure, caption, &checks)
+}
+
+fn figure(samples: &[(f64, [f64; 5])], r2: f64, end: &Beads) -> Figure {
+    let mut left = Panel::new(
+        "Chains",
+        Axis::new("x", -10.0..50.0),
+        Axis::new("y", -10.0..40.0),
+    )
+    .equal();
+    let pens = [BLUE, ORANGE, PURPLE, BLACK];
+    for (k, chain) in end.q.chunks(BEADS).take(12).enumerate() {
+        let place = |q: &Vector3<f64>| {
+            let moved = q - chain[0];
+            (
+                moved.x + 14.0 * (k % 4) as f64,
+                moved.y + 14.0 * (k / 4) as f64,
+            )
+        };
+        let points = chain.iter().map(place).collect();
+        left = left.with(Layer::new("", points, Pen::line(pens[k % 4], 1.4)));
+    }
+    let until = samples[samples.len() - 1].0;
+    let time = || Axis::new("t", 0.0..until);
+    let of = |k: usize| samples.iter().map(|s| (s.0, s.1[k])).collect::<Vec<_>>();
+    let middle = Panel::new(
+        "End-to-end distance",
+        time(),
+        Axis::new("⟨R²⟩", 0.0..1.5 * r2),
+    )
+    .legend(Corner::BottomRight)
+    .with(Layer::new(
+        "equilibrium",
+        vec![(0.0, r2), (until, r2)],
+        Pen::dashed(BLACK, 1.4, (5.0, 3.0)),
+    ))
+    .with(Layer::new("800 chains", of(3), Pen::line(BLUE, 1.4)));
+    let exact = samples.iter().map(|s| (s.0, way(s.0))).collect();
+    let right = Panel::new("Centres", time(), Axis::new("way²", 0.0..1.2 * way(until)))
+        .legend(Corner::BottomRight)
+        .with(Layer::new(
+            "free particle of mass N",
+            exact,
+            Pen::dashed(BLACK, 1.4, (5.0, 3.0)),
+        ))
+        .with(Layer::new("800 chains", of(4), Pen::line(BLUE, 1.4)));
+    one_row("polymer", [1200, 400], vec![left, middle, right])
+}
