@@ -217,6 +217,7 @@ impl Notation for Writer<'_> {
         let scene = &self.derived.scene;
         if let Some(slot) = scene.slot(symbol) {
             let component = match slot.array {
+                SlotArray::Rounded(number) => return format!("round({})", self.formula(number)),
                 SlotArray::Configuration(_) | SlotArray::Velocity(_) => {
                     self.component(slot.component)
                 }

@@ -46,6 +46,12 @@ impl Lowering<'_> {
         at: Span,
         arguments: &[Argument],
     ) -> Option<Value> {
+        if let ("round", [number]) = (name, arguments)
+            && self.scene.is_scene()
+        {
+            let number = self.scalar(&number.value, &number.at)?;
+            return self.rounded(number, at);
+        }
         if let Some(message) = rough_method(name) {
             return self.refuse(&at, message);
         }

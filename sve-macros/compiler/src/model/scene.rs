@@ -82,6 +82,19 @@ pub(crate) enum SlotArray {
     Field(Access),
     /// An integer as a number.
     Number(Int),
+    /// The integer nearest to a number that reads slots, such as the number of periods between two
+    /// sites. It is a constant for derivatives.
+    Rounded(Expr),
+}
+
+impl SlotArray {
+    /// Returns whether the read may differ from step to step.
+    pub(crate) fn moves(&self) -> bool {
+        match self {
+            Self::Configuration(_) | Self::Velocity(_) | Self::Rounded(_) => true,
+            Self::Field(_) | Self::Number(_) => false,
+        }
+    }
 }
 
 /// The type of a row of the configuration.
@@ -191,6 +204,7 @@ impl Scene {
             SlotArray::Velocity(index) => rows("v", *index),
             SlotArray::Field(access) => self.integers.path_text(access),
             SlotArray::Number(integer) => self.integers.text(*integer),
+            SlotArray::Rounded(_) => "a rounded number".to_owned(),
         }
     }
 }

@@ -97,10 +97,7 @@ impl Terms<'_> {
                 return Some("t".to_owned());
             }
             let slots = self.slots_of(expr);
-            let moves = |array: &SlotArray| {
-                matches!(array, SlotArray::Configuration(_) | SlotArray::Velocity(_))
-            };
-            let found = slots.iter().find(|slot| moves(slot.1))?;
+            let found = slots.iter().find(|slot| slot.1.moves())?;
             Some(self.text(found.0))
         })
     }

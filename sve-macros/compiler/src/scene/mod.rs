@@ -155,7 +155,7 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         }
         share(impulses, arena);
     }
-    derived.mark_streams();
+    derived.mark_streams(arena);
     derived.gather(arena);
     Ok(derived)
 }

@@ -3,7 +3,9 @@
 use super::kinetic::numbers;
 use super::{Derived, Term};
 use crate::algebra::Arena;
-use crate::model::scene::{Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, Step};
+use crate::model::scene::{
+    Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, SlotArray, Step,
+};
 
 /// A term with one of its sites, whose impulse the term adds to.
 pub(crate) struct Pair {
@@ -19,10 +21,10 @@ pub(crate) struct Pair {
 
 impl Derived {
     /// Determines which loops are streams.
-    pub(super) fn mark_streams(&mut self) {
+    pub(super) fn mark_streams(&mut self, arena: &Arena) {
         let is_stream = |root: usize| {
             let mut terms = self.terms.iter().filter(|term| term.root == root);
-            terms.all(|term| self.scene.is_stream(term))
+            terms.all(|term| self.scene.is_stream(term) && !self.scene.reads_rounded(term, arena))
         };
         let are_streams: Vec<bool> = (0..self.roots.len()).map(is_stream).collect();
         for (root, is_stream) in self.roots.iter_mut().zip(are_streams) {
@@ -79,6 +81,16 @@ impl Scene {
         !has_cut_off
             && loops.iter().all(|(_, bounds)| bounds.iter().all(is_free))
             && term.sites.iter().all(moves)
+    }
+
+    /// Returns whether the derivatives of a term read a rounded number.
+    fn reads_rounded(&self, term: &Term, arena: &Arena) -> bool {
+        let numbers = term.gradient.iter().flatten();
+        let mut symbols = numbers.flat_map(|&number| arena.symbols_of(number));
+        symbols.any(|symbol| {
+            let slot = self.slot(symbol);
+            slot.is_some_and(|slot| matches!(slot.array, SlotArray::Rounded(_)))
+        })
     }
 
     /// Returns whether most nodes have a term: it is in a loop, under no equation.

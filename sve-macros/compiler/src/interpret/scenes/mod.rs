@@ -145,6 +145,30 @@ impl Lowering<'_> {
         }
     }
 
+    /// Returns the integer nearest to a number, a constant for derivatives.
+    pub(super) fn rounded(&mut self, number: Expr, at: Span) -> Option<Value> {
+        if let Some(value) = self.arena.constant_value(number) {
+            return Some(Value::Scalar(self.arena.constant(value.round())));
+        }
+        for symbol in self.arena.symbols_of(number).collect::<Vec<_>>() {
+            let what = match self.symbols.meaning(symbol) {
+                Meaning::Partial => "of a sum or of a variable that a loop changes",
+                Meaning::Slot(slot)
+                    if matches!(self.scene.slots[*slot].array, SlotArray::Velocity(_)) =>
+                {
+                    "of a velocity"
+                }
+                _ => continue,
+            };
+            let message = format!(
+                "`round` {what} is not understood: it counts the periods between two sites, `d - self.side * (d / self.side).round()`"
+            );
+            return self.refuse(&at, message);
+        }
+        let number = self.slot(SlotArray::Rounded(number), 0);
+        Some(Value::Scalar(number))
+    }
+
     /// Returns the value of an integer: known at compile time if it can be.
     pub(super) fn index_value_of(&self, integer: Int) -> Value {
         match self.scene.integers.value(integer) {

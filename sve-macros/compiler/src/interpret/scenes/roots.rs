@@ -277,9 +277,7 @@ impl Lowering<'_> {
         symbols
             .into_iter()
             .any(|symbol| match self.symbols.meaning(symbol) {
-                Meaning::Slot(at) => {
-                    matches!(self.scene.slots[*at].array, SlotArray::Configuration(_))
-                }
+                Meaning::Slot(at) => self.scene.slots[*at].array.moves(),
                 Meaning::Partial => self.kept_sum(symbol).is_some_and(|sum| {
                     let numbers = sum.head.numbers();
                     self.moves(sum.summand) || numbers.into_iter().any(|number| self.moves(number))

@@ -314,6 +314,13 @@ impl<'a> Walk<'a> {
                     let integer = self.integer(*integer, code);
                     quote!(#integer as f64)
                 }
+                SlotArray::Rounded(number) => {
+                    for symbol in self.formulas.arena.symbols_of(*number) {
+                        self.symbol(symbol, code);
+                    }
+                    let (statements, values) = self.formulas.within_loop(&[*number]);
+                    quote!({ #statements f64::round(#(#values)*) })
+                }
             }
         } else {
             return;
@@ -338,7 +345,7 @@ impl<'a> Walk<'a> {
         let (rows, site) = match array {
             SlotArray::Velocity(site) => (quote!(v), *site),
             SlotArray::Configuration(site) => (quote!(q), *site),
-            SlotArray::Field(_) | SlotArray::Number(_) => return name,
+            SlotArray::Field(_) | SlotArray::Number(_) | SlotArray::Rounded(_) => return name,
         };
         let at = self.integer(site, code);
         code.extend(quote!(let #name = *#private::scene::entry(#rows, #at, #text)?;));
@@ -366,7 +373,9 @@ impl<'a> Walk<'a> {
         match array {
             SlotArray::Velocity(site) => format_ident!("velocity_{}", self.number_of(*site)),
             SlotArray::Configuration(site) => format_ident!("row_{}", self.number_of(*site)),
-            SlotArray::Field(_) | SlotArray::Number(_) => format_ident!("none"),
+            SlotArray::Field(_) | SlotArray::Number(_) | SlotArray::Rounded(_) => {
+                format_ident!("none")
+            }
         }
     }
 

@@ -1,0 +1,289 @@
+//! Liquid argon: 4000 atoms in a periodic box, their radial distribution and their temperature.
+//!
+//! L = Σ ½|vᵢ|² − Σ u(|qᵢ − qⱼ|) in units of Lennard-Jones, with u(r) = 4 (r⁻¹² − r⁻⁶) up to 2.5, less
+//! its tangent there: the force is continuous. The density 0.8442 and a temperature near 0.72 are
+//! those of the liquid beside its triple point. Pairs come from lists with a skin, which are made
+//! anew when an atom has moved too far.
+//!
+//! The energy has an error of order h², the momentum is kept to rounding, and two temperatures agree:
+//! that of the momenta, and ⟨|∇V|²⟩ / ⟨∇²V⟩ of the positions (H. H. Rugh, Phys. Rev. Lett. 78, 772,
+//! 1997), to order 1/N. In a mode of frequency ω the rule of Störmer and Verlet lowers ⟨p²⟩ by
+//! h²ω²/4, and the mean of ω² is that of ∇²V. A page with pictures is written to `target/argon`.
+
+use std::error::Error;
+use std::f64::consts::PI;
+use std::process::ExitCode;
+
+use indicatif::ProgressBar;
+use sve_examples::check::Check;
+use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen};
+use sve_examples::palette::{BLUE, GREY};
+use sve_examples::report::{one_row, report};
+use sve_examples::uniform::Uniform;
+use sve_runtime::prelude::*;
+
+/// Atoms in a periodic cube.
+struct Argon {
+    near: Neighbours<3>,
+    side: f64,
+    /// Cut-off with its square, and potential and slope of Lennard-Jones there.
+    cut: f64,
+    cut2: f64,
+    level: f64,
+    slope: f64,
+}
+
+#[variational(stormer_verlet)]
+impl Argon {
+    fn lagrangian(&self, q: &[[f64; 3]], v: &[[f64; 3]]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * (v[i][0].powi(2) + v[i][1].powi(2) + v[i][2].powi(2));
+            for k in self.near.start[i]..self.near.start[i + 1] {
+                let j = self.near.list[k];
+                let mut r2 = 0.0;
+                for axis in 0..3 {
+                    let d = q[j][axis] - q[i][axis];
+                    r2 += (d - self.side * (d / self.side).round()).powi(2);
+                }
+                if r2 > self.cut2 {
+                    continue;
+                }
+                let inverse = 1.0 / (r2 * r2 * r2);
+                l -= 4.0 * inverse * (inverse - 1.0)
+                    - self.level
+                    - self.slope * (r2.sqrt() - self.cut);
+            }
+        }
+        l
+    }
+}
+
+type Atoms = State<Vec<[f64; 3]>>;
+
+const CELLS: usize = 10;
+const ATOMS: usize = 4 * CELLS * CELLS * CELLS;
+const DENSITY: f64 = 0.8442;
+const TEMPERATURE: f64 = 0.722;
+const CUT: f64 = 2.5;
+const SKIN: f64 = 0.3;
+const H: f64 = 0.005;
+
+/// Steps before the first sample, between samples, and numbers of samples.
+const BEFORE: usize = 1500;
+const APART: usize = 10;
+const BLOCKS: usize = 12;
+const IN_BLOCK: usize = 20;
+
+/// Bins of the radial distribution, up to `REACH`, which the lists reach too.
+const BINS: usize = 110;
+const REACH: f64 = 2.75;
+
+impl Argon {
+    fn new() -> Result<Self, NeighbourError> {
+        let side = (ATOMS as f64 / DENSITY).cbrt();
+        Ok(Self {
+            near: Neighbours::periodic(CUT, SKIN, [side; 3])?,
+            side,
+            cut: CUT,
+            cut2: CUT * CUT,
+            level: 4.0 * (CUT.powi(-12) - CUT.powi(-6)),
+            slope: -48.0 * CUT.powi(-13) + 24.0 * CUT.powi(-7),
+        })
+    }
+
+    /// Returns a face-centred lattice whose atoms move without order.
+    fn start(&self) -> Atoms {
+        let cell = self.side / CELLS as f64;
+        let corners = [
+            [0.0, 0.0, 0.0],
+            [0.0, 0.5, 0.5],
+            [0.5, 0.0, 0.5],
+            [0.5, 0.5, 0.0],
+        ];
+        let place = |i: usize, corner: [f64; 3]| {
+            let steps = [i / (CELLS * CELLS), i / CELLS % CELLS, i % CELLS];
+            std::array::from_fn(|axis| cell * (steps[axis] as f64 + corner[axis]))
+        };
+        let cells = 0..CELLS * CELLS * CELLS;
+        let q = cells.flat_map(|i| corners.map(|corner| place(i, corner)));
+        let mut uniform = Uniform::new(1);
+        let mut p: Vec<[f64; 3]> = (0..ATOMS).map(|_| uniform.direction().into()).collect();
+        let mean = total(&p).map(|sum| sum / ATOMS as f64);
+        for (axis, mean) in mean.into_iter().enumerate() {
+            for p in &mut p {
+                p[axis] -= mean;
+            }
+        }
+        State::new(q.collect(), p)
+    }
+
+    /// Adds the pairs to a histogram of distances. Returns |∇V|² and ∇²V.
+    fn sample(&self, q: &[[f64; 3]], histogram: &mut [f64; BINS]) -> [f64; 2] {
+        let (mut slopes, mut laplacian) = (vec![[0.0; 3]; q.len()], 0.0);
+        for i in 0..q.len() {
+            for &j in self.near.of(i) {
+                let d = self.near.separation(q[i], q[j]);
+                let r = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+                let bin = usize::try_from((r / REACH * BINS as f64) as i64);
+                if let Some(count) = bin.ok().and_then(|bin| histogram.get_mut(bin)) {
+                    *count += 1.0;
+                }
+                if r > self.cut {
+                    continue;
+                }
+                let first = -48.0 * r.powi(-13) + 24.0 * r.powi(-7) - self.slope;
+                let second = 624.0 * r.powi(-14) - 168.0 * r.powi(-8);
+                laplacian += 2.0 * (second + 2.0 * first / r);
+                for axis in 0..3 {
+                    slopes[i][axis] += first * d[axis] / r;
+                    slopes[j][axis] -= first * d[axis] / r;
+                }
+            }
+        }
+        [slopes.iter().flatten().map(|x| x * x).sum(), laplacian]
+    }
+}
+
+fn total(p: &[[f64; 3]]) -> [f64; 3] {
+    std::array::from_fn(|axis| p.iter().map(|p| p[axis]).sum())
+}
+
+/// Returns 2T/3N.
+fn kinetic(p: &[[f64; 3]]) -> f64 {
+    p.iter().flatten().map(|p| p * p).sum::<f64>() / (3 * ATOMS) as f64
+}
+
+/// Makes steps, with lists that are made anew when they expire.
+fn advance(
+    argon: &mut Integrator<Argon, StormerVerlet>,
+    state: &mut Atoms,
+    h: f64,
+    steps: usize,
+) -> Result<(), Box<dyn Error>> {
+    for _ in 0..steps {
+        if !argon.system().near.is_valid(&state.q) {
+            argon.system_mut().near.rebuild(&state.q)?;
+        }
+        argon.step(state, h, &[])?;
+    }
+    Ok(())
+}
+
+/// Returns the largest relative error of the energy at ten times, `every` so many steps.
+fn energy_error(start: &Atoms, h: f64, every: usize) -> Result<f64, Box<dyn Error>> {
+    let mut argon = Integrator::new(Argon::new()?, StormerVerlet);
+    let (mut state, mut worst) = (start.clone(), 0.0f64);
+    argon.system_mut().near.rebuild(&state.q)?;
+    let first = argon.system().hamiltonian(&state)?;
+    for _ in 0..10 {
+        advance(&mut argon, &mut state, h, every)?;
+        worst = worst.max((argon.system().hamiltonian(&state)? / first - 1.0).abs());
+    }
+    Ok(worst)
+}
+
+/// Returns the mean of blocks and its standard error.
+fn estimate(blocks: &[f64]) -> (f64, f64) {
+    let n = blocks.len() as f64;
+    let mean = blocks.iter().sum::<f64>() / n;
+    let variance = blocks.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let mut argon = Integrator::new(Argon::new()?, StormerVerlet);
+    println!("{}\n", argon.plan());
+    let mut state = argon.system().start();
+    let bar = ProgressBar::new((BLOCKS * IN_BLOCK) as u64);
+    for _ in 0..BEFORE / 50 {
+        let factor = (TEMPERATURE / kinetic(&state.p)).sqrt();
+        state.p.iter_mut().flatten().for_each(|p| *p *= factor);
+        advance(&mut argon, &mut state, H, 50)?;
+    }
+    let (before, start) = (total(&state.p), state.clone());
+    let first = argon.system().hamiltonian(&state)?;
+    let (mut histogram, mut energies) = ([0.0; BINS], Vec::new());
+    let (mut differences, mut temperatures) = (Vec::new(), Vec::new());
+    for _ in 0..BLOCKS {
+        let [mut moving, mut slopes, mut curvature] = [0.0; 3];
+        for _ in 0..IN_BLOCK {
+            advance(&mut argon, &mut state, H, APART)?;
+            let [squares, laplacian] = argon.system().sample(&state.q, &mut histogram);
+            moving += kinetic(&state.p) / IN_BLOCK as f64;
+            slopes += squares;
+            curvature += laplacian;
+            energies.push((state.t, argon.system().hamiltonian(&state)? / first - 1.0));
+            bar.inc(1);
+        }
+        let mean_square = curvature / (3 * ATOMS * IN_BLOCK) as f64;
+        let own = moving / (1.0 - H * H * mean_square / 4.0);
+        temperatures.push(own);
+        differences.push(slopes / curvature / own - 1.0);
+    }
+    bar.finish_and_clear();
+
+    let g = distribution(&histogram);
+    let peak = g
+        .iter()
+        .fold((0.0, 0.0), |a, &b| if b.1 > a.1 { b } else { a });
+    let (temperature, _) = estimate(&temperatures);
+    let (difference, error) = estimate(&differences);
+    let worst = energies.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
+    let ratio = energy_error(&start, 2.0 * H, 5)? / energy_error(&start, H, 10)?;
+    let after = total(&state.p);
+    let push = (0..3)
+        .map(|k| (after[k] - before[k]).abs())
+        .fold(0.0, f64::max);
+    let checks = [
+        Check::new("largest |ΔH / H|", worst).near(0.0, 1e-4, "order h²"),
+        Check::new("error with 2h / error with h, t up to 0.5", ratio).near(4.0, 0.6, "order h²"),
+        Check::new("change of the momentum", push).near(0.0, 1e-12, "rounding"),
+        Check::new("temperature", temperature).reported("the lattice has melted"),
+        Check::new("temperature of the positions / temperature − 1", difference).near(
+            0.0,
+            3.0 * error + 1.0 / ATOMS as f64,
+            "3 standard errors, and 1/N",
+        ),
+        Check::new("r of the first peak of g", peak.0).near(
+            1.1,
+            0.05,
+            "just within the minimum of u, 1.122",
+        ),
+        Check::new("g at its first peak", peak.1).reported("of the liquid"),
+    ];
+    let caption = "Left: the radial distribution. Right: the energy error.";
+    report("Liquid argon", &figure(g, &energies), caption, &checks)
+}
+
+/// Returns the radial distribution: the pairs in each shell, in parts of those of a gas.
+fn distribution(histogram: &[f64; BINS]) -> Vec<(f64, f64)> {
+    let samples = (BLOCKS * IN_BLOCK) as f64;
+    let width = REACH / BINS as f64;
+    let bins = histogram.iter().enumerate().map(|(bin, count)| {
+        let [inner, outer] = [bin, bin + 1].map(|edge| edge as f64 * width);
+        let shell = 4.0 / 3.0 * PI * (outer.powi(3) - inner.powi(3));
+        let of_gas = 0.5 * ATOMS as f64 * DENSITY * shell * samples;
+        (0.5 * (inner + outer), count / of_gas)
+    });
+    bins.collect()
+}
+
+fn figure(g: Vec<(f64, f64)>, energies: &[(f64, f64)]) -> Figure {
+    let left = Panel::new(
+        "Radial distribution",
+        Axis::new("r / σ", 0.0..REACH),
+        Axis::new("g", 0.0..3.5),
+    )
+    .with(Layer::new("", g, Pen::line(BLUE, 1.4)));
+    let scaled: Vec<(f64, f64)> = energies.iter().map(|e| (e.0, 1e4 * e.1)).collect();
+    let largest = scaled.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
+    let times = energies[0].0..energies[energies.len() - 1].0;
+    let right = Panel::new(
+        format!("Energy error, {ATOMS} atoms, h = {H}"),
+        Axis::new("t", times),
+        Axis::new("10⁴ ΔH / H", -1.2 * largest..1.2 * largest),
+    )
+    .with(Layer::new("", scaled, Pen::line(GREY, 1.2)));
+    one_row("argon", [980, 400], vec![left, right])
+}
