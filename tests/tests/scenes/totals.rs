@@ -125,3 +125,68 @@ fn the_plan_lists_totals() {
     let plan = Integrator::new(system, Endpoint).plan().to_string();
     assert!(plan.contains("S[0] += cos(q[i])"), "{plan}");
 }
+
+/// A mean field that turns, nearest images in L, γ and F, and friction, against a step by hand.
+#[test]
+fn totals_read_the_time_and_rounded_numbers_stand_in_all_functions() {
+    struct Ring {
+        j: f64,
+        side: f64,
+        sigma: f64,
+    }
+    #[variational(stormer_verlet)]
+    impl Ring {
+        fn lagrangian(&self, t: f64, q: &[f64], v: &[f64]) -> f64 {
+            let n = q.len() as f64;
+            let x = q.iter().map(|q| (q - t).cos()).sum::<f64>() / n;
+            let mut l = 0.5 * self.j * n * x * x;
+            for i in 0..q.len() {
+                l += 0.5 * v[i] * v[i];
+                if i > 0 {
+                    let d = q[i] - q[i - 1];
+                    l -= 0.5 * (d - self.side * (d / self.side).round()).powi(2);
+                }
+            }
+            l
+        }
+        #[gamma]
+        fn bath(&self, q: &[f64]) -> Vec<f64> {
+            q.iter()
+                .map(|q| self.sigma * (q - self.side * (q / self.side).round()).powi(2))
+                .collect()
+        }
+        #[force]
+        fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+            (0..q.len())
+                .map(|i| -0.1 * v[i] + 0.01 * (q[i] - q[i].round()))
+                .collect()
+        }
+    }
+    let (h, a) = (1e-3, 0.5e-3 * 0.1);
+    for n in [1, 2, 7, 300] {
+        let (j, side, sigma) = (0.7, 2.0, 0.05);
+        let ring = Integrator::new(Ring { j, side, sigma }, StormerVerlet);
+        let q: Vec<f64> = spread(n, 7).iter().map(|x| 5.0 * x).collect();
+        let (p, dw) = (spread(n, 8), spread(n, 9));
+        let image = |d: f64| d - side * (d / side).round();
+        let impulse = |t: f64, q: &[f64], i: usize| {
+            let x = q.iter().map(|q| (q - t).cos()).sum::<f64>() / n as f64;
+            let mut f = 0.01 * (q[i] - q[i].round()) - j * x * (q[i] - t).sin();
+            if i > 0 {
+                f -= image(q[i] - q[i - 1]);
+            }
+            if i + 1 < n {
+                f += image(q[i + 1] - q[i]);
+            }
+            h * f + dw[i] * sigma * 2.0 * image(q[i])
+        };
+        let half = (0..n).map(|i| (p[i] + 0.5 * impulse(0.2, &q, i)) / (1.0 + a));
+        let half: Vec<f64> = half.collect();
+        let q1: Vec<f64> = (0..n).map(|i| q[i] + h * half[i]).collect();
+        let p1 = (0..n).map(|i| half[i] * (1.0 - a) + 0.5 * impulse(0.2 + h, &q1, i));
+        let p1: Vec<f64> = p1.collect();
+        let mut state = State::at(0.2, q, p);
+        ring.step(&mut state, h, &dw).expect("a step");
+        crate::common::assert_same(&state, &q1, &p1, "ring");
+    }
+}
