@@ -63,7 +63,8 @@ pub trait Scene {
     /// The number of pairs that [`node`](Self::node) adds: the first ones. The other pairs belong to
     /// terms for few nodes, such as the end of a chain.
     const NODE_PAIRS: usize;
-    /// True if a derivative of the Lagrangian or of a noise depends on the time itself.
+    /// True if an impulse depends on the time itself, by a derivative, a condition, a total or a
+    /// rounded number.
     const READS_TIME: bool;
 
     /// Visits the instances of a loop in the order in which the loop is executed.

@@ -145,3 +145,33 @@ fn what_a_condition_leaves_out_is_not_read() {
     // −q₀q₁ of far; −q₀² − q₀q₁ − q₁² of start
     assert_eq!(p, [-2.0 - 2.0 - 2.0, -1.0 - 1.0 - 4.0, 0.0]);
 }
+
+/// An index in a sum that enters a formula is checked like others.
+#[test]
+fn an_index_out_of_range_in_a_total_is_an_error() {
+    struct Weighted {
+        weight: Vec<f64>,
+    }
+    #[variational(stormer_verlet)]
+    impl Weighted {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            let s = (0..q.len()).map(|i| self.weight[i] * q[i]).sum::<f64>();
+            v.iter().map(|v| 0.5 * v * v).sum::<f64>() - s * s
+        }
+    }
+    let weight = vec![1.0; 2];
+    let weighted = Integrator::new(Weighted { weight }, StormerVerlet);
+    let start = State::new(vec![1.0; 3], vec![0.5; 3]);
+    let expected = StepError::Index {
+        t: 0.0,
+        text: "`self.weight[i]` in `lagrangian`".into(),
+        index: 2,
+        length: 2,
+    };
+    let mut state = start.clone();
+    assert_eq!(weighted.step(&mut state, 0.1, &[]), Err(expected.clone()));
+    assert_eq!(state, start);
+    let mut path = weighted.trajectory(start, 0.1, NoNoise);
+    assert_eq!(path.advance(10), Err(expected.clone()));
+    assert_eq!(weighted.system().hamiltonian(&state), Err(expected));
+}

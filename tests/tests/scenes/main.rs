@@ -11,6 +11,7 @@
 //! | `invariants.rs` | energies, the symplectic form, strong order |
 //! | `forces.rs` | friction, pushes and forces of neighbours |
 //! | `totals.rs` | sums that enter other formulas, such as a mean field |
+//! | `rough.rs` | conditions on numbers, and rounded numbers |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
 
@@ -23,4 +24,5 @@ mod forces;
 mod invariants;
 mod lattices;
 mod output;
+mod rough;
 mod totals;

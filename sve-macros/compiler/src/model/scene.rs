@@ -8,7 +8,7 @@ mod integers;
 
 use proc_macro2::{Span, TokenStream};
 
-use super::Symbols;
+use super::{Meaning, Symbols};
 use crate::algebra::{Expr, Symbol};
 pub(crate) use integers::{Access, Array, Counter, Int, IntNode, Integers, Step};
 
@@ -196,6 +196,36 @@ impl Condition {
 }
 
 impl Scene {
+    /// Returns a sum with the sums around it, the innermost first.
+    pub(crate) fn around(&self, sum: Option<SumId>) -> impl Iterator<Item = SumId> + '_ {
+        std::iter::successors(sum, |sum| self.sums[sum.0].parent)
+    }
+
+    /// Returns the symbols of the components of a site, with the numbers of the components.
+    pub(crate) fn row_of(&self, site: Int) -> impl Iterator<Item = (Symbol, usize)> + '_ {
+        let symbols = (0..self.symbols.meanings().len() as u32).map(Symbol);
+        symbols.filter_map(move |symbol| match self.slot(symbol)? {
+            Slot {
+                array: SlotArray::Configuration(of),
+                component,
+            } if *of == site => Some((symbol, *component)),
+            _ => None,
+        })
+    }
+
+    /// Returns the slot that a symbol denotes.
+    pub(crate) fn slot(&self, symbol: Symbol) -> Option<&Slot> {
+        match self.symbols.meaning(symbol) {
+            Meaning::Slot(slot) => self.slots.get(*slot),
+            _ => None,
+        }
+    }
+
+    /// Returns the heads of a sum and of the sums around it, the innermost first.
+    pub(crate) fn heads(&self, sum: Option<SumId>) -> impl Iterator<Item = &Head> + '_ {
+        self.around(sum).map(|sum| &self.sums[sum.0].head)
+    }
+
     /// Returns a slot as the source may spell it.
     pub(crate) fn text(&self, slot: &Slot) -> String {
         let rows = |name: &str, index: Int| format!("{name}[{}]", self.integers.text(index));
@@ -206,5 +236,16 @@ impl Scene {
             SlotArray::Number(integer) => self.integers.text(*integer),
             SlotArray::Rounded(_) => "a rounded number".to_owned(),
         }
+    }
+
+    /// Returns the numbers that a step reads beside those of its terms: of conditions, and those
+    /// that are rounded.
+    pub(crate) fn side_numbers(&self) -> impl Iterator<Item = Expr> + '_ {
+        let conditions = self.sums.iter().flat_map(|sum| sum.head.numbers());
+        let rounded = self.slots.iter().filter_map(|slot| match slot.array {
+            SlotArray::Rounded(number) => Some(number),
+            _ => None,
+        });
+        conditions.chain(rounded)
     }
 }

@@ -20,7 +20,7 @@ use std::collections::{BTreeSet, HashMap};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::errors::Errors;
 use crate::model::Meaning;
-use crate::model::scene::{Head, Int, Processes, Scene, Slot, SlotArray, SumId};
+use crate::model::scene::{Int, Processes, Scene, SlotArray, SumId};
 pub(crate) use gather::{Gather, Read};
 use share::share;
 pub(crate) use streams::Pair;
@@ -387,37 +387,5 @@ impl Term {
     pub(crate) fn receivers<'a>(&'a self, arena: &'a Arena) -> impl Iterator<Item = usize> + 'a {
         let is_zero = |slope: &Expr| arena.constant_value(*slope) == Some(0.0);
         (0..self.sites.len()).filter(move |&site| !self.gradient[site].iter().all(is_zero))
-    }
-}
-
-impl Scene {
-    /// Returns a sum with the sums around it, the innermost first.
-    pub(crate) fn around(&self, sum: Option<SumId>) -> impl Iterator<Item = SumId> + '_ {
-        std::iter::successors(sum, |sum| self.sums[sum.0].parent)
-    }
-
-    /// Returns the symbols of the components of a site, with the numbers of the components.
-    pub(crate) fn row_of(&self, site: Int) -> impl Iterator<Item = (Symbol, usize)> + '_ {
-        let symbols = (0..self.symbols.meanings().len() as u32).map(Symbol);
-        symbols.filter_map(move |symbol| match self.slot(symbol)? {
-            Slot {
-                array: SlotArray::Configuration(of),
-                component,
-            } if *of == site => Some((symbol, *component)),
-            _ => None,
-        })
-    }
-
-    /// Returns the slot that a symbol denotes.
-    pub(crate) fn slot(&self, symbol: Symbol) -> Option<&Slot> {
-        match self.symbols.meaning(symbol) {
-            Meaning::Slot(slot) => self.slots.get(*slot),
-            _ => None,
-        }
-    }
-
-    /// Returns the heads of a sum and of the sums around it, the innermost first.
-    pub(crate) fn heads(&self, sum: Option<SumId>) -> impl Iterator<Item = &Head> + '_ {
-        self.around(sum).map(|sum| &self.sums[sum.0].head)
     }
 }

@@ -95,7 +95,8 @@ fn tables(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
         .iter()
         .flat_map(|term| term.impulses.iter().flatten().copied());
     let totals = derived.totals.iter().flat_map(|total| &total.summands);
-    let mut numbers = impulses.chain(totals.map(|summand| summand.value));
+    let totals = totals.map(|summand| summand.value);
+    let mut numbers = impulses.chain(totals).chain(derived.scene.side_numbers());
     let reads_time = numbers.any(|e| formulas.arena.contains(e, derived.scene.time));
     let common = derived.common;
     quote! {
