@@ -15,11 +15,14 @@ use std::f64::consts::{PI, TAU};
 use std::process::ExitCode;
 
 use indicatif::ProgressBar;
+use rand::SeedableRng;
+use rand::rngs::StdRng;
 use sve_examples::check::Check;
+use sve_examples::directions::direction;
 use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen};
 use sve_examples::palette::{BLUE, GREY};
 use sve_examples::report::{one_row, report};
-use sve_examples::uniform::Uniform;
+use sve_runtime::Blocking;
 use sve_runtime::prelude::*;
 
 /// Atoms in a periodic cube.
@@ -70,11 +73,10 @@ const CUT: f64 = 2.5;
 const SKIN: f64 = 0.3;
 const H: f64 = 0.005;
 
-/// Steps before the first sample, between samples, and numbers of samples.
+/// Steps before the first sample, between samples, and the number of samples.
 const BEFORE: usize = 2400;
 const APART: usize = 10;
-const BLOCKS: usize = 12;
-const IN_BLOCK: usize = 20;
+const SAMPLES: usize = 240;
 
 /// Bins of the radial distribution, up to the cut-off: lists that are valid have all pairs within.
 const BINS: usize = 100;
@@ -107,8 +109,8 @@ impl Argon {
         };
         let cells = 0..CELLS * CELLS * CELLS;
         let q = cells.flat_map(|i| corners.map(|corner| place(i, corner)));
-        let mut uniform = Uniform::new(1);
-        let mut p: Vec<[f64; 3]> = (0..ATOMS).map(|_| uniform.direction().into()).collect();
+        let mut rng = StdRng::seed_from_u64(1);
+        let mut p: Vec<[f64; 3]> = (0..ATOMS).map(|_| direction(&mut rng).into()).collect();
         let mean = total(&p).map(|sum| sum / ATOMS as f64);
         for (axis, mean) in mean.into_iter().enumerate() {
             for p in &mut p {
@@ -158,11 +160,6 @@ fn total(p: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|axis| p.iter().map(|p| p[axis]).sum())
 }
 
-/// Returns 2T/3N.
-fn kinetic(p: &[[f64; 3]]) -> f64 {
-    p.iter().flatten().map(|p| p * p).sum::<f64>() / (3 * ATOMS) as f64
-}
-
 /// Makes steps, with lists that are made anew when they expire.
 fn advance(
     argon: &mut Integrator<Argon, StormerVerlet>,
@@ -182,59 +179,46 @@ fn advance(
     Ok(())
 }
 
-/// Returns the root of the mean squared relative error of the energy at 25 times, `every` so many
+/// Returns the root of the mean squared relative error of the energy at 100 times, `every` so many
 /// steps.
 fn energy_error(start: &Atoms, h: f64, every: usize) -> Result<f64, Box<dyn Error>> {
     let mut argon = Integrator::new(Argon::new()?, StormerVerlet);
     let (mut state, mut squares) = (start.clone(), 0.0);
     argon.system_mut().near.rebuild(&state.q)?;
     let first = argon.system().hamiltonian(&state)?;
-    for _ in 0..25 {
+    for _ in 0..100 {
         advance(&mut argon, &mut state, h, every)?;
         squares += (argon.system().hamiltonian(&state)? / first - 1.0).powi(2);
     }
-    Ok((squares / 25.0f64).sqrt())
-}
-
-/// Returns the mean of blocks and its standard error.
-fn estimate(blocks: &[f64]) -> (f64, f64) {
-    let n = blocks.len() as f64;
-    let mean = blocks.iter().sum::<f64>() / n;
-    let variance = blocks.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    (mean, (variance / n).sqrt())
+    Ok((squares / 100.0f64).sqrt())
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut argon = Integrator::new(Argon::new()?, StormerVerlet);
     println!("{}\n", argon.plan());
     let mut state = argon.system().start();
-    let bar = ProgressBar::new((BLOCKS * IN_BLOCK) as u64);
+    let bar = ProgressBar::new(SAMPLES as u64);
     // hot at first, so that the lattice melts
     for round in 0..BEFORE / 50 {
         let wanted = if round < 16 { HOT } else { TEMPERATURE };
-        let factor = (wanted / kinetic(&state.p)).sqrt();
+        let factor = (wanted / argon.system().temperature(&state)?).sqrt();
         state.p.iter_mut().flatten().for_each(|p| *p *= factor);
         advance(&mut argon, &mut state, H, 50)?;
     }
     let (before, start) = (total(&state.p), state.clone());
     let first = argon.system().hamiltonian(&state)?;
     let (mut histogram, mut energies) = ([0.0; BINS], Vec::new());
-    let (mut differences, mut temperatures) = (Vec::new(), Vec::new());
-    for _ in 0..BLOCKS {
-        let [mut moving, mut slopes, mut curvature] = [0.0; 3];
-        for _ in 0..IN_BLOCK {
-            advance(&mut argon, &mut state, H, APART)?;
-            let [squares, laplacian] = argon.system().sample(&state.q, &mut histogram);
-            moving += kinetic(&state.p) / IN_BLOCK as f64;
-            slopes += squares;
-            curvature += laplacian;
-            energies.push((state.t, argon.system().hamiltonian(&state)? / first - 1.0));
-            bar.inc(1);
-        }
-        let mean_square = curvature / (3 * ATOMS * IN_BLOCK) as f64;
-        let own = moving / (1.0 - H * H * mean_square / 4.0);
+    let (mut differences, mut temperatures) = (Blocking::new(), Blocking::new());
+    for _ in 0..SAMPLES {
+        advance(&mut argon, &mut state, H, APART)?;
+        let system = argon.system();
+        let [squares, laplacian] = system.sample(&state.q, &mut histogram);
+        let mean_square = laplacian / (3 * ATOMS) as f64;
+        let own = system.temperature(&state)? / (1.0 - H * H * mean_square / 4.0);
         temperatures.push(own);
-        differences.push(slopes / curvature / own - 1.0);
+        differences.push(squares / laplacian / own - 1.0);
+        energies.push((state.t, system.hamiltonian(&state)? / first - 1.0));
+        bar.inc(1);
     }
     bar.finish_and_clear();
 
@@ -242,10 +226,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let peak = g
         .iter()
         .fold((0.0, 0.0), |a, &b| if b.1 > a.1 { b } else { a });
-    let (temperature, _) = estimate(&temperatures);
-    let (difference, error) = estimate(&differences);
+    let error = differences.standard_error().ok_or("too few samples")?;
     let worst = energies.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
-    let ratio = energy_error(&start, H, 4)? / energy_error(&start, 0.5 * H, 8)?;
+    let ratio = energy_error(&start, H, 1)? / energy_error(&start, 0.5 * H, 2)?;
     let after = total(&state.p);
     let push = (0..3)
         .map(|k| (after[k] - before[k]).abs())
@@ -254,14 +237,18 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         Check::new("largest |ΔH / H|", worst).near(0.0, 1e-4, "order h²"),
         Check::new("rms error with h / with h/2, t up to 0.5", ratio).near(4.0, 0.6, "order h²"),
         Check::new("change of the momentum", push).near(0.0, 1e-12, "rounding"),
-        Check::new("temperature", temperature)
+        Check::new("temperature", temperatures.mean())
             .reported("0.722 was set before the steps of constant energy"),
         Check::new("order of the lattice", order(&start.q, argon.system().side)).near(
             0.0,
             0.01,
             "molten: of order 1/N; 1 at the start",
         ),
-        Check::new("temperature of the positions / temperature − 1", difference).near(
+        Check::new(
+            "temperature of the positions / temperature − 1",
+            differences.mean(),
+        )
+        .near(
             0.0,
             3.0 * error + 1.0 / ATOMS as f64,
             "3 standard errors, and 1/N",
@@ -279,7 +266,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 
 /// Returns the radial distribution: the pairs in each shell, in parts of those of a gas.
 fn distribution(histogram: &[f64; BINS]) -> Vec<(f64, f64)> {
-    let samples = (BLOCKS * IN_BLOCK) as f64;
+    let samples = SAMPLES as f64;
     let width = CUT / BINS as f64;
     let bins = histogram.iter().enumerate().map(|(bin, count)| {
         let [inner, outer] = [bin, bin + 1].map(|edge| edge as f64 * width);

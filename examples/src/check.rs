@@ -71,7 +71,7 @@ impl Check {
     }
 
     /// Returns whether the number was compared and does not agree. A number that is not finite
-    /// agrees with nothing.
+    /// agrees with nothing, and no number agrees where the tolerance is NaN.
     pub fn failed(&self) -> bool {
         match self.verdict {
             Verdict::Compared {
@@ -79,8 +79,8 @@ impl Check {
                 tolerance,
                 ..
             } => {
-                let difference = (self.measured - expected).abs();
-                difference.is_nan() || difference > tolerance
+                let agrees = (self.measured - expected).abs() <= tolerance;
+                !agrees
             }
             Verdict::Reported(_) => false,
         }
@@ -194,6 +194,7 @@ mod tests {
     #[test]
     fn what_is_not_a_number_agrees_with_nothing() {
         assert!(Check::new("x", f64::NAN).near(0.0, 1.0, "").failed());
+        assert!(Check::new("x", 0.0).near(0.0, f64::NAN, "").failed());
         assert!(
             Check::new("x", f64::INFINITY)
                 .near(0.0, f64::MAX, "")

@@ -5,12 +5,12 @@
 //! Monte Carlo.
 
 pub mod check;
+pub mod directions;
 pub mod envelope;
 pub mod gaussian;
 pub mod page;
 pub mod render;
 pub mod report;
-pub mod uniform;
 
 pub use sve_runtime::plot::{figure, palette};
 
