@@ -11,6 +11,7 @@
 //! | `invariants.rs` | energies, the symplectic form, strong order |
 //! | `forces.rs` | friction, pushes and forces of neighbours |
 //! | `totals.rs` | sums that enter other formulas, such as a mean field |
+//! | `inner.rs` | inner sums that enter formulas of the sum around them |
 //! | `rough.rs` | conditions on numbers, and rounded numbers |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
@@ -21,6 +22,7 @@ mod bodies;
 mod chains;
 mod failures;
 mod forces;
+mod inner;
 mod invariants;
 mod lattices;
 mod output;

@@ -43,6 +43,17 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
     };
     let totals = derived.totals.iter();
     let totals = totals.flat_map(|total| summands(writer.symbol(total.symbol), &total.summands));
+    let inner = derived
+        .scene
+        .slots
+        .iter()
+        .filter_map(|slot| match slot.array {
+            SlotArray::Sum(sum) => Some(summands(
+                format!("S{}", sum.0),
+                derived.inner.summands_of(sum),
+            )),
+            _ => None,
+        });
     let forces = derived.scene.forces.iter();
     let forces = forces.map(|force| format!("F {}: an entry for each site", force.name));
     let has_forces = !derived.scene.forces.is_empty();
@@ -53,6 +64,7 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
     };
     SceneTexts {
         system: totals
+            .chain(inner.flatten())
             .chain(summands("L".to_owned(), &derived.lagrangian))
             .chain(noises)
             .chain(forces)
@@ -218,6 +230,8 @@ impl Notation for Writer<'_> {
         if let Some(slot) = scene.slot(symbol) {
             let component = match slot.array {
                 SlotArray::Rounded(number) => return format!("round({})", self.formula(number)),
+                SlotArray::Weight(number) => return format!("({})", self.formula(number)),
+                SlotArray::Sum(sum) => return format!("S{}", sum.0),
                 SlotArray::Configuration(_) | SlotArray::Velocity(_) => {
                     self.component(slot.component)
                 }

@@ -85,15 +85,22 @@ pub(crate) enum SlotArray {
     /// The integer nearest to a number that reads slots, such as the number of periods between two
     /// sites. It is a constant for derivatives.
     Rounded(Expr),
+    /// The value of an inner sum in an instance of the sum around it. It is a constant for
+    /// derivatives, and so is a weight.
+    Sum(SumId),
+    /// The derivative with respect to such a value, with the weight of the sum around it.
+    Weight(Expr),
 }
 
 impl SlotArray {
     /// Returns whether the read may differ from step to step.
     pub(crate) fn moves(&self) -> bool {
-        match self {
-            Self::Configuration(_) | Self::Velocity(_) | Self::Rounded(_) => true,
-            Self::Field(_) | Self::Number(_) => false,
-        }
+        !matches!(self, Self::Field(_) | Self::Number(_))
+    }
+
+    /// Returns whether the read is computed from other reads.
+    pub(crate) fn is_computed(&self) -> bool {
+        matches!(self, Self::Rounded(_) | Self::Sum(_) | Self::Weight(_))
     }
 }
 
@@ -235,17 +242,22 @@ impl Scene {
             SlotArray::Field(access) => self.integers.path_text(access),
             SlotArray::Number(integer) => self.integers.text(*integer),
             SlotArray::Rounded(_) => "a rounded number".to_owned(),
+            SlotArray::Sum(_) | SlotArray::Weight(_) => "an inner sum".to_owned(),
         }
     }
 
-    /// Returns the numbers that a step reads beside those of its terms: of conditions, and those
-    /// that are rounded.
-    pub(crate) fn side_numbers(&self) -> impl Iterator<Item = Expr> + '_ {
+    /// Returns the numbers that a step may read beside those of its terms: of conditions, and those
+    /// from which others are computed.
+    pub(crate) fn side_numbers(&self) -> Vec<Expr> {
         let conditions = self.sums.iter().flat_map(|sum| sum.head.numbers());
-        let rounded = self.slots.iter().filter_map(|slot| match slot.array {
-            SlotArray::Rounded(number) => Some(number),
-            _ => None,
-        });
-        conditions.chain(rounded)
+        let mut numbers: Vec<Expr> = conditions.collect();
+        for slot in &self.slots {
+            match slot.array {
+                SlotArray::Rounded(number) | SlotArray::Weight(number) => numbers.push(number),
+                SlotArray::Sum(_) => numbers.extend(self.sums.iter().map(|sum| sum.summand)),
+                _ => {}
+            }
+        }
+        numbers
     }
 }

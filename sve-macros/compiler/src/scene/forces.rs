@@ -21,7 +21,8 @@ impl Terms<'_> {
                 };
                 let root = self.root(Some(sum), &name);
                 let (mut summands, one) = (Vec::new(), self.arena.constant(1.0));
-                self.sum(root, sum, one, &mut summands);
+                // a force is its value: it has no derivatives
+                self.sum(root, sum, one, [&mut summands, &mut Vec::new()]);
                 for summand in summands {
                     frictions.extend(self.friction(&summand, site, component));
                     let at_rest = self.at_rest(&summand);
@@ -62,7 +63,7 @@ impl Terms<'_> {
         let mistake = if is_own {
             let varies = self.varies(sum, slope);
             varies.map(|read| {
-                format!("the friction of the velocity `{text}` depends on `{read}`: {WORKS}")
+                format!("the friction of the velocity `{text}` depends on {read}: {WORKS}")
             })
         } else {
             Some(format!(
@@ -94,11 +95,16 @@ impl Terms<'_> {
         let read: Vec<Expr> = conditions.flatten().chain([number]).collect();
         read.into_iter().find_map(|expr| {
             if self.arena.contains(expr, self.scene.time) {
-                return Some("t".to_owned());
+                return Some("`t`".to_owned());
             }
             let slots = self.slots_of(expr);
             let found = slots.iter().find(|slot| slot.1.moves())?;
-            Some(self.text(found.0))
+            let text = self.text(found.0);
+            Some(if found.1.is_computed() {
+                text
+            } else {
+                format!("`{text}`")
+            })
         })
     }
 

@@ -21,7 +21,7 @@ pub(super) fn masses(terms: &mut Terms<'_>, summands: &[Summand]) -> Vec<Coeffic
     masses
 }
 
-pub(super) const WORKS: &str =
+const WORKS: &str =
     "kept loops need the kinetic energy `0.5 * m * v[i] * v[i]` of each component of each site";
 
 impl Terms<'_> {
@@ -113,7 +113,7 @@ impl Terms<'_> {
         }
         let reads = self.varies(summand.sum, mass);
         reads.map(|read| {
-            format!("the mass of the velocity `{own}` depends on `{read}`: masses of kept loops are constants, which may differ from site to site")
+            format!("the mass of the velocity `{own}` depends on {read}: masses of kept loops are constants, which may differ from site to site")
         })
     }
 

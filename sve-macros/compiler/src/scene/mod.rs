@@ -8,22 +8,26 @@
 
 mod forces;
 mod gather;
+mod inner;
 mod kinetic;
 mod share;
 mod streams;
+mod term;
 #[cfg(test)]
 mod tests;
 mod totals;
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::errors::Errors;
 use crate::model::Meaning;
 use crate::model::scene::{Int, Processes, Scene, SlotArray, SumId};
 pub(crate) use gather::{Gather, Read};
+pub(crate) use inner::InnerTotals;
 use share::share;
 pub(crate) use streams::Pair;
+pub(crate) use term::Term;
 pub(crate) use totals::Total;
 
 /// A scene with its derivatives.
@@ -36,6 +40,8 @@ pub(crate) struct Derived {
     /// The sums that enter formulas in another way than with a factor, and the derivatives with
     /// respect to them; each reads the ones before it.
     pub(crate) totals: Vec<Total>,
+    /// The inner sums that enter formulas in such a way.
+    pub(crate) inner: InnerTotals,
     /// The summands of the Lagrangian.
     pub(crate) lagrangian: Vec<Summand>,
     pub(crate) masses: Vec<Coefficient>,
@@ -80,33 +86,11 @@ pub(crate) struct Coefficient {
     pub(crate) value: Expr,
 }
 
-/// A term that adds to the impulses of sites: a term of a potential or a noise, which depends on
-/// them, or a force on the first one.
-pub(crate) struct Term {
-    pub(crate) root: usize,
-    pub(crate) sum: Option<SumId>,
-    /// True for a term of a noise, which is multiplied by increments; false for a term of the
-    /// Lagrangian, whose derivative the step size multiplies.
-    pub(crate) is_noise: bool,
-    /// The sites that the term reads.
-    pub(crate) sites: Vec<Int>,
-    /// The fields and integers that the derivatives read.
-    pub(crate) columns: Vec<Symbol>,
-    /// For each site, the derivative in each component, or the force.
-    pub(crate) gradient: Vec<Vec<Expr>>,
-    /// For each site, the impulse in each component: the derivative, times h for a term of the
-    /// Lagrangian.
-    pub(crate) impulses: Vec<Vec<Expr>>,
-    /// For a noise with a process for each instance, its number in [`Derived::each`].
-    pub(crate) increment: Option<usize>,
-}
-
 /// Derives a scene.
 pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     let mut errors = Errors::new();
     let mut terms = Terms::new(scene, arena, &mut errors);
     let (summands, slopes) = terms.lagrangian();
-    terms.check_totals();
     let masses = kinetic::masses(&mut terms, &summands);
     let all = summands.iter().chain(&slopes);
     let at_rest: Vec<Summand> = all.map(|s| terms.at_rest(s)).collect();
@@ -122,6 +106,7 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         step: terms.scene.symbols.declare(Meaning::StepSize),
         roots: terms.roots,
         totals: terms.totals,
+        inner: terms.inner,
         lagrangian: summands,
         masses,
         frictions,
@@ -169,6 +154,7 @@ struct Terms<'a> {
     sums: HashMap<Symbol, SumId>,
     roots: Vec<Root>,
     totals: Vec<Total>,
+    inner: InnerTotals,
     listed: usize,
     each: Vec<(Symbol, SumId)>,
 }
@@ -187,6 +173,7 @@ impl<'a> Terms<'a> {
             errors,
             roots: Vec::new(),
             totals: Vec::new(),
+            inner: InnerTotals::default(),
             listed: 0,
             each: Vec::new(),
         }
@@ -227,7 +214,9 @@ impl<'a> Terms<'a> {
                     self.each.push((increment, sum));
                     let weight = self.arena.symbol(increment);
                     let root = self.root(Some(sum), &noise.name);
-                    self.sum(root, sum, weight, &mut found);
+                    let mut slopes = Vec::new();
+                    self.sum(root, sum, weight, [&mut found, &mut slopes]);
+                    found.extend(slopes);
                 }
             }
         }
@@ -253,7 +242,7 @@ impl<'a> Terms<'a> {
         }
         for (sum, weight) in inner {
             let root = self.root(Some(sum), name);
-            self.sum(root, sum, weight, to);
+            self.sum(root, sum, weight, [&mut *to, &mut *slopes]);
         }
     }
 
@@ -276,37 +265,50 @@ impl<'a> Terms<'a> {
         self.roots.len() - 1
     }
 
-    /// Adds the summand of a sum with a weight, and those of its inner sums.
-    fn sum(&mut self, root: usize, sum: SumId, weight: Expr, to: &mut Vec<Summand>) {
-        let mut open = vec![(sum, weight)];
-        while let Some((sum, weight)) = open.pop() {
+    /// Adds the summand of a sum with a weight, and those of its inner sums; to `slopes` the summands
+    /// of inner totals with their weights, which have derivatives and no value.
+    fn sum(&mut self, root: usize, sum: SumId, weight: Expr, [to, slopes]: [&mut Vec<Summand>; 2]) {
+        let mut open = vec![(sum, weight, true)];
+        while let Some((sum, weight, has_value)) = open.pop() {
+            let entering = self.inner_totals(sum, weight);
             let (value, inner) = self.parts(self.scene.sums[sum.0].summand, weight);
             if self.arena.constant_value(value) != Some(0.0) {
+                let to = if has_value { &mut *to } else { &mut *slopes };
                 let sum = Some(sum);
                 to.push(Summand { root, sum, value });
             }
-            open.extend(inner.into_iter().rev());
+            let inner = inner
+                .into_iter()
+                .map(|(sum, weight)| (sum, weight, has_value));
+            let entering = entering
+                .into_iter()
+                .map(|(sum, weight)| (sum, weight, false));
+            let all: Vec<_> = inner.chain(entering).collect();
+            open.extend(all.into_iter().rev());
         }
     }
 
     /// Splits an expression into its part without sums, and the sums in it with their weights;
-    /// both times `weight`.
+    /// both times `weight`. The expression is linear in its sums.
     fn parts(&mut self, value: Expr, weight: Expr) -> (Expr, Vec<(SumId, Expr)>) {
         let sums = self.sums_in(value);
         let zero = self.arena.constant(0.0);
         let mut inner = Vec::new();
         for &(sum, symbol) in &sums {
             let slope = self.arena.diff(value, symbol);
-            if sums.iter().any(|&(_, s)| self.arena.contains(slope, s)) {
-                let message = "this sum of an inner loop enters another formula of the loop around it, which needs two passes over the inner loop, and is not kept yet: use the sum with a factor and plus or minus, or give the number of sites at compile time, `[f64; N]`";
-                self.errors.push(self.scene.sums[sum.0].at, message);
-                continue;
-            }
             inner.push((sum, self.arena.mul(weight, slope)));
         }
         let none: HashMap<Symbol, Expr> = sums.iter().map(|&(_, symbol)| (symbol, zero)).collect();
         let own = self.arena.substitute(value, &none);
         (self.arena.mul(weight, own), inner)
+    }
+
+    /// Returns the sums in a number whose factors contain sums, with their symbols.
+    fn entering(&mut self, value: Expr) -> Vec<(SumId, Symbol)> {
+        let sums = self.sums_in(value);
+        let factors: Vec<Expr> = sums.iter().map(|s| self.arena.diff(value, s.1)).collect();
+        let enters = |sum: &(SumId, Symbol)| factors.iter().any(|&f| self.arena.contains(f, sum.1));
+        sums.into_iter().filter(enters).collect()
     }
 
     /// Returns the slots in an expression, in the order of their symbols.
@@ -328,64 +330,5 @@ impl<'a> Terms<'a> {
             value: self.arena.substitute(summand.value, &velocities),
             ..*summand
         }
-    }
-
-    /// Returns the fields and integers that numbers read.
-    fn columns_of(&self, numbers: &[Expr]) -> Vec<Symbol> {
-        let read = numbers.iter().flat_map(|&number| self.slots_of(number));
-        let is_column = |array| matches!(array, &SlotArray::Field(_) | &SlotArray::Number(_));
-        let columns: BTreeSet<Symbol> =
-            read.filter(|slot| is_column(slot.1)).map(|s| s.0).collect();
-        columns.into_iter().collect()
-    }
-
-    /// Returns a term with its derivatives; `None` if it does not depend on the configuration.
-    fn term(&mut self, summand: &Summand, is_noise: bool) -> Option<Term> {
-        let Summand { root, sum, value } = *summand;
-        let coordinates: Vec<(Symbol, Int, usize)> = self
-            .slots_of(value)
-            .into_iter()
-            .filter_map(|(symbol, array, component)| match array {
-                SlotArray::Configuration(site) => Some((symbol, *site, component)),
-                _ => None,
-            })
-            .collect();
-        let mut sites: Vec<Int> = Vec::new();
-        for &(_, site, _) in &coordinates {
-            if !sites.contains(&site) {
-                sites.push(site);
-            }
-        }
-        let zero = self.arena.constant(0.0);
-        let mut gradient = vec![vec![zero; self.scene.row.len()]; sites.len()];
-        for (symbol, site, component) in coordinates {
-            let slope = self.arena.diff(value, symbol);
-            let at = sites.iter().position(|s| *s == site)?;
-            gradient[at][component] = slope;
-        }
-        let slopes: Vec<Expr> = gradient.iter().flatten().copied().collect();
-        if self.arena.zeros(&slopes).into_iter().all(|is_zero| is_zero) {
-            return None;
-        }
-        let of_each = self.each.iter();
-        let mut of_each = of_each.map(|&(symbol, _)| self.arena.contains(value, symbol));
-        Some(Term {
-            root,
-            sum,
-            is_noise,
-            sites,
-            columns: self.columns_of(&slopes),
-            impulses: Vec::new(),
-            gradient,
-            increment: of_each.position(|is_read| is_read),
-        })
-    }
-}
-
-impl Term {
-    /// Returns the sites whose impulses the term adds to.
-    pub(crate) fn receivers<'a>(&'a self, arena: &'a Arena) -> impl Iterator<Item = usize> + 'a {
-        let is_zero = |slope: &Expr| arena.constant_value(*slope) == Some(0.0);
-        (0..self.sites.len()).filter(move |&site| !self.gradient[site].iter().all(is_zero))
     }
 }

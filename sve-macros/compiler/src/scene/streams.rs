@@ -3,9 +3,7 @@
 use super::kinetic::numbers;
 use super::{Derived, Term};
 use crate::algebra::Arena;
-use crate::model::scene::{
-    Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, SlotArray, Step,
-};
+use crate::model::scene::{Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, Step};
 
 /// A term with one of its sites, whose impulse the term adds to.
 pub(crate) struct Pair {
@@ -24,7 +22,7 @@ impl Derived {
     pub(super) fn mark_streams(&mut self, arena: &Arena) {
         let is_stream = |root: usize| {
             let mut terms = self.terms.iter().filter(|term| term.root == root);
-            terms.all(|term| self.scene.is_stream(term) && !self.scene.reads_rounded(term, arena))
+            terms.all(|term| self.scene.is_stream(term) && !self.scene.reads_computed(term, arena))
         };
         let are_streams: Vec<bool> = (0..self.roots.len()).map(is_stream).collect();
         for (root, is_stream) in self.roots.iter_mut().zip(are_streams) {
@@ -83,13 +81,13 @@ impl Scene {
             && term.sites.iter().all(moves)
     }
 
-    /// Returns whether the derivatives of a term read a rounded number.
-    fn reads_rounded(&self, term: &Term, arena: &Arena) -> bool {
+    /// Returns whether the derivatives of a term read a number that is computed from others.
+    fn reads_computed(&self, term: &Term, arena: &Arena) -> bool {
         let numbers = term.gradient.iter().flatten();
         let mut symbols = numbers.flat_map(|&number| arena.symbols_of(number));
         symbols.any(|symbol| {
-            let slot = self.slot(symbol);
-            slot.is_some_and(|slot| matches!(slot.array, SlotArray::Rounded(_)))
+            self.slot(symbol)
+                .is_some_and(|slot| slot.array.is_computed())
         })
     }
 

@@ -6,7 +6,6 @@
 
 use std::collections::HashMap;
 
-use super::kinetic::WORKS;
 use super::{Summand, Terms};
 use crate::algebra::{Expr, Symbol};
 use crate::model::Meaning;
@@ -38,18 +37,14 @@ impl Terms<'_> {
         home: Option<SumId>,
         slopes: &mut Vec<Summand>,
     ) -> Expr {
-        let sums = self.sums_in(value);
-        let factors: Vec<Expr> = sums.iter().map(|s| self.arena.diff(value, s.1)).collect();
         let one = self.arena.constant(1.0);
         let (mut by, mut found) = (HashMap::new(), Vec::new());
-        for &(sum, of_sum) in &sums {
-            let enters = |&factor: &Expr| self.arena.contains(factor, of_sum);
-            if !factors.iter().any(enters) {
-                continue;
-            }
+        for (sum, of_sum) in self.entering(value) {
             self.scene.sums[sum.0].parent = None;
             let (root, mut summands) = (self.root(Some(sum), name), Vec::new());
-            self.sum(root, sum, one, &mut summands);
+            // the slopes of inner totals come with those of this one
+            self.sum(root, sum, one, [&mut summands, &mut Vec::new()]);
+            self.check_rest(&summands);
             let symbol = self.total(summands);
             by.insert(of_sum, self.arena.symbol(symbol));
             found.push((symbol, sum, root));
@@ -63,7 +58,9 @@ impl Terms<'_> {
             };
             let weight = self.total(vec![weight]);
             let weight = self.arena.symbol(weight);
-            self.sum(root, sum, weight, slopes);
+            let mut inner = Vec::new();
+            self.sum(root, sum, weight, [&mut *slopes, &mut inner]);
+            slopes.extend(inner);
         }
         value
     }
@@ -76,16 +73,13 @@ impl Terms<'_> {
         symbol
     }
 
-    /// Checks that totals do not read velocities.
-    pub(super) fn check_totals(&mut self) {
-        for at in 0..self.totals.len() {
-            for summand in 0..self.totals[at].summands.len() {
-                let Summand { sum, value, .. } = self.totals[at].summands[summand];
-                let slots = self.slots_of(value);
-                if slots.iter().any(|s| matches!(s.1, SlotArray::Velocity(_))) {
-                    let message = format!("this sum of velocities enters another formula: {WORKS}");
-                    self.errors.push(self.place(sum), message);
-                }
+    /// Checks that the summands of a sum that enters a formula do not read velocities.
+    pub(super) fn check_rest(&mut self, summands: &[Summand]) {
+        for Summand { sum, value, .. } in summands {
+            let slots = self.slots_of(*value);
+            if slots.iter().any(|s| matches!(s.1, SlotArray::Velocity(_))) {
+                let message = "this sum of velocities enters another formula: velocities stand in the kinetic energy `0.5 * m * v[i] * v[i]` and in friction `-nu * v[i]` alone";
+                self.errors.push(self.place(*sum), message);
             }
         }
     }

@@ -100,13 +100,15 @@ impl Lowering<'_> {
         run: impl FnOnce(&mut Self, Value) -> Option<Value>,
     ) -> Option<Value> {
         self.tick(&at)?;
-        let (counter, index) = self.scene.integers.counter(body.counter.clone());
+        let name = self.scene.free_name(&body.counter);
+        let (counter, index) = self.scene.integers.counter(name.clone());
         let head = Head::For {
             counter,
             from: stream.from,
             to: stream.to,
         };
-        self.kept(Nest::Kept, &head, at, &body.assigned, |x| {
+        self.scene.counters.push(name);
+        let value = self.kept(Nest::Kept, &head, at, &body.assigned, |x| {
             let Some((closure, of)) = &stream.filter else {
                 let value = (stream.item)(x, index)?;
                 return run(x, value);
@@ -126,7 +128,9 @@ impl Lowering<'_> {
                     })
                 }
             }
-        })
+        });
+        self.scene.counters.pop();
+        value
     }
 
     /// Ends a round of a loop, whose body may have skipped its rest.

@@ -43,6 +43,8 @@ pub(super) struct Building {
     sums: Vec<(Symbol, Kept)>,
     /// The loops and branches that are being executed.
     nests: Vec<Nest>,
+    /// The names of the counters of the kept loops that are being executed.
+    counters: Vec<String>,
     /// Whether the rest of the body of the loop is executed, after a `continue`.
     rest: Truth,
 }
@@ -55,6 +57,13 @@ struct Kept {
 }
 
 impl Building {
+    /// Returns the name of a counter, or another one if a loop around it has that name.
+    fn free_name(&self, wanted: &str) -> String {
+        let names = [wanted, "j", "k", "l", "m"].into_iter();
+        let mut free = names.filter(|name| !self.counters.iter().any(|taken| taken == name));
+        free.next().unwrap_or(wanted).to_owned()
+    }
+
     pub(super) fn is_scene(&self) -> bool {
         self.shape.is_some()
     }

@@ -166,11 +166,11 @@ impl Data<'_> {
                     SlotArray::Configuration(i) => self.q[self.place(*i)][slot.component],
                     SlotArray::Velocity(i) => self.v[self.place(*i)][slot.component],
                     SlotArray::Number(i) => self.integer(*i) as f64,
-                    SlotArray::Rounded(_) => panic!("a rounded number in a scene"),
                     SlotArray::Field(access) => match self.field(access) {
                         Field::Number(value) => *value,
                         other => panic!("{other:?} as a number"),
                     },
+                    _ => panic!("a computed number in a scene"),
                 }
             }
             other => panic!("{other:?} in a scene"),

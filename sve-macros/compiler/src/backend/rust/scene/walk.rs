@@ -5,7 +5,9 @@
 //! not change in the innermost loop is read before that loop, and what is added to the site is
 //! gathered in a variable until the end of the loop; the index is checked where the site is used.
 
+mod computed;
 mod integers;
+mod rows;
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
@@ -105,6 +107,7 @@ impl<'a> Walk<'a> {
         for site in self.sites_before_loops(sum) {
             self.read_ahead(site, &mut code);
         }
+        self.inner_totals(sum, &mut code);
         for at in 0..self.leaves.len() {
             if self.leaves[at].sum == sum {
                 self.leaf(at, &mut code);
@@ -314,13 +317,12 @@ impl<'a> Walk<'a> {
                     let integer = self.integer(*integer, code);
                     quote!(#integer as f64)
                 }
-                SlotArray::Rounded(number) => {
-                    for symbol in self.formulas.arena.symbols_of(*number) {
-                        self.symbol(symbol, code);
-                    }
-                    let (statements, values) = self.formulas.within_loop(&[*number]);
-                    quote!({ #statements f64::round(#(#values)*) })
+                &SlotArray::Rounded(number) => {
+                    let number = self.number(number, code);
+                    quote!({ #number.round() })
                 }
+                &SlotArray::Weight(number) => self.number(number, code),
+                &SlotArray::Sum(sum) => self.inner_total(sum),
             }
         } else {
             return;
@@ -332,55 +334,6 @@ impl<'a> Walk<'a> {
 
     fn symbol_name(&self, symbol: Symbol) -> Ident {
         ident(&symbol_name(self.formulas.symbols, symbol))
-    }
-
-    /// Returns the row of a site. The index is in range after the printed code.
-    fn row(&mut self, array: &SlotArray, code: &mut TokenStream) -> Ident {
-        let name = self.row_name(array);
-        if self.rows.iter().any(|row| row.array == *array) {
-            self.check(array, code);
-            return name;
-        }
-        let (private, text) = (self.formulas.private, self.text_of(array));
-        let (rows, site) = match array {
-            SlotArray::Velocity(site) => (quote!(v), *site),
-            SlotArray::Configuration(site) => (quote!(q), *site),
-            SlotArray::Field(_) | SlotArray::Number(_) | SlotArray::Rounded(_) => return name,
-        };
-        let at = self.integer(site, code);
-        code.extend(quote!(let #name = *#private::scene::entry(#rows, #at, #text)?;));
-        let array = array.clone();
-        let is_checked = true;
-        self.rows.push(Row { array, is_checked });
-        name
-    }
-
-    /// Checks the index of a row that was read before a loop.
-    fn check(&mut self, array: &SlotArray, code: &mut TokenStream) {
-        let is_open = |row: &&mut Row| row.array == *array && !row.is_checked;
-        let Some(row) = self.rows.iter_mut().find(is_open) else {
-            return;
-        };
-        row.is_checked = true;
-        if let SlotArray::Configuration(site) = array {
-            let (private, text) = (self.formulas.private, self.text_of(array));
-            let at = self.integer(*site, code);
-            code.extend(quote!(#private::scene::check(#at, q.len(), #text)?;));
-        }
-    }
-
-    fn row_name(&mut self, array: &SlotArray) -> Ident {
-        match array {
-            SlotArray::Velocity(site) => format_ident!("velocity_{}", self.number_of(*site)),
-            SlotArray::Configuration(site) => format_ident!("row_{}", self.number_of(*site)),
-            SlotArray::Field(_) | SlotArray::Number(_) | SlotArray::Rounded(_) => {
-                format_ident!("none")
-            }
-        }
-    }
-
-    fn gathered_name(&mut self, site: Int) -> Ident {
-        format_ident!("gathered_{}", self.number_of(site))
     }
 
     fn number_of(&mut self, int: Int) -> usize {
