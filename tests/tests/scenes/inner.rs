@@ -102,6 +102,37 @@ mod nested {
     }
 }
 
+/// Formulas of sums alone: the weight of the innermost sum is found through those around it.
+mod tower {
+    use sve_runtime::prelude::*;
+    both! {
+        struct { g: f64 }
+        [f64] 6
+        |self, q, v| {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * v[i] * v[i];
+                let mut outer = 0.0;
+                for j in 0..q.len() {
+                    let mut inner = 0.0;
+                    for k in 0..q.len() {
+                        inner += ((i + 2 * j) as f64 * q[k]).cos();
+                    }
+                    outer += inner * inner;
+                }
+                l -= self.g * outer.sqrt();
+            }
+            l
+        }
+    }
+}
+
+#[test]
+fn formulas_of_sums_alone_step_like_unrolled_ones() {
+    let [q, p]: [[f64; 6]; 2] = [1, 2].map(|seed| spread(6, seed).try_into().expect("6 numbers"));
+    compare!(tower { g: 0.3 }, q, p, []);
+}
+
 #[test]
 fn embedded_atoms_step_like_unrolled_ones() {
     let m: Vec<f64> = (1..=6).map(f64::from).collect();

@@ -9,7 +9,7 @@ mod integers;
 use proc_macro2::{Span, TokenStream};
 
 use super::{Meaning, Symbols};
-use crate::algebra::{Expr, Symbol};
+use crate::algebra::{Arena, Expr, Symbol};
 pub(crate) use integers::{Access, Array, Counter, Int, IntNode, Integers, Step};
 
 /// The number of a sum. Its symbol has the meaning `Meaning::Sum`.
@@ -244,6 +244,17 @@ impl Scene {
             SlotArray::Rounded(_) => "a rounded number".to_owned(),
             SlotArray::Sum(_) | SlotArray::Weight(_) => "an inner sum".to_owned(),
         }
+    }
+
+    /// Returns whether a number depends on a symbol, also through numbers computed from others.
+    pub(crate) fn depends(&self, number: Expr, symbol: Symbol, arena: &Arena) -> bool {
+        arena.symbols_of(number).any(|read| {
+            let inner = self.slot(read).and_then(|slot| match slot.array {
+                SlotArray::Weight(inner) | SlotArray::Rounded(inner) => Some(inner),
+                _ => None,
+            });
+            read == symbol || inner.is_some_and(|inner| self.depends(inner, symbol, arena))
+        })
     }
 
     /// Returns the numbers that a step may read beside those of its terms: of conditions, and those

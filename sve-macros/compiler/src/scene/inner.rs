@@ -75,13 +75,4 @@ impl Terms<'_> {
         let meaning = Meaning::Slot(self.scene.slots.len() - 1);
         self.scene.symbols.declare(meaning)
     }
-
-    /// Returns whether a number reads a symbol, also through numbers computed from others.
-    pub(super) fn reads(&self, number: Expr, symbol: Symbol) -> bool {
-        self.arena.contains(number, symbol)
-            || self.slots_of(number).iter().any(|slot| match slot.1 {
-                SlotArray::Weight(inner) | SlotArray::Rounded(inner) => self.reads(*inner, symbol),
-                _ => false,
-            })
-    }
 }

@@ -66,7 +66,7 @@ impl Terms<'_> {
             return None;
         }
         let of_each = self.each.iter();
-        let mut of_each = of_each.map(|&(symbol, _)| self.reads(value, symbol));
+        let mut of_each = of_each.map(|&(symbol, _)| self.scene.depends(value, symbol, self.arena));
         Some(Term {
             root,
             sum,

@@ -28,14 +28,14 @@ impl Walk<'_> {
         }
     }
 
-    /// Returns whether a summand within a sum reads a symbol.
+    /// Returns whether a summand within a sum depends on a symbol.
     fn is_needed(&self, symbol: Symbol, sum: Option<SumId>) -> bool {
         let scene = self.scene();
         let within = |leaf: &&Leaf| scene.around(leaf.sum).any(|around| Some(around) == sum);
         let mut leaves = self.leaves.iter().filter(within);
         leaves.any(|leaf| {
             let mut values = leaf.values.iter();
-            values.any(|&value| self.formulas.arena.contains(value, symbol))
+            values.any(|&value| scene.depends(value, symbol, self.formulas.arena))
         })
     }
 
