@@ -10,6 +10,7 @@
 //! | `bodies.rs` | all pairs of bodies, and lists of bonds, angles and neighbours with a cut-off |
 //! | `invariants.rs` | energies, the symplectic form, strong order |
 //! | `forces.rs` | friction, pushes and forces of neighbours |
+//! | `shapes.rs` | sums in formulas in many shapes, against differences |
 //! | `totals.rs` | sums that enter other formulas, such as a mean field |
 //! | `inner.rs` | inner sums that enter formulas of the sum around them |
 //! | `rough.rs` | conditions on numbers, and rounded numbers |
@@ -27,4 +28,5 @@ mod invariants;
 mod lattices;
 mod output;
 mod rough;
+mod shapes;
 mod totals;
