@@ -7,7 +7,6 @@
 
 mod compensated;
 mod deterministic;
-mod machine;
 mod noisy;
 mod planets;
 mod plots;
@@ -24,7 +23,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Parser;
-use sve_examples::{page, render};
+use sve_examples::{machine, page, render};
 use sve_runtime::study::{Record, StudyError, read_csv, write_csv};
 
 use problem::Problem;
