@@ -5,16 +5,19 @@
 //! first mode in the calculation of 1955, whose rule is that of Störmer and Verlet with h² = 1/8.
 //! The example finds this number with this step, and 146.4 with small steps: the rest is the error
 //! of the step. The same struct then has a million masses: the Lagrangian is a loop over a slice,
-//! and the state has the length. A page with the picture is written to `target/fput`.
+//! and the state has the length. In a heat bath, each mode has the energy of equipartition.
+//! A page with the pictures is written to `target/fput`.
+
+mod bath;
 
 use std::error::Error;
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE};
-use sve_examples::report::{one_row, report};
+use sve_examples::report::report;
 use sve_runtime::prelude::*;
 
 /// Masses of 1 between walls, with springs of the force d + α d².
@@ -62,10 +65,14 @@ impl Mode {
         }
     }
 
+    /// Returns the part of a vector in the mode.
+    fn part(&self, x: &[f64]) -> f64 {
+        x.iter().zip(&self.shape).map(|(x, s)| x * s).sum()
+    }
+
     /// Returns the energy of linear springs in the mode.
     fn energy(&self, state: &State<Vec<f64>>) -> f64 {
-        let part = |x: &[f64]| -> f64 { x.iter().zip(&self.shape).map(|(x, s)| x * s).sum() };
-        0.5 * (part(&state.p).powi(2) + (self.frequency * part(&state.q)).powi(2))
+        0.5 * (self.part(&state.p).powi(2) + (self.frequency * self.part(&state.q)).powi(2))
     }
 }
 
@@ -150,9 +157,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let least = least.map(|e| e.1[0]).fold(f64::INFINITY, f64::min);
 
     let errors = many()?;
+    let heats = bath::Heats::new()?;
     let largest = |part: &[(f64, f64)]| part.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
     let [early, late] = [&errors[20..60], &errors[60..]].map(largest);
-    let checks = [
+    let mut checks = vec![
         Check::new("periods until it is back, h² = 1/8", then.0).near(
             157.0,
             1.0,
@@ -176,12 +184,23 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             "no drift: as from 10 to 30",
         ),
     ];
-    let caption = "Left: the energy in the first modes of 31 masses, in parts of the whole, with h = 0.05, and in the first mode with the step of 1955. Right: the energy error of 10⁶ masses.";
-    let title = "The chain of Fermi, Pasta, Ulam and Tsingou";
-    report(title, &figure(&fine, &first, &errors), caption, &checks)
+    checks.extend(heats.checks());
+    let figure = figure([&fine, &first], &errors, &heats);
+    report(
+        "The chain of Fermi, Pasta, Ulam and Tsingou",
+        &figure,
+        CAPTION,
+        &checks,
+    )
 }
 
-fn figure(energies: &[Energies], original: &[Energies], errors: &[(f64, f64)]) -> Figure {
+const CAPTION: &str = "Above: the energy in the first modes of 31 masses, in parts of the whole, with h = 0.05, and in the first mode with the step of 1955; and the energy error of 10⁶ masses. Below: parts of the energies of the 31 modes in a heat bath, ± 2 standard errors of 600 paths. With linear springs the positions have the exact distribution, and the momenta a factor that the step has. With other springs the modes are coupled: ⟨Q ∂V/∂Q⟩ is the temperature, and the linear part of the energy is less.";
+
+fn figure(
+    [energies, original]: [&[Energies]; 2],
+    errors: &[(f64, f64)],
+    heats: &bath::Heats,
+) -> Figure {
     let mut left = Panel::new(
         "Energies of modes, 31 masses",
         Axis::new("periods of the first mode", 0.0..PERIODS),
@@ -211,5 +230,13 @@ fn figure(energies: &[Energies], original: &[Energies], errors: &[(f64, f64)]) -
         Axis::new("10⁴ ΔH / H", 0.0..1.2 * largest),
     )
     .with(Layer::new("Störmer–Verlet", scaled, Pen::line(GREY, 1.2)));
-    one_row("fput", [980, 400], vec![left, right])
+    let rows = [vec![left, right], heats.panels()].map(|panels| Row {
+        height: 400,
+        panels,
+    });
+    Figure {
+        name: "fput",
+        width: 980,
+        rows: rows.into(),
+    }
 }
