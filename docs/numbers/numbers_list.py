@@ -405,6 +405,31 @@ def peer(task: str, program: str, how: str) -> Number:
     return Number(f"peers.{program}.{key}.{task}", f"task {task} by {program}, {how}: ns a trajectory-step", value(pattern))
 
 
+def cost(kind: str, key: str, size: int, way: int, what: str) -> Number:
+    """The ratio of a way to make steps in the table of `cost_per_coordinate`, in the line of a system and a size."""
+    pattern = rf"^{kind} +\d+ +[\d.]+" + r" +[\d.]+ \( *([\d.]+)\)" * 3
+    at = SCENE_SIZES.index(size)
+    return Number(
+        f"cost.{key}.{size}.{what}",
+        f"{kind}, {size} coordinates: a step of a trajectory over {what.replace('-', ' ')}",
+        lambda output: re.findall(pattern, output.text, re.M)[at][way],
+    )
+
+
+def scene_peer(system: str, size: int, program: str) -> Number:
+    """A line of `scenes.py`: the median ratio to sve with its range."""
+    pattern = rf"^{system} \| {size} \| {program} [^|]*\|[^|]*\| over sve ([\d.]+), from ([\d.]+) to ([\d.]+)"
+
+    def extract(output: Output) -> str:
+        middle, low, high = find(output, pattern).groups()
+        return f"{middle} ({low} – {high})"
+
+    return Number(f"scenes.{system}.{size}.{program}", f"{system} of {size}: time of {program} over that of sve, median and range", extract)
+
+
+SCENE_SIZES = [100, 1000, 10_000, 100_000, 1_000_000]
+SCENES_MEASURED = {"chain": "chain", "lattice": "φ⁴ lattice", "bonds": "bonds of polymers", "atoms": "atoms with lists"}
+
 WORK = " && ".join([
     *(f"target/peers/bin/python examples/peers/run.py --program {program}" for program in ("heyoka", "numba", "scipy")),
     "cargo run --release --example work_precision",
@@ -479,6 +504,21 @@ COMMANDS = [
         *(peer(task, program, how) for program, how in (("numba", "Generator(SFC64)"), ("numba", "np.random"), ("jax", "lax.scan")) for task in "AB"),
         peer("A", "diffrax", "SemiImplicitEuler"),
         peer("B", "diffrax", "Heun"),
+    ]),
+    Command("cost", "cargo run --release --example cost_per_coordinate", 150, [
+        cost(kind, key, size, way, what)
+        for key, kind in SCENES_MEASURED.items()
+        for way, what in enumerate(("single-steps", "plain-loops", "best-loops"))
+        for size in SCENE_SIZES
+    ]),
+    Command("peer-scenes", "cargo build --release --example cost_per_coordinate && target/peers/bin/python examples/peers/scenes.py", 60, [
+        *(
+            scene_peer(system, size, program)
+            for system in ("chain", "lattice")
+            for size in (100, 10_000, 1_000_000)
+            for program in ("numba", "jax")
+        ),
+        scene_peer("chain", 100, "heyoka"),
     ]),
 ]
 
