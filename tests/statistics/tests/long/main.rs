@@ -3,5 +3,6 @@
 mod gauss;
 mod paths;
 mod planets;
+mod scenes;
 mod thermal;
 mod walks;
