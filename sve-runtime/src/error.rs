@@ -7,7 +7,7 @@ mod noise;
 pub(crate) mod observed;
 
 pub(crate) use convert::step_error;
-use messages::{branch_lost, iteration_limit, no_time, singular_mass, within_step};
+use messages::{branch_lost, iteration_limit, no_time, singular_mass, stiff, within_step};
 pub use noise::NoiseError;
 pub(crate) use noise::check_step;
 
@@ -91,6 +91,35 @@ pub enum StepError {
         h: f64,
         /// The first number of the result that is not finite: `q[0]`, `p[7][2]`.
         what: String,
+    },
+    /// The bounds of the equations of a step of a scene by the midpoint rule allow other solutions
+    /// than the one that is connected with h → 0, or the iteration would take too many sweeps.
+    #[error("{}", stiff(*t, *h, what, *bounds))]
+    Stiff {
+        /// Time at the start of the step.
+        t: f64,
+        /// Length of the step, or of a part of it in a composition.
+        h: f64,
+        /// The component with the worst bounds: `q[5]`, `q[7][2]`.
+        what: String,
+        /// Bounds of the eigenvalues of `h²/4 M⁻¹ ∂²V/∂q²` with the noise, by Gershgorin; NaN if a
+        /// function has no bounds.
+        bounds: [f64; 2],
+    },
+    /// The iteration of a step of a scene by the midpoint rule does not contract.
+    #[error(
+        "the iteration of the step from t = {t} with h = {h:e} stopped contracting after {sweeps} sweeps, with changes of {change:e} of the largest displacement: \
+         L has a jump in its derivative there, such as a cut-off, or its terms cancel; take a smaller h, or look at L there"
+    )]
+    NotContracting {
+        /// Time at the start of the step.
+        t: f64,
+        /// Length of the step, or of a part of it in a composition.
+        h: f64,
+        /// Sweeps made.
+        sweeps: u32,
+        /// The last change of a displacement, relative to the largest displacement.
+        change: f64,
     },
     /// The loss of a gradient or one of its derivatives is not finite.
     #[error(

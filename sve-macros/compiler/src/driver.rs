@@ -102,7 +102,14 @@ fn implementations(
         (block, Read::Scene(scene)) => {
             applicable::check_scene(&block)?;
             let scene = scene::derive(*scene, &mut arena)?;
-            return Ok(rust::print_scene(&scene, &block, &arena));
+            let mut rules = block.arguments.rules.iter();
+            let implicit = rules.find(|listed| scene::is_implicit(listed.rule));
+            let slopes = implicit.map(|listed| {
+                let slopes = scene::slopes(&scene, &arena);
+                slopes.map_err(|reason| syn::Error::new(listed.place, reason))
+            });
+            let slopes = slopes.transpose()?;
+            return Ok(rust::print_scene(&scene, slopes.as_ref(), &block, &arena));
         }
     };
     applicable::check(&block, &model)?;

@@ -31,6 +31,29 @@ pub(super) fn within_step(t: f64, from: f64, h: f64, stages: usize) -> String {
     )
 }
 
+/// The message of `StepError::Stiff`.
+pub(super) fn stiff(t: f64, h: f64, what: &str, [lower, upper]: [f64; 2]) -> String {
+    let step = format!("the step from t = {t} with h = {h:e}");
+    if !(upper - lower).is_finite() {
+        return format!(
+            "{step}: the derivatives of the impulse of {what} have no bounds near the motion, \
+             so another solution of its equations cannot be excluded: take a smaller h, or an explicit rule such as `StormerVerlet`"
+        );
+    }
+    // the bounds grow with h² without noise, and more slowly with it
+    let size = (-lower / 0.5).max(upper / 60.0);
+    let smaller = h / size.max(1.0).sqrt();
+    let reason = if lower <= -1.0 {
+        "below -1 its equations may have other solutions than the one of short steps"
+    } else {
+        "the solution of its equations would take more than 200 sweeps"
+    };
+    format!(
+        "{step} is too long near {what}: h²/4 M⁻¹ ∂²V/∂q², with noise and friction, lies between {lower:.4} and {upper:.4}, and {reason}; \
+         take h below about {smaller:.1e}, or an explicit rule such as `StormerVerlet`"
+    )
+}
+
 /// Number of iterations from which on the limit may be too small: a step within reach of the method
 /// takes fewer.
 const MANY: u32 = 8;

@@ -16,6 +16,9 @@ pub enum Shear {
     Kick(f64),
     /// The sites move with their velocities.
     Drift(f64),
+    /// The whole substep by the midpoint rule, which is no shear: its impulse and its motion depend
+    /// on one another.
+    Midpoint,
 }
 
 /// A shear of a step.
@@ -38,6 +41,15 @@ pub enum StepShear {
         /// it, those of the kicks on the same sides.
         friction: [f64; 2],
     },
+    /// A step of the midpoint rule.
+    Midpoint {
+        /// Its length.
+        h: f64,
+        /// The fraction of the increments of the step.
+        part: f64,
+        /// The time of the node, from the start of the step.
+        at: f64,
+    },
 }
 
 /// Writes the shears of a step of length `h` to `shears`, in order.
@@ -56,7 +68,7 @@ pub fn shears<S, R: Rule<S>>(
 fn kicked(shears: &[Shear]) -> f64 {
     let kicks = shears.iter().map(|shear| match *shear {
         Shear::Kick(fraction) => fraction,
-        Shear::Drift(_) => 0.0,
+        Shear::Drift(_) | Shear::Midpoint => 0.0,
     });
     kicks.sum()
 }
@@ -106,6 +118,14 @@ impl<S, I: ?Sized> Mode<S, I> for Collected<'_> {
                     StepShear::Drift {
                         h: fraction * h,
                         friction: kicks.map(|kicks| h * kicked(kicks)),
+                    }
+                }
+                Shear::Midpoint => {
+                    self.at = start + h;
+                    StepShear::Midpoint {
+                        h,
+                        part: *part,
+                        at: start + 0.5 * h,
                     }
                 }
             });

@@ -10,6 +10,10 @@
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
 //! | `shear.rs` | steps that are lists of drifts and kicks, in place |
+//! | `midpoint.rs` | steps of the midpoint rule, whose equations join all sites |
+//! | `passes.rs` | what such a step computes for each component alone |
+//! | `chebyshev.rs` | the iteration that solves these equations |
+//! | `spectrum.rs` | bounds of the derivatives of impulses, from boxes around the motion |
 //! | `masses.rs` | masses and friction |
 //! | `mechanics.rs` | energies and velocities, for users |
 //! | `layout.rs` | what is known about the loops of a scene of known size |
@@ -19,14 +23,18 @@
 //! instances are consecutive, the derivatives are computed from slices; any other loop is made as
 //! the user wrote it.
 
+mod chebyshev;
 mod indices;
 mod layout;
 mod masses;
 mod mechanics;
+mod midpoint;
+mod passes;
 mod pieces;
 mod rows;
 mod segments;
 mod shear;
+mod spectrum;
 mod streams;
 mod sweep;
 mod written;
@@ -34,6 +42,7 @@ mod written;
 pub use indices::Instances;
 pub use layout::Layout;
 pub use mechanics::SceneMechanics;
+pub use midpoint::{MidpointStep, midpoint};
 pub use rows::Row;
 pub use shear::{Phase, Prepared};
 pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};
@@ -43,29 +52,88 @@ pub use written::{
 
 use core::fmt;
 
+use crate::error::StepError;
+
+/// What the loops of a scene add to each node. `W` says what that is: [`Impulses`] or [`Slopes`].
+pub trait Contributions<W> {
+    /// The numbers of a node: what the loops read, and what they add.
+    type Numbers: Row;
+    /// The numbers of streams that [`node`](Self::node) reads: of rows, of columns and of
+    /// increments, each in the order of [`Scene::PAIRS`].
+    type Counts: StreamCounts;
+
+    /// Returns the sum at a node to which each of the first [`Scene::NODE_PAIRS`] pairs contributes
+    /// once. `#[inline(always)]`.
+    ///
+    /// `dw` has all increments of the step: those of listed processes, then those of terms; and then
+    /// the totals.
+    fn node(&self, h: f64, t: f64, dw: &[f64], reads: &impl Reads<Self::Numbers>) -> Self::Numbers;
+
+    /// Adds the contributions of one pair to consecutive nodes, with [`add`]. `#[inline(always)]`.
+    ///
+    /// The streams are those of the pair alone.
+    fn contribution(
+        &self,
+        pair: usize,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        streams: &Streams<'_, Self::Numbers>,
+        to: &mut [Self::Numbers],
+    );
+
+    /// Adds the contributions of a loop as it is written, to an array of the length of `q`.
+    /// `#[inline(always)]`.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn nest(
+        &self,
+        number: usize,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        q: &[Self::Numbers],
+        to: &mut [Self::Numbers],
+    ) -> Result<(), IndexError>;
+}
+
+/// The impulses h (∂L/∂q + F) + Σ ΔW ∂γ/∂q of a step, at rows of the configuration.
+#[derive(Clone, Copy, Debug)]
+pub enum Impulses {}
+
+/// Bounds of the derivatives of the impulses within boxes.
+///
+/// A node has the middle and the half width of its box in each component. For each component the
+/// sums are a lower and an upper bound of the row sums of −∂(impulse)/∂q by Gershgorin: the diagonal
+/// entry minus and plus the magnitudes of the others. They are NaN where there is no bound.
+#[derive(Clone, Copy, Debug)]
+pub enum Slopes {}
+
 /// The loops of a system of any number of sites. Implemented by `#[variational(…)]`.
 ///
 /// A *term* is a summand of a loop together with the conditions around it, and an *instance* of a
 /// term is one execution. The nodes that an instance reads are its *slots*. A *pair* is a term with
 /// one of its slots: it contributes to the impulse of the node in the slot.
-pub trait Scene {
+pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// The numbers of a site.
     type Row: Row;
-    /// The numbers of streams that [`node`](Self::node) reads: of rows, of columns and of
-    /// increments, each in the order of [`PAIRS`](Self::PAIRS).
-    type Counts: StreamCounts;
     /// The outermost loops.
     const LOOPS: &'static [Loop];
     /// The terms of all loops.
     const TERMS: &'static [Term];
     /// The pairs of the loops that are streams, by term and slot.
     const PAIRS: &'static [Pair];
-    /// The number of pairs that [`node`](Self::node) adds: the first ones. The other pairs belong to
+    /// The number of pairs that [`node`](Contributions::node) adds: the first ones. The other pairs belong to
     /// terms for few nodes, such as the end of a chain.
     const NODE_PAIRS: usize;
     /// True if an impulse depends on the time itself, by a derivative, a condition, a total or a
     /// rounded number.
     const READS_TIME: bool;
+
+    /// True if the derivatives of impulses with respect to places are a symmetric matrix: no force
+    /// depends on places.
+    const IS_SYMMETRIC: bool = true;
 
     /// Visits the instances of a loop in the order in which the loop is executed.
     ///
@@ -97,41 +165,6 @@ pub trait Scene {
         Ok(())
     }
 
-    /// Returns the impulse h (∂L/∂q + F) + Σ ΔW ∂γ/∂q of a node to which each of the first
-    /// [`NODE_PAIRS`](Self::NODE_PAIRS) pairs contributes once. `#[inline(always)]`.
-    ///
-    /// `dw` has all increments of the step: those of listed processes, then those of terms; and then
-    /// the totals.
-    fn node(&self, h: f64, t: f64, dw: &[f64], reads: &impl Reads<Self::Row>) -> Self::Row;
-
-    /// Adds the impulses of one pair to consecutive nodes, with [`add`]. `#[inline(always)]`.
-    ///
-    /// The streams are those of the pair alone.
-    fn contribution(
-        &self,
-        pair: usize,
-        h: f64,
-        t: f64,
-        dw: &[f64],
-        streams: &Streams<'_, Self::Row>,
-        to: &mut [Self::Row],
-    );
-
-    /// Adds the impulses of a loop as it is written, to an array of the length of `q`.
-    /// `#[inline(always)]`.
-    ///
-    /// # Errors
-    /// An index that is out of range.
-    fn nest(
-        &self,
-        number: usize,
-        h: f64,
-        t: f64,
-        dw: &[f64],
-        q: &[Self::Row],
-        to: &mut [Self::Row],
-    ) -> Result<(), IndexError>;
-
     /// The number of sums that enter formulas, such as a mean field, and of the derivatives with
     /// respect to them.
     const TOTALS: usize = 0;
@@ -143,6 +176,15 @@ pub trait Scene {
     fn totals(&self, t: f64, q: &[Self::Row], dw: &mut [f64]) -> Result<(), IndexError> {
         let _ = (t, q, dw);
         Ok(())
+    }
+
+    /// Makes a step of the midpoint rule; called for scenes that list the rule.
+    ///
+    /// # Errors
+    /// See [`midpoint`].
+    fn midpoint(&self, step: MidpointStep<'_, Self::Row>) -> Result<(), StepError> {
+        let _ = step;
+        unreachable!("the rules of this scene are shears")
     }
 
     /// Returns the Lagrangian.

@@ -8,9 +8,10 @@
 //! before it is restored.
 
 use super::masses::InverseMasses;
+use super::midpoint::{MidpointStep, Work};
 use super::segments::Segments;
 use super::sweep::{AreFinite, Buffers, Drift, DriftAlone, Kick, Sweep};
-use super::{IndexError, Layout, Row, Scene};
+use super::{Impulses, IndexError, Layout, Row, Scene};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
 use crate::rule::StepShear;
@@ -43,6 +44,7 @@ pub struct Prepared {
     before: [Vec<f64>; 2],
     /// The increments of a kick.
     of_kick: Vec<f64>,
+    of_midpoint: Work,
 }
 
 impl Prepared {
@@ -66,6 +68,7 @@ impl Prepared {
             segments,
             before: [vec![0.0; numbers], vec![0.0; numbers]],
             of_kick: Vec::new(),
+            of_midpoint: Work::default(),
         })
     }
 
@@ -89,7 +92,8 @@ impl Prepared {
             + self.rates.len()
             + self.buffers.len()
             + 2 * self.before[0].len()
-            + self.of_kick.len();
+            + self.of_kick.len()
+            + self.of_midpoint.len();
         Layout::new::<S>(self.n, &self.segments, numbers * size_of::<f64>())
     }
 
@@ -108,11 +112,11 @@ impl Prepared {
     ) -> Result<(), StepError> {
         self.keep(state);
         let mut run = Run::new(scene, self, state, true);
-        let result = run.step(shears, t, dw).and_then(|()| run.end());
+        let result = run.step(shears, t, dw).and_then(|()| run.end(t));
         let error = match result {
             Ok(true) => return Ok(()),
             Ok(false) => not_finite(&self.before, state, [t, h], dw),
-            Err(error) => index_error(error, t),
+            Err(error) => error,
         };
         self.restore(state);
         Err(error)
@@ -146,7 +150,7 @@ impl Prepared {
             end = after;
             made += 1;
         }
-        let result = result.and_then(|()| run.end());
+        let result = result.and_then(|()| run.end(end));
         let is_finite = |rows: &[S::Row]| dispatch(AreFinite(S::Row::numbers(rows)));
         if result.is_ok() && is_finite(state.q) && is_finite(state.p) {
             *t = end;
@@ -154,6 +158,12 @@ impl Prepared {
         }
         self.restore(state);
         0
+    }
+
+    /// Sets the increments of a part of a step.
+    fn set_increments(&mut self, part: f64, dw: &[f64]) {
+        self.of_kick.clear();
+        self.of_kick.extend(dw.iter().map(|dw| part * dw));
     }
 
     fn keep<R: Row>(&mut self, state: &Phase<'_, R>) {
@@ -201,26 +211,28 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
         }
     }
 
-    fn step(&mut self, shears: &[StepShear], t: f64, dw: &[f64]) -> Result<(), IndexError> {
+    fn step(&mut self, shears: &[StepShear], t: f64, dw: &[f64]) -> Result<(), StepError> {
         for shear in shears {
             match *shear {
                 StepShear::Drift { h, friction } => {
-                    self.kick::<false>()?;
+                    self.kick::<false>(t)?;
                     self.drift_alone();
                     self.drift = Some((h, friction));
+                }
+                StepShear::Midpoint { h, part, at } => {
+                    self.end(t)?;
+                    self.midpoint([h, t + at], part, dw, t)?;
                 }
                 StepShear::Kick { h, part, at } => {
                     // the time of an impulse that does not read it makes no difference
                     let time = if S::READS_TIME { t + at } else { 0.0 };
                     let kick = Some([h, part, time]);
                     if self.kick == kick {
-                        self.kick::<true>()?;
+                        self.kick::<true>(t)?;
                     } else {
-                        self.kick::<false>()?;
+                        self.kick::<false>(t)?;
                         self.kick = kick;
-                        self.prepared.of_kick.clear();
-                        let of_kick = dw.iter().map(|dw| part * dw);
-                        self.prepared.of_kick.extend(of_kick);
+                        self.prepared.set_increments(part, dw);
                     }
                 }
             }
@@ -229,14 +241,51 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
         if dw.is_empty() {
             return Ok(());
         }
-        self.kick::<false>()
+        self.kick::<false>(t)
     }
 
-    /// Makes the kick that waits, with the drift before it.
-    fn kick<const TWICE: bool>(&mut self) -> Result<(), IndexError> {
+    /// Makes a step of the midpoint rule of length `h` with its node at the time `t`.
+    fn midpoint(
+        &mut self,
+        [h, t]: [f64; 2],
+        part: f64,
+        dw: &[f64],
+        start: f64,
+    ) -> Result<(), StepError> {
+        self.prepared.set_increments(part, dw);
+        let Prepared {
+            segments,
+            masses,
+            rates,
+            buffers,
+            of_kick,
+            of_midpoint,
+            ..
+        } = &mut *self.prepared;
+        self.scene.midpoint(MidpointStep {
+            segments,
+            masses,
+            rates,
+            buffers,
+            work: of_midpoint,
+            q: self.state.q,
+            p: self.state.p,
+            kick: Kick { h, t, dw: of_kick },
+            start,
+        })
+    }
+
+    /// Makes the kick that waits, with the drift before it; `start` is the time of the step, for
+    /// messages.
+    fn kick<const TWICE: bool>(&mut self, start: f64) -> Result<(), StepError> {
         let Some([h, _, t]) = self.kick.take() else {
             return Ok(());
         };
+        self.sweep::<TWICE>([h, t])
+            .map_err(|error| index_error(error, start))
+    }
+
+    fn sweep<const TWICE: bool>(&mut self, [h, t]: [f64; 2]) -> Result<(), IndexError> {
         if S::TOTALS > 0 {
             // the places of all sites
             self.drift_alone();
@@ -252,7 +301,7 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
             of_kick: dw,
             ..
         } = &mut *self.prepared;
-        self.is_finite &= dispatch(Sweep::<S, TWICE> {
+        self.is_finite &= dispatch(Sweep::<S, Impulses, TWICE> {
             scene: self.scene,
             segments,
             drift: self.drift.take().map(|(h, friction)| Drift {
@@ -289,8 +338,8 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
     }
 
     /// Makes what waits. Returns whether all numbers are finite, as far as they were tested.
-    fn end(&mut self) -> Result<bool, IndexError> {
-        self.kick::<false>()?;
+    fn end(&mut self, t: f64) -> Result<bool, StepError> {
+        self.kick::<false>(t)?;
         self.drift_alone();
         Ok(self.is_finite)
     }
@@ -345,21 +394,30 @@ fn not_finite<R: Row>(
     [t, h]: [f64; 2],
     dw: &[f64],
 ) -> StepError {
-    let find = |array: &str, numbers: &[f64], length| {
-        let at = numbers.iter().position(|x| !x.is_finite())?;
-        Some((name(array, at, length), numbers[at]))
-    };
-    let input = (find("q", &before[0], R::LENGTH))
-        .or_else(|| find("p", &before[1], R::LENGTH))
-        .or_else(|| find("dw", dw, 1));
-    if let Some((what, value)) = input {
-        return StepError::NonFiniteInput { what, value, t };
+    let [before_q, before_p] = before;
+    if let Some(error) = input_error::<R>([before_q, before_p], dw, t) {
+        return error;
     }
-    let result = find("q", R::numbers(state.q), R::LENGTH)
-        .or_else(|| find("p", R::numbers(state.p), R::LENGTH));
+    let [q, p] = [&*state.q, &*state.p].map(R::numbers);
+    let result = (find("q", q, R::LENGTH)).or_else(|| find("p", p, R::LENGTH));
     StepError::NonFiniteCoordinate {
         t,
         h,
         what: result.map_or_else(String::new, |(what, _)| what),
     }
+}
+
+/// Returns the error of a step whose start or increments are not finite.
+#[cold]
+pub(super) fn input_error<R: Row>([q, p]: [&[f64]; 2], dw: &[f64], t: f64) -> Option<StepError> {
+    let input = (find("q", q, R::LENGTH))
+        .or_else(|| find("p", p, R::LENGTH))
+        .or_else(|| find("dw", dw, 1));
+    input.map(|(what, value)| StepError::NonFiniteInput { what, value, t })
+}
+
+/// Returns the first number that is not finite, with its name.
+fn find(array: &str, numbers: &[f64], length: usize) -> Option<(String, f64)> {
+    let at = numbers.iter().position(|x| !x.is_finite())?;
+    Some((name(array, at, length), numbers[at]))
 }

@@ -3,13 +3,14 @@
 //! Both are done in place, tile by tile. The drift leads by what a piece of nodes reads, so that
 //! the momenta of a tile are still in the first cache when its impulses are added.
 
+use core::marker::PhantomData;
 use core::ops::Range;
 
 use super::masses::InverseMasses;
 use super::pieces::{Bases, Batch};
 use super::segments::{BATCH, Segments, TILE};
 use super::streams::Impulse;
-use super::{IndexError, Reads, Row, Scene, StreamCounts, Streams};
+use super::{Contributions, IndexError, Reads, Row, Scene, StreamCounts, Streams};
 use crate::lanes::dispatch::Kernel;
 
 /// A motion of all sites with their velocities.
@@ -62,20 +63,24 @@ impl Buffers {
     }
 }
 
-/// A drift, if there is one, and then a kick, made `TWICE` or once.
-pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
+/// A drift, if there is one, and then the contributions `W` of all loops, added `TWICE` or once to
+/// `p`.
+pub(super) struct Sweep<'a, S: Contributions<W>, W, const TWICE: bool> {
     pub(super) scene: &'a S,
     pub(super) segments: &'a Segments,
     pub(super) drift: Option<Drift<'a>>,
     pub(super) kick: Kick<'a>,
-    pub(super) q: &'a mut [S::Row],
-    pub(super) p: &'a mut [S::Row],
+    pub(super) q: &'a mut [S::Numbers],
+    pub(super) p: &'a mut [S::Numbers],
     pub(super) buffers: &'a mut Buffers,
     /// Whether numbers are tested as long as they are in the first cache.
     pub(super) is_tested: bool,
 }
 
-impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
+impl<S, W, const TWICE: bool> Kernel for Sweep<'_, S, W, TWICE>
+where
+    S: Scene + Contributions<W>,
+{
     /// Whether all numbers are finite, as far as they were tested.
     type Output = Result<bool, IndexError>;
 
@@ -97,12 +102,16 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
                 },
             is_tested,
         } = self;
-        let of_piece = S::Row::rows_mut(of_piece);
-        let of_nests = S::Row::rows_mut(of_nests);
-        let of_batch = S::Row::rows_mut(of_batch);
+        let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
+        let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
+        let of_batch = NumbersOf::<S, W>::rows_mut(of_batch);
         let Kick { h, t, dw } = kick;
         let n = q.len();
-        let node = Node { scene, kick };
+        let node = Node::<S, W> {
+            scene,
+            kick,
+            what: PhantomData,
+        };
         let mut is_finite = true;
         let mut moved = 0;
         let has_nests = !segments.nests.is_empty();
@@ -112,19 +121,19 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
             {
                 let tiles = moved..piece.ready().next_multiple_of(TILE).min(n);
                 moved = tiles.end;
-                is_finite &= drift::<S::Row>(q, p, tiles, motion, is_tested);
+                is_finite &= drift::<NumbersOf<S, W>>(q, p, tiles, motion, is_tested);
             }
             let nodes = piece.nodes();
             if !piece.has_others && piece.batch.is_none() {
                 let streams = streams(q, nodes.start, segments, bases, dw);
                 if has_nests {
                     let to = &mut of_nests[nodes.clone()];
-                    S::Counts::add::<false, _>(&streams, to, &node);
+                    CountsOf::<S, W>::add::<false, _>(&streams, to, &node);
                 } else {
-                    S::Counts::add::<TWICE, _>(&streams, &mut p[nodes.clone()], &node);
+                    CountsOf::<S, W>::add::<TWICE, _>(&streams, &mut p[nodes.clone()], &node);
                 }
                 if is_tested && !has_nests {
-                    is_finite &= are_finite(S::Row::numbers(&p[nodes]));
+                    is_finite &= are_finite(NumbersOf::<S, W>::numbers(&p[nodes]));
                 }
                 continue;
             }
@@ -139,12 +148,12 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
             let sum = &mut of_piece[..nodes.len()];
             let mut first = 0;
             if piece.is_full {
-                S::Counts::add::<false, _>(&streams, sum, &node);
+                CountsOf::<S, W>::add::<false, _>(&streams, sum, &node);
                 first = S::NODE_PAIRS;
             }
             for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
                 let streams = streams.of(&segments.streams[pair]);
-                scene.contribution(pair, h, t, dw, &streams, sum);
+                Contributions::<W>::contribution(scene, pair, h, t, dw, &streams, sum);
             }
             let to = if has_nests { &mut *of_nests } else { &mut *p };
             let is_twice = TWICE && !has_nests;
@@ -159,18 +168,18 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
                 move_all::<false, _>(to, sum);
             }
             if is_tested {
-                is_finite &= are_finite(S::Row::numbers(to));
+                is_finite &= are_finite(NumbersOf::<S, W>::numbers(to));
             }
         }
         if let Some(motion) = &motion {
-            is_finite &= drift::<S::Row>(q, p, moved..n, motion, is_tested);
+            is_finite &= drift::<NumbersOf<S, W>>(q, p, moved..n, motion, is_tested);
         }
         if !has_nests {
             return Ok(is_finite);
         }
         for &number in &segments.nests {
-            if let Err(error) = scene.nest(number, h, t, dw, q, of_nests) {
-                of_nests.fill(S::Row::ZERO);
+            if let Err(error) = Contributions::<W>::nest(scene, number, h, t, dw, q, of_nests) {
+                of_nests.fill(NumbersOf::<S, W>::ZERO);
                 return Err(error);
             }
         }
@@ -180,18 +189,22 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
 }
 
 /// The impulse of a node to which the first pairs contribute.
-struct Node<'a, S> {
+struct Node<'a, S, W> {
     scene: &'a S,
     kick: Kick<'a>,
+    what: PhantomData<W>,
 }
 
-impl<S: Scene> Impulse<S::Row> for Node<'_, S> {
+impl<S: Contributions<W>, W> Impulse<S::Numbers> for Node<'_, S, W> {
     #[inline(always)]
-    fn at(&self, reads: &impl Reads<S::Row>) -> S::Row {
+    fn at(&self, reads: &impl Reads<S::Numbers>) -> S::Numbers {
         let Kick { h, t, dw } = self.kick;
         self.scene.node(h, t, dw, reads)
     }
 }
+
+type NumbersOf<S, W> = <S as Contributions<W>>::Numbers;
+type CountsOf<S, W> = <S as Contributions<W>>::Counts;
 
 /// Copies the nodes of a batch, and what their impulses read, to consecutive places.
 #[inline(always)]

@@ -14,6 +14,9 @@ pub enum BlockKind {
     Linear,
     /// Newton's method with the analytic Jacobian.
     Newton,
+    /// Chebyshev's iteration for the displacements of all sites of a scene, with bounds of the
+    /// spectrum.
+    Chebyshev,
 }
 
 impl fmt::Display for BlockKind {
@@ -22,6 +25,7 @@ impl fmt::Display for BlockKind {
             Self::Explicit => "explicit",
             Self::Linear => "linear",
             Self::Newton => "Newton",
+            Self::Chebyshev => "Chebyshev",
         })
     }
 }
@@ -236,7 +240,9 @@ impl Plan {
     /// Returns the most demanding kind of block in the step.
     pub fn kind(&self) -> BlockKind {
         let has = |kind| self.blocks.iter().any(|b| b.kind == kind);
-        if has(BlockKind::Newton) {
+        if has(BlockKind::Chebyshev) {
+            BlockKind::Chebyshev
+        } else if has(BlockKind::Newton) {
             BlockKind::Newton
         } else if has(BlockKind::Linear) {
             BlockKind::Linear
@@ -352,8 +358,12 @@ impl fmt::Display for Structure<'_> {
             1 => writeln!(f, "1 Wiener process")?,
             m => writeln!(f, "{m} Wiener processes")?,
         }
-        write!(f, "  {}, {k} unknown{}", plan.kind(), plural(k))?;
-        if k > 0 {
+        if plan.kind() == BlockKind::Chebyshev {
+            write!(f, "  Chebyshev's iteration, an unknown for each coordinate")?;
+        } else {
+            write!(f, "  {}, {k} unknown{}", plan.kind(), plural(k))?;
+        }
+        if k > 0 && n != Plan::OF_STATE {
             let nonzeros = plan.jacobian_nonzeros();
             write!(
                 f,
@@ -362,7 +372,8 @@ impl fmt::Display for Structure<'_> {
             )?;
         }
         writeln!(f)?;
-        for block in plan.blocks {
+        let listed = plan.blocks.iter();
+        for block in listed.filter(|block| block.kind != BlockKind::Chebyshev) {
             write!(
                 f,
                 "    {:<8} {}",

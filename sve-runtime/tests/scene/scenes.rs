@@ -3,7 +3,8 @@
 #![allow(clippy::cast_sign_loss)] // indices that were checked
 
 use sve_runtime::__private::scene::{
-    Counts, IndexError, Instances, Loop, Pair, Reads, Scene, Stop, Streams, Term, add, entry,
+    Contributions, Counts, Impulses, IndexError, Instances, Loop, Pair, Reads, Scene, Stop,
+    Streams, Term, add, entry,
 };
 
 fn one(x: f64) -> [f64; 1] {
@@ -22,33 +23,9 @@ fn bond(beta: f64, a: f64, b: f64) -> f64 {
     d + beta * (d * d * d)
 }
 
-impl<const STREAM: bool> Scene for Chain<STREAM> {
-    type Row = [f64; 1];
+impl<const STREAM: bool> Contributions<Impulses> for Chain<STREAM> {
+    type Numbers = [f64; 1];
     type Counts = Counts<2, 0, 0>;
-    const LOOPS: &'static [Loop] = &[Loop {
-        text: "the loop at line 9 of `lagrangian`",
-        is_stream: STREAM,
-    }];
-    const TERMS: &'static [Term] = &[Term {
-        in_loop: 0,
-        slots: &["`q[i]` in `lagrangian`", "`q[i - 1]` in `lagrangian`"],
-        columns: 0,
-        has_increment: false,
-    }];
-    const PAIRS: &'static [Pair] = &[pair(0, 0, &[1]), pair(0, 1, &[0])];
-    const NODE_PAIRS: usize = 2;
-    const READS_TIME: bool = false;
-
-    fn instances(&self, _: usize, n: usize, to: &mut Instances) -> Result<(), Stop> {
-        (1..n as i64).try_for_each(|i| to.instance(0, &[i, i - 1], &[], 0))
-    }
-
-    fn masses(&self, _: usize, masses: &mut [[f64; 1]]) -> Result<(), IndexError> {
-        for mass in masses.as_flattened_mut() {
-            *mass += self.mass;
-        }
-        Ok(())
-    }
 
     #[inline(always)]
     fn node(&self, h: f64, _: f64, _: &[f64], reads: &impl Reads<[f64; 1]>) -> [f64; 1] {
@@ -99,6 +76,34 @@ impl<const STREAM: bool> Scene for Chain<STREAM> {
         }
         Ok(())
     }
+}
+
+impl<const STREAM: bool> Scene for Chain<STREAM> {
+    type Row = [f64; 1];
+    const LOOPS: &'static [Loop] = &[Loop {
+        text: "the loop at line 9 of `lagrangian`",
+        is_stream: STREAM,
+    }];
+    const TERMS: &'static [Term] = &[Term {
+        in_loop: 0,
+        slots: &["`q[i]` in `lagrangian`", "`q[i - 1]` in `lagrangian`"],
+        columns: 0,
+        has_increment: false,
+    }];
+    const PAIRS: &'static [Pair] = &[pair(0, 0, &[1]), pair(0, 1, &[0])];
+    const NODE_PAIRS: usize = 2;
+    const READS_TIME: bool = false;
+
+    fn instances(&self, _: usize, n: usize, to: &mut Instances) -> Result<(), Stop> {
+        (1..n as i64).try_for_each(|i| to.instance(0, &[i, i - 1], &[], 0))
+    }
+
+    fn masses(&self, _: usize, masses: &mut [[f64; 1]]) -> Result<(), IndexError> {
+        for mass in masses.as_flattened_mut() {
+            *mass += self.mass;
+        }
+        Ok(())
+    }
 
     fn lagrangian(&self, _: f64, q: &[[f64; 1]], v: &[[f64; 1]]) -> Result<f64, IndexError> {
         let kinetic: f64 = v.iter().map(|v| 0.5 * self.mass * v[0] * v[0]).sum();
@@ -136,76 +141,9 @@ pub(crate) struct Ring<const STREAM: bool> {
     pub next: Vec<i64>,
 }
 
-impl<const STREAM: bool> Scene for Ring<STREAM> {
-    type Row = [f64; 1];
+impl<const STREAM: bool> Contributions<Impulses> for Ring<STREAM> {
+    type Numbers = [f64; 1];
     type Counts = Counts<2, 3, 1>;
-    const LOOPS: &'static [Loop] = &[
-        Loop {
-            text: "the loop at line 3 of `lagrangian`",
-            is_stream: STREAM,
-        },
-        Loop {
-            text: "the loop at line 2 of `noise`",
-            is_stream: STREAM,
-        },
-    ];
-    const TERMS: &'static [Term] = &[
-        Term {
-            in_loop: 0,
-            slots: &[
-                "`q[i]` in `lagrangian`",
-                "`q[self.next[i]]` in `lagrangian`",
-            ],
-            columns: 1,
-            has_increment: false,
-        },
-        Term {
-            in_loop: 1,
-            slots: &["`q[i]` in `noise`"],
-            columns: 1,
-            has_increment: true,
-        },
-    ];
-    const PAIRS: &'static [Pair] = &[
-        Pair {
-            columns: &[0],
-            ..pair(0, 0, &[1])
-        },
-        Pair {
-            columns: &[0],
-            ..pair(0, 1, &[0])
-        },
-        Pair {
-            term: 1,
-            slot: 0,
-            rows: &[],
-            columns: &[0],
-            reads_increment: true,
-        },
-    ];
-    const NODE_PAIRS: usize = 3;
-    const READS_TIME: bool = true;
-
-    fn instances(&self, number: usize, n: usize, to: &mut Instances) -> Result<(), Stop> {
-        for i in 0..n as i64 {
-            if number == 0 {
-                let k = *entry(&self.k, i, "`self.k[i]` in `lagrangian`")?;
-                let next = *entry(&self.next, i, "`self.next[i]` in `lagrangian`")?;
-                to.instance(0, &[i, next], &[k], 0)?;
-            } else {
-                let s = *entry(&self.s, i, "`self.s[i]` in `noise`")?;
-                to.instance(1, &[i], &[s], 1 + i as usize)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn masses(&self, n: usize, masses: &mut [[f64; 1]]) -> Result<(), IndexError> {
-        for i in 0..n {
-            masses[i][0] += entry(&self.mass, i as i64, "`self.mass[i]` in `lagrangian`")?;
-        }
-        Ok(())
-    }
 
     #[inline(always)]
     fn node(&self, h: f64, t: f64, dw: &[f64], reads: &impl Reads<[f64; 1]>) -> [f64; 1] {
@@ -276,6 +214,77 @@ impl<const STREAM: bool> Scene for Ring<STREAM> {
         }
         Ok(())
     }
+}
+
+impl<const STREAM: bool> Scene for Ring<STREAM> {
+    type Row = [f64; 1];
+    const LOOPS: &'static [Loop] = &[
+        Loop {
+            text: "the loop at line 3 of `lagrangian`",
+            is_stream: STREAM,
+        },
+        Loop {
+            text: "the loop at line 2 of `noise`",
+            is_stream: STREAM,
+        },
+    ];
+    const TERMS: &'static [Term] = &[
+        Term {
+            in_loop: 0,
+            slots: &[
+                "`q[i]` in `lagrangian`",
+                "`q[self.next[i]]` in `lagrangian`",
+            ],
+            columns: 1,
+            has_increment: false,
+        },
+        Term {
+            in_loop: 1,
+            slots: &["`q[i]` in `noise`"],
+            columns: 1,
+            has_increment: true,
+        },
+    ];
+    const PAIRS: &'static [Pair] = &[
+        Pair {
+            columns: &[0],
+            ..pair(0, 0, &[1])
+        },
+        Pair {
+            columns: &[0],
+            ..pair(0, 1, &[0])
+        },
+        Pair {
+            term: 1,
+            slot: 0,
+            rows: &[],
+            columns: &[0],
+            reads_increment: true,
+        },
+    ];
+    const NODE_PAIRS: usize = 3;
+    const READS_TIME: bool = true;
+
+    fn instances(&self, number: usize, n: usize, to: &mut Instances) -> Result<(), Stop> {
+        for i in 0..n as i64 {
+            if number == 0 {
+                let k = *entry(&self.k, i, "`self.k[i]` in `lagrangian`")?;
+                let next = *entry(&self.next, i, "`self.next[i]` in `lagrangian`")?;
+                to.instance(0, &[i, next], &[k], 0)?;
+            } else {
+                let s = *entry(&self.s, i, "`self.s[i]` in `noise`")?;
+                to.instance(1, &[i], &[s], 1 + i as usize)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn masses(&self, n: usize, masses: &mut [[f64; 1]]) -> Result<(), IndexError> {
+        for i in 0..n {
+            masses[i][0] += entry(&self.mass, i as i64, "`self.mass[i]` in `lagrangian`")?;
+        }
+        Ok(())
+    }
 
     fn lagrangian(&self, t: f64, q: &[[f64; 1]], v: &[[f64; 1]]) -> Result<f64, IndexError> {
         let n = q.len();
@@ -342,9 +351,59 @@ fn site(q: f64) -> f64 {
 
 macro_rules! lattice {
     ($dimension:literal, $rows:literal, [$($direction:literal),*]) => {
+        impl<const STREAM: bool> Contributions<Impulses> for Lattice<$dimension, STREAM> {
+            type Numbers = [f64; 1];
+            type Counts = Counts<$rows, 0, 0>;
+
+            #[inline(always)]
+            fn node(&self, h: f64, _: f64, _: &[f64], reads: &impl Reads<[f64; 1]>) -> [f64; 1] {
+                let [own] = reads.own();
+                let mut force = site(own);
+                $(force += (reads.row(2 * $direction)[0] - own) - (own - reads.row(2 * $direction + 1)[0]);)*
+                [h * force]
+            }
+
+            #[inline(always)]
+            fn contribution(
+                &self,
+                pair: usize,
+                h: f64,
+                _: f64,
+                _: &[f64],
+                streams: &Streams<'_, [f64; 1]>,
+                to: &mut [[f64; 1]],
+            ) {
+                match pair {
+                    0 => add::<_, 0, 0, 0>(streams, to, #[inline(always)] |at| one(h * site(at.own()[0]))),
+                    _ => add::<_, 1, 0, 0>(streams, to, #[inline(always)] |at| one(h * (at.row(0)[0] - at.own()[0]))),
+                }
+            }
+
+            #[inline(always)]
+            fn nest(
+                &self,
+                _: usize,
+                h: f64,
+                _: f64,
+                _: &[f64],
+                q: &[[f64; 1]],
+                to: &mut [[f64; 1]],
+            ) -> Result<(), IndexError> {
+                self.visit(|c, next| {
+                    let [own] = *entry(q, c, "`q[c]` in `lagrangian`")?;
+                    to[c as usize][0] += h * site(own);
+                    for next in next.into_iter().flatten() {
+                        let [other] = *entry(q, next, "`q[c + stride]` in `lagrangian`")?;
+                        to[c as usize][0] += h * (other - own);
+                        to[next as usize][0] -= h * (other - own);
+                    }
+                    Ok(())
+                })
+            }
+        }
+
         impl<const STREAM: bool> Scene for Lattice<$dimension, STREAM> {
             type Row = [f64; 1];
-            type Counts = Counts<$rows, 0, 0>;
             const LOOPS: &'static [Loop] = &[Loop {
                 text: "the loop at line 4 of `lagrangian`",
                 is_stream: STREAM,
@@ -392,52 +451,6 @@ macro_rules! lattice {
                 Ok(())
             }
 
-            #[inline(always)]
-            fn node(&self, h: f64, _: f64, _: &[f64], reads: &impl Reads<[f64; 1]>) -> [f64; 1] {
-                let [own] = reads.own();
-                let mut force = site(own);
-                $(force += (reads.row(2 * $direction)[0] - own) - (own - reads.row(2 * $direction + 1)[0]);)*
-                [h * force]
-            }
-
-            #[inline(always)]
-            fn contribution(
-                &self,
-                pair: usize,
-                h: f64,
-                _: f64,
-                _: &[f64],
-                streams: &Streams<'_, [f64; 1]>,
-                to: &mut [[f64; 1]],
-            ) {
-                match pair {
-                    0 => add::<_, 0, 0, 0>(streams, to, #[inline(always)] |at| one(h * site(at.own()[0]))),
-                    _ => add::<_, 1, 0, 0>(streams, to, #[inline(always)] |at| one(h * (at.row(0)[0] - at.own()[0]))),
-                }
-            }
-
-            #[inline(always)]
-            fn nest(
-                &self,
-                _: usize,
-                h: f64,
-                _: f64,
-                _: &[f64],
-                q: &[[f64; 1]],
-                to: &mut [[f64; 1]],
-            ) -> Result<(), IndexError> {
-                self.visit(|c, next| {
-                    let [own] = *entry(q, c, "`q[c]` in `lagrangian`")?;
-                    to[c as usize][0] += h * site(own);
-                    for next in next.into_iter().flatten() {
-                        let [other] = *entry(q, next, "`q[c + stride]` in `lagrangian`")?;
-                        to[c as usize][0] += h * (other - own);
-                        to[next as usize][0] -= h * (other - own);
-                    }
-                    Ok(())
-                })
-            }
-
             fn lagrangian(&self, _: f64, q: &[[f64; 1]], v: &[[f64; 1]]) -> Result<f64, IndexError> {
                 let mut l = v.iter().map(|v| 0.5 * v[0] * v[0]).sum::<f64>();
                 self.visit(|c, next| {
@@ -471,28 +484,9 @@ pub(crate) struct Argon {
     pub mass: f64,
 }
 
-impl Scene for Argon {
-    type Row = [f64; 3];
+impl Contributions<Impulses> for Argon {
+    type Numbers = [f64; 3];
     type Counts = Counts<0, 0, 0>;
-    const LOOPS: &'static [Loop] = &[Loop {
-        text: "the loop at line 5 of `lagrangian`",
-        is_stream: false,
-    }];
-    const TERMS: &'static [Term] = &[];
-    const PAIRS: &'static [Pair] = &[];
-    const NODE_PAIRS: usize = 0;
-    const READS_TIME: bool = false;
-
-    fn instances(&self, _: usize, _: usize, _: &mut Instances) -> Result<(), Stop> {
-        Ok(())
-    }
-
-    fn masses(&self, _: usize, masses: &mut [[f64; 3]]) -> Result<(), IndexError> {
-        for mass in masses.as_flattened_mut() {
-            *mass += self.mass;
-        }
-        Ok(())
-    }
 
     #[inline(always)]
     fn node(&self, _: f64, _: f64, _: &[f64], _: &impl Reads<[f64; 3]>) -> [f64; 3] {
@@ -550,6 +544,29 @@ impl Scene for Argon {
         }
         Ok(())
     }
+}
+
+impl Scene for Argon {
+    type Row = [f64; 3];
+    const LOOPS: &'static [Loop] = &[Loop {
+        text: "the loop at line 5 of `lagrangian`",
+        is_stream: false,
+    }];
+    const TERMS: &'static [Term] = &[];
+    const PAIRS: &'static [Pair] = &[];
+    const NODE_PAIRS: usize = 0;
+    const READS_TIME: bool = false;
+
+    fn instances(&self, _: usize, _: usize, _: &mut Instances) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn masses(&self, _: usize, masses: &mut [[f64; 3]]) -> Result<(), IndexError> {
+        for mass in masses.as_flattened_mut() {
+            *mass += self.mass;
+        }
+        Ok(())
+    }
 
     fn lagrangian(&self, _: f64, q: &[[f64; 3]], v: &[[f64; 3]]) -> Result<f64, IndexError> {
         let kinetic: f64 = v
@@ -582,28 +599,9 @@ pub(crate) struct Bodies<const ALL: bool> {
     pub softening: f64,
 }
 
-impl<const ALL: bool> Scene for Bodies<ALL> {
-    type Row = [f64; 3];
+impl<const ALL: bool> Contributions<Impulses> for Bodies<ALL> {
+    type Numbers = [f64; 3];
     type Counts = Counts<0, 0, 0>;
-    const LOOPS: &'static [Loop] = &[Loop {
-        text: "the loop at line 6 of `lagrangian`",
-        is_stream: false,
-    }];
-    const TERMS: &'static [Term] = &[];
-    const PAIRS: &'static [Pair] = &[];
-    const NODE_PAIRS: usize = 0;
-    const READS_TIME: bool = false;
-
-    fn instances(&self, _: usize, _: usize, _: &mut Instances) -> Result<(), Stop> {
-        Ok(())
-    }
-
-    fn masses(&self, _: usize, masses: &mut [[f64; 3]]) -> Result<(), IndexError> {
-        for mass in masses.as_flattened_mut() {
-            *mass += 1.0;
-        }
-        Ok(())
-    }
 
     #[inline(always)]
     fn node(&self, _: f64, _: f64, _: &[f64], _: &impl Reads<[f64; 3]>) -> [f64; 3] {
@@ -666,6 +664,29 @@ impl<const ALL: bool> Scene for Bodies<ALL> {
             for x in 0..3 {
                 to[j][x] -= g[x];
             }
+        }
+        Ok(())
+    }
+}
+
+impl<const ALL: bool> Scene for Bodies<ALL> {
+    type Row = [f64; 3];
+    const LOOPS: &'static [Loop] = &[Loop {
+        text: "the loop at line 6 of `lagrangian`",
+        is_stream: false,
+    }];
+    const TERMS: &'static [Term] = &[];
+    const PAIRS: &'static [Pair] = &[];
+    const NODE_PAIRS: usize = 0;
+    const READS_TIME: bool = false;
+
+    fn instances(&self, _: usize, _: usize, _: &mut Instances) -> Result<(), Stop> {
+        Ok(())
+    }
+
+    fn masses(&self, _: usize, masses: &mut [[f64; 3]]) -> Result<(), IndexError> {
+        for mass in masses.as_flattened_mut() {
+            *mass += 1.0;
         }
         Ok(())
     }

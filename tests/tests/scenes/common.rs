@@ -4,9 +4,16 @@ use sve_runtime::nalgebra::SVector;
 use sve_runtime::prelude::*;
 
 /// Defines a system twice from one body, as `scene::System` and as `unrolled::System`. The second
-/// γ and the second force are those of the unrolled system.
+/// γ and the second force are those of the unrolled system. `explicit` leaves the midpoint rule out.
 macro_rules! both {
+    (explicit $($block:tt)*) => {
+        both! { @rules (initial_point, endpoint, stormer_verlet) $($block)* }
+    };
+    (struct $($block:tt)*) => {
+        both! { @rules (initial_point, endpoint, midpoint, stormer_verlet) struct $($block)* }
+    };
     (
+        @rules $rules:tt
         struct { $($field:ident: $ty:ty),* $(,)? }
         [$($row:tt)*] $n:tt
         |$this:ident, $q:ident, $v:ident| { $($body:tt)* }
@@ -19,7 +26,7 @@ macro_rules! both {
             #[derive(Clone, Debug)]
             pub(crate) struct System { $(pub(crate) $field: $ty),* }
 
-            #[variational(initial_point, endpoint, stormer_verlet)]
+            #[variational $rules]
             impl System {
                 pub(crate) fn lagrangian(&$this, $q: &[$($row)*], $v: &[$($row)*]) -> f64 { $($body)* }
                 $(#[gamma] $($scene)*)?
@@ -32,7 +39,7 @@ macro_rules! both {
             #[derive(Clone, Debug)]
             pub(crate) struct System { $(pub(crate) $field: $ty),* }
 
-            #[variational(initial_point, endpoint, stormer_verlet)]
+            #[variational $rules]
             impl System {
                 pub(crate) fn lagrangian(&$this, $q: [$($row)*; $n], $v: [$($row)*; $n]) -> f64 { $($body)* }
                 $(#[gamma] $($unrolled)*)?
@@ -42,15 +49,20 @@ macro_rules! both {
     };
 }
 
-/// Compares both systems of [`both`] with these fields, for all rules and compositions.
+/// Compares both systems of [`both`] with these fields, for all rules and compositions; `explicit`
+/// for systems without the midpoint rule.
 macro_rules! compare {
-    ($module:ident { $($field:ident: $value:expr),* $(,)? }, $q:expr, $p:expr, $dw:expr) => {{
+    (explicit $($given:tt)*) => {
+        compare!(@of [
+            InitialPoint, Endpoint, StormerVerlet,
+            Composed::new(StormerVerlet, KahanLi8), Split::new(BlanesMoan4)
+        ] $($given)*)
+    };
+    (@of [$($rule:expr),*] $module:ident { $($field:ident: $value:expr),* $(,)? }, $q:expr, $p:expr, $dw:expr) => {{
         let scene = $module::scene::System { $($field: $value),* };
         let unrolled = $module::unrolled::System { $($field: $value),* };
         let (q, p, dw) = ($q, $p, $dw);
-        compare!(@each scene, unrolled, q, p, dw,
-            InitialPoint, Endpoint, StormerVerlet,
-            Composed::new(StormerVerlet, KahanLi8), Split::new(BlanesMoan4));
+        compare!(@each scene, unrolled, q, p, dw, $($rule),*);
     }};
     (@each $scene:ident, $unrolled:ident, $q:ident, $p:ident, $dw:ident, $($rule:expr),*) => {$(
         let mut state = State::at(0.3, $q.to_vec(), $p.to_vec());
@@ -60,6 +72,13 @@ macro_rules! compare {
         $crate::common::assert_same(&state, &expected.q, &expected.p, stringify!($rule));
         assert_eq!(state.t, expected.t);
     )*};
+    ($($given:tt)*) => {
+        compare!(@of [
+            InitialPoint, Endpoint, Midpoint, StormerVerlet,
+            Composed::new(StormerVerlet, KahanLi8), Split::new(BlanesMoan4),
+            Composed::new(Midpoint, KahanLi8)
+        ] $($given)*)
+    };
 }
 
 /// A site as its numbers.

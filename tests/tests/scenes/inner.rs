@@ -10,7 +10,7 @@ mod embedded {
     use sve_runtime::nalgebra::Vector3;
     use sve_runtime::prelude::*;
     both! {
-        struct { m: Vec<f64>, a: f64 }
+        explicit struct { m: Vec<f64>, a: f64 }
         [Vector3<f64>] 6
         |self, q, v| {
             let mut l = 0.0;
@@ -34,7 +34,7 @@ mod embedded {
 mod nested {
     use sve_runtime::prelude::*;
     both! {
-        struct { g: f64, sigma: f64 }
+        explicit struct { g: f64, sigma: f64 }
         [f64] 7
         |self, q, v| {
             let n = q.len();
@@ -106,7 +106,7 @@ mod nested {
 mod tower {
     use sve_runtime::prelude::*;
     both! {
-        struct { g: f64 }
+        explicit struct { g: f64 }
         [f64] 6
         |self, q, v| {
             let mut l = 0.0;
@@ -130,7 +130,7 @@ mod tower {
 #[test]
 fn formulas_of_sums_alone_step_like_unrolled_ones() {
     let [q, p]: [[f64; 6]; 2] = [1, 2].map(|seed| spread(6, seed).try_into().expect("6 numbers"));
-    compare!(tower { g: 0.3 }, q, p, []);
+    compare!(explicit tower { g: 0.3 }, q, p, []);
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn embedded_atoms_step_like_unrolled_ones() {
         std::array::from_fn(|i| Vector3::from_column_slice(&numbers[3 * i..3 * i + 3]))
     };
     compare!(
-        embedded {
+        explicit embedded {
             m: m.clone(),
             a: 0.7
         },
@@ -156,7 +156,7 @@ fn sums_within_sums_step_like_unrolled_ones() {
     let [q, p, dw]: [[f64; 7]; 3] =
         [1, 2, 3].map(|seed| spread(7, seed).try_into().expect("7 numbers"));
     compare!(
-        nested {
+        explicit nested {
             g: 0.05,
             sigma: 0.02
         },

@@ -9,7 +9,7 @@ struct Fput {
     sigma: f64,
 }
 
-#[variational(initial_point, endpoint, stormer_verlet)]
+#[variational(endpoint, midpoint, stormer_verlet)]
 impl Fput {
     fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
         let n = q.len();
@@ -32,7 +32,7 @@ struct Quiet {
     beta: f64,
 }
 
-#[variational(stormer_verlet)]
+#[variational(midpoint, stormer_verlet)]
 impl Quiet {
     fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
         let n = q.len();

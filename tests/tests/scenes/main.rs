@@ -14,6 +14,7 @@
 //! | `totals.rs` | sums that enter other formulas, such as a mean field |
 //! | `inner.rs` | inner sums that enter formulas of the sum around them |
 //! | `rough.rs` | conditions on numbers, and rounded numbers |
+//! | `midpoint.rs` | the midpoint rule, whose equations join all sites |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
 
@@ -26,6 +27,7 @@ mod forces;
 mod inner;
 mod invariants;
 mod lattices;
+mod midpoint;
 mod output;
 mod rough;
 mod shapes;

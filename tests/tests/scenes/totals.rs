@@ -8,7 +8,7 @@ use crate::common::spread;
 mod rotors {
     use sve_runtime::prelude::*;
     both! {
-        struct { j: f64, sigma: f64, mass: Vec<f64> }
+        explicit struct { j: f64, sigma: f64, mass: Vec<f64> }
         [f64] 11
         |self, q, v| {
             let n = q.len() as f64;
@@ -39,7 +39,7 @@ mod cloud {
     use sve_runtime::nalgebra::Vector3;
     use sve_runtime::prelude::*;
     both! {
-        struct { g: f64 }
+        explicit struct { g: f64 }
         [Vector3<f64>] 5
         |self, q, v| {
             let mut l = 0.0;
@@ -63,7 +63,7 @@ fn mean_fields_step_like_unrolled_ones() {
     let q: [f64; 11] = spread(11, 3).try_into().expect("11 numbers");
     let p: [f64; 11] = spread(11, 4).try_into().expect("11 numbers");
     compare!(
-        rotors {
+        explicit rotors {
             j: 0.8,
             sigma: 0.3,
             mass: mass.clone()
@@ -82,7 +82,7 @@ fn sums_in_formulas_of_bodies_step_like_unrolled_ones() {
         let numbers = spread(15, seed);
         std::array::from_fn(|i| row(&numbers[3 * i..]))
     };
-    compare!(cloud { g: 0.7 }, rows(5), rows(6), []);
+    compare!(explicit cloud { g: 0.7 }, rows(5), rows(6), []);
 }
 
 /// The energy is that of the user's function, and blocks of steps have the bits of single steps.

@@ -6,7 +6,7 @@ use crate::algebra::{Arena, Expr, Notation, Symbol};
 use crate::catalogue::{Nodes, Rule};
 use crate::model::SymbolNames;
 use crate::model::scene::{Comparison, Condition, Head, Processes, SlotArray, SumId};
-use crate::scene::{Derived, Summand};
+use crate::scene::{Derived, Summand, is_implicit};
 
 /// Characters of a formula, beyond which its text is left out.
 const LONGEST: usize = 600;
@@ -89,6 +89,9 @@ impl SceneTexts {
 
     /// Returns the discrete action and the step of a rule.
     pub(crate) fn step(&self, rule: Rule) -> [String; 2] {
+        if is_implicit(rule) {
+            return self.implicit_step();
+        }
         let (nodes, start, end) = match rule.nodes {
             Nodes::One { c: 0.0 } => ("L(t₀, q₀, v)", Some(""), None),
             Nodes::Ends => ("(L(t₀, q₀, v) + L(t₁, q₁, v))/2", Some("½ "), Some("½ ")),
@@ -117,6 +120,34 @@ impl SceneTexts {
         step.push("drift: q₁ = q₀ + h M⁻¹ p".to_owned());
         step.extend(damped(end, ["*=", "−"]));
         step.extend(end.map(|part| kick(part, "q₁")));
+        step.push("all in place".to_owned());
+        self.push_impulses(&mut step);
+        [action, step.join("\n")]
+    }
+
+    /// Returns the discrete action and the step of the midpoint rule.
+    fn implicit_step(&self) -> [String; 2] {
+        let mut action =
+            "S_d = h L(t̄, q̄, v) + ⟨p, q₁ − q₀ − h v⟩ + Σ γ(t̄, q̄) ΔW,  q̄ = (q₀ + q₁)/2".to_owned();
+        if self.has_forces {
+            action.push_str("\nwith the virtual work h F(q̄, v)·δq̄ beside δS");
+        }
+        let (mass, friction) = if self.friction.is_empty() {
+            ("M", "")
+        } else {
+            ("(M + h N/2)", " − N d")
+        };
+        let mut step = vec![
+            format!("solve: d = h {mass}⁻¹ (p₀ + I(q₀ + d/2)/2), sweeps of Chebyshev's iteration"),
+            format!("end: q₁ = q₀ + d, p₁ = p₀ + I{friction}"),
+            "the root is unique within boxes around the motion: Gershgorin's bounds of 1 − h M⁻¹ ∂I/∂q / 4 are positive there".to_owned(),
+        ];
+        self.push_impulses(&mut step);
+        [action, step.join("\n")]
+    }
+
+    /// Adds the impulses of the sites.
+    fn push_impulses(&self, step: &mut Vec<String>) {
         let force = if self.has_forces {
             "(∂L/∂q + F)"
         } else {
@@ -128,10 +159,9 @@ impl SceneTexts {
             ", F without the friction −N v"
         };
         step.push(format!(
-            "all in place, with the impulses I = h {force} + Σ ∂γ/∂q ΔW{without}:"
+            "the impulses are I = h {force} + Σ ∂γ/∂q ΔW{without}:"
         ));
         step.extend(self.sweep.iter().chain(&self.friction).cloned());
-        [action, step.join("\n")]
     }
 }
 

@@ -187,9 +187,11 @@ impl Notation for SymbolNames<'_> {
             Meaning::Wiener(i) => indexed("ΔW", *i, processes(self.symbols)),
             Meaning::NodeEntry(i) => self.entry("q̄", "R̄", *i),
             Meaning::Attitude(i) => format!("attitude[{i}]"),
-            Meaning::Radius(_) | Meaning::Sum(_) | Meaning::Slot(_) | Meaning::Partial => {
-                self.symbols.name(symbol)
-            }
+            Meaning::Radius(_)
+            | Meaning::Sum(_)
+            | Meaning::Slot(_)
+            | Meaning::Read(_)
+            | Meaning::Partial => self.symbols.name(symbol),
             Meaning::Total(i) => format!("S[{i}]"),
             Meaning::End(i) => self.component("p₁", *i),
             Meaning::Unknown(_) | Meaning::Limit(_) => unknown(self.symbols, symbol),

@@ -42,6 +42,8 @@ pub(crate) enum Meaning {
     /// A kept loop of a scene, and a read with an index (`model/scene.rs`).
     Sum(usize),
     Slot(usize),
+    /// A number in the loop over the nodes of a scene: of a row, a column or an increment.
+    Read(usize),
     /// The value of a sum of a scene, which is computed before the loops whose terms read it.
     Total(usize),
     /// A number in a loop that is being read, which occurs in no system.
@@ -133,6 +135,7 @@ impl Symbols {
             Meaning::End(i) => format!("p1_{i}"),
             Meaning::Sum(i) => format!("sum_{i}"),
             Meaning::Slot(i) => format!("slot_{i}"),
+            Meaning::Read(i) => format!("read_{i}"),
             Meaning::Total(i) => format!("S_{i}"),
             Meaning::Partial => "partial".to_owned(),
             Meaning::Radius(Argument::Time) => "radius_t".to_owned(),

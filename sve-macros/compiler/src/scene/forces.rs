@@ -131,6 +131,8 @@ impl Terms<'_> {
             is_noise: false,
             sites,
             columns: self.columns_of(&[value]),
+            slopes: Vec::new(),
+            conditions: Vec::new(),
             impulses: Vec::new(),
             gradient,
             increment: None,

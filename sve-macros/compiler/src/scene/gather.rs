@@ -19,12 +19,14 @@ pub(crate) enum Read {
 }
 
 /// The impulse of a node.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Gather {
     /// The symbols in the impulse.
     pub(crate) reads: Vec<(Symbol, Read)>,
     /// Each component.
     pub(crate) impulse: Vec<Expr>,
+    /// Expressions that must be positive: the impulse is NaN elsewhere.
+    pub(crate) conditions: Vec<Expr>,
     /// Numbers of streams: of rows, columns and increments.
     pub(crate) counts: [usize; 3],
 }
@@ -32,14 +34,23 @@ pub(crate) struct Gather {
 impl Derived {
     /// Derives the impulses of nodes.
     pub(super) fn gather(&mut self, arena: &mut Arena) {
-        let pairs = self.pairs(arena);
-        self.common = pairs.iter().filter(|pair| pair.is_common).count();
-        let common: Vec<&Pair> = pairs[..self.common].iter().collect();
+        let pairs = self.pairs(arena).into_iter();
+        self.pairs = pairs.map(|pair| (pair, Gather::default())).collect();
+        self.common = (self.pairs.iter())
+            .filter(|(pair, _)| pair.is_common)
+            .count();
+        self.gather_pairs(arena);
+    }
+
+    /// Derives the impulses of nodes from the impulses of the terms.
+    pub(super) fn gather_pairs(&mut self, arena: &mut Arena) {
+        let mut pairs = std::mem::take(&mut self.pairs);
+        let common: Vec<&Pair> = pairs[..self.common].iter().map(|p| &p.0).collect();
         self.node = self.impulse_of(&common, arena);
-        for pair in pairs {
-            let gather = self.impulse_of(&[&pair], arena);
-            self.pairs.push((pair, gather));
+        for (pair, gather) in &mut pairs {
+            *gather = self.impulse_of(&[pair], arena);
         }
+        self.pairs = pairs;
     }
 
     /// Returns the impulse of a node to which each of `pairs` contributes once.
@@ -78,6 +89,10 @@ impl Derived {
             let term = &self.terms[pair.term];
             let mut slopes = arena.substitute_all(&term.gradient[pair.site], &by);
             share(slopes.iter_mut().collect(), arena);
+            if let Some(conditions) = term.conditions.get(pair.site) {
+                let conditions = arena.substitute_all(conditions, &by);
+                gather.conditions.extend(conditions);
+            }
             for (sums, slope) in sums.iter_mut().zip(slopes) {
                 // terms stay apart: `(a - b) + (a - c)` has smaller rounding errors than `2 a - b - c`
                 sums[usize::from(term.is_noise)].push((1.0, arena.opaque(slope)));
@@ -102,7 +117,7 @@ impl Derived {
     /// Declares what a node reads.
     fn read(&mut self, read: Read, gather: &mut Gather, arena: &mut Arena) -> Expr {
         let number = self.scene.symbols.meanings().len();
-        let symbol = self.scene.symbols.declare(Meaning::Slot(number));
+        let symbol = self.scene.symbols.declare(Meaning::Read(number));
         gather.reads.push((symbol, read));
         arena.symbol(symbol)
     }

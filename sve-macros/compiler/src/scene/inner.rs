@@ -12,7 +12,7 @@ use crate::model::Meaning;
 use crate::model::scene::{Slot, SlotArray, SumId};
 
 /// The inner sums that enter formulas of the sum around them.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct InnerTotals {
     /// The summands of each.
     of: HashMap<SumId, Vec<Summand>>,

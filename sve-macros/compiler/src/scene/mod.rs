@@ -11,6 +11,7 @@ mod gather;
 mod inner;
 mod kinetic;
 mod share;
+mod slopes;
 mod streams;
 mod term;
 #[cfg(test)]
@@ -20,17 +21,20 @@ mod totals;
 use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
+use crate::catalogue::{Nodes, Rule};
 use crate::errors::Errors;
 use crate::model::Meaning;
 use crate::model::scene::{Int, Processes, Scene, SlotArray, SumId};
 pub(crate) use gather::{Gather, Read};
 pub(crate) use inner::InnerTotals;
 use share::share;
+pub(crate) use slopes::slopes;
 pub(crate) use streams::Pair;
 pub(crate) use term::Term;
 pub(crate) use totals::Total;
 
 /// A scene with its derivatives.
+#[derive(Clone)]
 pub(crate) struct Derived {
     pub(crate) scene: Scene,
     /// The step size.
@@ -62,6 +66,7 @@ pub(crate) struct Derived {
 }
 
 /// An outermost loop, or a function outside of its loops.
+#[derive(Clone)]
 pub(crate) struct Root {
     pub(crate) sum: Option<SumId>,
     /// Name of the function.
@@ -71,6 +76,7 @@ pub(crate) struct Root {
 }
 
 /// A term, with the sum whose summand it is; without one it stands outside of all loops.
+#[derive(Clone)]
 pub(crate) struct Summand {
     pub(crate) root: usize,
     pub(crate) sum: Option<SumId>,
@@ -78,12 +84,18 @@ pub(crate) struct Summand {
 }
 
 /// A number of a component of a site, in each instance of a sum: its mass, or its friction.
+#[derive(Clone)]
 pub(crate) struct Coefficient {
     pub(crate) root: usize,
     pub(crate) sum: Option<SumId>,
     pub(crate) site: Int,
     pub(crate) component: usize,
     pub(crate) value: Expr,
+}
+
+/// Returns whether the steps of a rule are equations that join all sites.
+pub(crate) fn is_implicit(rule: Rule) -> bool {
+    matches!(rule.nodes, Nodes::One { c } if c != 0.0 && c != 1.0)
 }
 
 /// Derives a scene.
@@ -119,6 +131,9 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         node: Gather::default(),
     };
     errors.finish(())?;
+    for term in &mut derived.terms {
+        term.slopes.clone_from(&term.gradient);
+    }
     let gradients = derived.terms.iter_mut().flat_map(|t| &mut t.gradient);
     arena.stabilise(Purpose::Step, gradients.flatten().collect());
     let totals = derived.totals.iter_mut().flat_map(|t| &mut t.summands);
@@ -209,7 +224,7 @@ impl<'a> Terms<'a> {
                     found.extend(slopes);
                 }
                 Processes::Each(sum) => {
-                    let increment = Meaning::Slot(self.scene.symbols.meanings().len());
+                    let increment = Meaning::Read(self.scene.symbols.meanings().len());
                     let increment = self.scene.symbols.declare(increment);
                     self.each.push((increment, sum));
                     let weight = self.arena.symbol(increment);

@@ -6,6 +6,7 @@ use crate::algebra::Arena;
 use crate::model::scene::{Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, Step};
 
 /// A term with one of its sites, whose impulse the term adds to.
+#[derive(Clone)]
 pub(crate) struct Pair {
     pub(crate) term: usize,
     pub(crate) site: usize,

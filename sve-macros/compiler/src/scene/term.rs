@@ -8,6 +8,7 @@ use crate::model::scene::{Int, SlotArray, SumId};
 
 /// A term that adds to the impulses of sites: a term of a potential or a noise, which depends on
 /// them, or a force on the first one.
+#[derive(Clone)]
 pub(crate) struct Term {
     pub(crate) root: usize,
     pub(crate) sum: Option<SumId>,
@@ -18,7 +19,11 @@ pub(crate) struct Term {
     pub(crate) sites: Vec<Int>,
     /// The fields and integers that the derivatives read.
     pub(crate) columns: Vec<Symbol>,
-    /// For each site, the derivative in each component, or the force.
+    /// For each site, the derivative in each component, or the force, as it was derived.
+    pub(crate) slopes: Vec<Vec<Expr>>,
+    /// For each site, expressions that must be positive: the impulse is not defined elsewhere.
+    pub(crate) conditions: Vec<Vec<Expr>>,
+    /// The same derivatives in stable forms.
     pub(crate) gradient: Vec<Vec<Expr>>,
     /// For each site, the impulse in each component: the derivative, times h for a term of the
     /// Lagrangian.
@@ -73,6 +78,8 @@ impl Terms<'_> {
             is_noise,
             sites,
             columns: self.columns_of(&slopes),
+            slopes: Vec::new(),
+            conditions: Vec::new(),
             impulses: Vec::new(),
             gradient,
             increment: of_each.position(|is_read| is_read),

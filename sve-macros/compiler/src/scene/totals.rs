@@ -12,6 +12,7 @@ use crate::model::Meaning;
 use crate::model::scene::{Head, SlotArray, SumId};
 
 /// A sum whose value the terms of other loops, or its own ones, read.
+#[derive(Clone)]
 pub(crate) struct Total {
     pub(crate) symbol: Symbol,
     pub(crate) summands: Vec<Summand>,

@@ -62,13 +62,13 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
 /// Returns an error for each rule, option and function that does not apply to scenes, whose
 /// coordinates are slices.
 pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
-    const RULES: [&str; 3] = ["initial_point", "endpoint", "stormer_verlet"];
+    const RULES: [&str; 4] = ["initial_point", "endpoint", "midpoint", "stormer_verlet"];
     let mut errors = Errors::new();
     for listed in &block.arguments.rules {
         let (rule, name) = (listed.rule, listed.rule.name());
         if !RULES.contains(&rule.attribute_name) {
             let message = format!(
-                "`{name}` is not for scenes, systems whose coordinates are slices: use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them"
+                "`{name}` is not for scenes, systems whose coordinates are slices: use `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, or a composition of them"
             );
             errors.push(listed.place, message);
         }

@@ -292,6 +292,7 @@ fn input(meaning: &Meaning, place: Place) -> Option<TokenStream> {
         | Meaning::Attitude(_)
         | Meaning::Sum(_)
         | Meaning::Slot(_)
+        | Meaning::Read(_)
         | Meaning::Partial => return None,
     };
     let i = Literal::usize_unsuffixed(i);

@@ -57,7 +57,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
             header: quote!(impl #generics #private::StepEquations<#rule> for #self_ty #clause),
             sizes: [&n, &m, &none],
             types: [
-                quote!(#runtime::FlatStateOf<Self>),
+                quote!(#private::FlatStateOf<Self>),
                 nothing.clone(),
                 nothing,
             ],
@@ -81,8 +81,8 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
             type EulerNumbers = ();
             const PARAMETERS: &'static [&'static str] = &[];
             fn itself(&self) -> &Self { self }
-            fn lagrangian_jet(&self, time: f64, q: &#runtime::FlatOf<Self>, v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
-            fn noise_jets(&self, time: f64, q: &#runtime::FlatOf<Self>, p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
+            fn lagrangian_jet(&self, time: f64, q: &#private::FlatOf<Self>, v: &[f64; #n]) -> #private::LagrangianJet<#n> { #fail }
+            fn noise_jets(&self, time: f64, q: &#private::FlatOf<Self>, p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] { #fail }
         }
         #attributes
         impl #generics #private::StartOfStep for #self_ty #clause {}

@@ -86,6 +86,7 @@ impl Case {
             | Meaning::Radius(_)
             | Meaning::Sum(_)
             | Meaning::Slot(_)
+            | Meaning::Read(_)
             | Meaning::Total(_)
             | Meaning::Partial => f64::NAN,
             Meaning::Unknown(unknown) => {

@@ -11,14 +11,19 @@ use super::walk::{Action, Leaf, Walk};
 use crate::model::scene::{Head, SumId};
 use crate::scene::{Coefficient, Derived, Pair, Root, Summand};
 
-pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -> TokenStream {
+/// `is_implicit` is true if a rule of the block joins all sites.
+pub(super) fn scene(
+    derived: &Derived,
+    is_implicit: bool,
+    self_ty: &Type,
+    formulas: Formulas<'_>,
+) -> TokenStream {
     let (private, attributes) = (formulas.private, attributes());
     let size = Literal::usize_unsuffixed(derived.scene.row.len());
-    let counts = derived.node.counts.map(Literal::usize_unsuffixed);
     let tables = tables(derived, formulas);
-    let (node, contribution) = (node(derived, formulas), contribution(derived, formulas));
+    let impulses = contributions(derived, "Impulses", self_ty, formulas);
     let loops = Loops { derived, formulas };
-    let (instances, nest) = (loops.instances(), loops.nest());
+    let instances = loops.instances();
     let masses = loops.components("masses", &derived.masses);
     let has_forces = !derived.scene.forces.is_empty();
     let forces = has_forces.then(|| {
@@ -28,21 +33,53 @@ pub(super) fn scene(derived: &Derived, self_ty: &Type, formulas: Formulas<'_>) -
     let forces = forces.into_iter().flatten();
     let (totals, lagrangian) = (loops.totals(), loops.lagrangian());
     let processes = loops.processes();
+    let midpoint = is_implicit.then(|| {
+        quote! {
+            fn midpoint(
+                &self,
+                step: #private::scene::MidpointStep<'_, Self::Row>,
+            ) -> ::core::result::Result<(), #private::StepError> {
+                #private::scene::midpoint(self, step)
+            }
+        }
+    });
     quote! {
+        #impulses
         #attributes
         impl #private::scene::Scene for #self_ty {
             type Row = [f64; #size];
-            type Counts = #private::scene::Counts<#(#counts),*>;
             #tables
             #instances
             #masses
             #(#forces)*
-            #node
-            #contribution
-            #nest
+            #midpoint
             #totals
             #lagrangian
             #processes
+        }
+    }
+}
+
+/// What the loops add to each node: the impulses of a scene, or the bounds of their slopes.
+pub(super) fn contributions(
+    derived: &Derived,
+    what: &str,
+    self_ty: &Type,
+    formulas: Formulas<'_>,
+) -> TokenStream {
+    let (private, attributes, what) = (formulas.private, attributes(), ident(what));
+    let size = Literal::usize_unsuffixed(derived.scene.row.len());
+    let counts = derived.node.counts.map(Literal::usize_unsuffixed);
+    let (node, contribution) = (node(derived, formulas), contribution(derived, formulas));
+    let nest = Loops { derived, formulas }.nest();
+    quote! {
+        #attributes
+        impl #private::scene::Contributions<#private::scene::#what> for #self_ty {
+            type Numbers = [f64; #size];
+            type Counts = #private::scene::Counts<#(#counts),*>;
+            #node
+            #contribution
+            #nest
         }
     }
 }
@@ -99,7 +136,23 @@ fn tables(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
     let mut numbers = impulses.chain(totals).chain(derived.scene.side_numbers());
     let reads_time = numbers.any(|e| formulas.arena.contains(e, derived.scene.time));
     let common = derived.common;
+    // a force has a value and no potential
+    let pushes = (derived.scene.forces.iter()).flat_map(|force| force.components.iter().flatten());
+    let pushes: Vec<SumId> = pushes.copied().collect();
+    let is_push = |sum| {
+        derived
+            .scene
+            .around(sum)
+            .any(|around| pushes.contains(&around))
+    };
+    let is_symmetric = !derived.terms.iter().any(|term| is_push(term.sum));
+    let is_symmetric = (!is_symmetric).then(|| {
+        quote!(
+            const IS_SYMMETRIC: bool = false;
+        )
+    });
     quote! {
+        #is_symmetric
         const LOOPS: &'static [#private::scene::Loop] = &[#(#roots),*];
         const TERMS: &'static [#private::scene::Term] = &[#(#terms),*];
         const PAIRS: &'static [#private::scene::Pair] = &[#(#pairs),*];
@@ -193,6 +246,7 @@ impl Loops<'_> {
             |term| Leaf {
                 sum: self.derived.terms[term].sum,
                 values: Vec::new(),
+                conditions: Vec::new(),
                 action: Action::Visit(term),
             },
         );
@@ -216,9 +270,11 @@ impl Loops<'_> {
                 let term = &self.derived.terms[term];
                 let receivers: Vec<usize> = term.receivers(self.formulas.arena).collect();
                 let impulses = receivers.iter().flat_map(|&site| &term.impulses[site]);
+                let conditions = receivers.iter().filter_map(|&at| term.conditions.get(at));
                 Leaf {
                     sum: term.sum,
                     values: impulses.copied().collect(),
+                    conditions: conditions.flatten().copied().collect(),
                     action: Action::AddRows(receivers.iter().map(|&at| term.sites[at]).collect()),
                 }
             },
@@ -231,8 +287,8 @@ impl Loops<'_> {
                 h: f64,
                 time: f64,
                 dw: &[f64],
-                q: &[Self::Row],
-                to: &mut [Self::Row],
+                q: &[Self::Numbers],
+                to: &mut [Self::Numbers],
             ) -> ::core::result::Result<(), #private::scene::IndexError> {
                 let n = q.len();
                 let to = &mut to[..n];
@@ -250,6 +306,7 @@ impl Loops<'_> {
             let leaves = of_root.map(|of| Leaf {
                 sum: of.sum,
                 values: vec![of.value],
+                conditions: Vec::new(),
                 action: Action::AddComponent(of.site, of.component),
             });
             self.loops(root, leaves.collect())
@@ -338,6 +395,7 @@ impl Loops<'_> {
             let leaves = of_root.map(|summand| Leaf {
                 sum: summand.sum,
                 values: vec![summand.value],
+                conditions: Vec::new(),
                 action: Action::AddValue,
             });
             self.loops(root, leaves.collect())

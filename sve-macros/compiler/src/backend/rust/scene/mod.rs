@@ -16,8 +16,14 @@ use crate::scene::Derived;
 use crate::syntax::parse::Annotated;
 use system::Context;
 
-/// Prints all that was derived from the block of a scene.
-pub(crate) fn print(derived: &Derived, block: &Annotated, arena: &Arena) -> TokenStream {
+/// Prints all that was derived from the block of a scene, with the bounds of its slopes if a rule
+/// needs them.
+pub(crate) fn print(
+    derived: &Derived,
+    slopes: Option<&(Derived, Arena)>,
+    block: &Annotated,
+    arena: &Arena,
+) -> TokenStream {
     let private = &private(block);
     let formulas = Formulas {
         arena,
@@ -32,8 +38,17 @@ pub(crate) fn print(derived: &Derived, block: &Annotated, arena: &Arena) -> Toke
         texts,
     };
     let system = context.system();
-    let scene = loops::scene(derived, &block.item.self_ty, formulas);
+    let self_ty = &block.item.self_ty;
+    let scene = loops::scene(derived, slopes.is_some(), self_ty, formulas);
+    let slopes = slopes.map(|(slopes, arena)| {
+        let formulas = Formulas {
+            arena,
+            symbols: &slopes.scene.symbols,
+            private,
+        };
+        loops::contributions(slopes, "Slopes", self_ty, formulas)
+    });
     let rules = block.arguments.rules.iter();
     let rules = rules.map(|listed| context.rule(listed.rule));
-    bounded(quote!(#system #scene #(#rules)*))
+    bounded(quote!(#system #scene #slopes #(#rules)*))
 }

@@ -6,10 +6,11 @@ use quote::quote;
 
 use super::super::function::Formulas;
 use super::super::ident;
+use crate::algebra::Expr;
 use crate::program::symbol_name;
 use crate::scene::{Derived, Gather, Read};
 
-/// `node`: the impulse of a node to which each common pair contributes once.
+/// `node`: the sum at a node to which each common pair contributes once.
 pub(super) fn node(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
     let private = formulas.private;
     let body = impulse(&derived.node, formulas);
@@ -20,8 +21,8 @@ pub(super) fn node(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
             h: f64,
             time: f64,
             dw: &[f64],
-            reads: &impl #private::scene::Reads<Self::Row>,
-        ) -> Self::Row {
+            reads: &impl #private::scene::Reads<Self::Numbers>,
+        ) -> Self::Numbers {
             #body
         }
     }
@@ -45,8 +46,8 @@ pub(super) fn contribution(derived: &Derived, formulas: Formulas<'_>) -> TokenSt
             h: f64,
             time: f64,
             dw: &[f64],
-            streams: &#private::scene::Streams<'_, Self::Row>,
-            to: &mut [Self::Row],
+            streams: &#private::scene::Streams<'_, Self::Numbers>,
+            to: &mut [Self::Numbers],
         ) {
             match pair {
                 #(#pairs)*
@@ -54,6 +55,23 @@ pub(super) fn contribution(derived: &Derived, formulas: Formulas<'_>) -> TokenSt
             }
         }
     }
+}
+
+/// Statements and values, which are NaN where a condition is not positive.
+pub(super) fn where_defined(
+    values: &[Expr],
+    conditions: &[Expr],
+    formulas: Formulas<'_>,
+) -> (TokenStream, Vec<TokenStream>) {
+    let (mut statements, mut all) = formulas.within_loop(&[values, conditions].concat());
+    let conditions = all.split_off(values.len());
+    if !conditions.is_empty() {
+        statements.extend(quote!(let is_defined = #((#conditions > 0.0))&*;));
+        for value in &mut all {
+            *value = quote!(if is_defined { #value } else { f64::NAN });
+        }
+    }
+    (statements, all)
 }
 
 /// The impulse, as an expression of `reads`.
@@ -73,7 +91,7 @@ fn impulse(gather: &Gather, formulas: Formulas<'_>) -> TokenStream {
         let number = number.map(|number| quote!(, #number));
         quote!(let #name: f64 = #private::scene::Reads::#what(reads #number) #component;)
     });
-    let (statements, values) = formulas.within_loop(&gather.impulse);
+    let (statements, values) = where_defined(&gather.impulse, &gather.conditions, formulas);
     quote! {
         #(#inputs)*
         #statements

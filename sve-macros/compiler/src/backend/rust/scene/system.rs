@@ -16,7 +16,7 @@ use crate::explain::SceneTexts;
 use crate::model::Meaning;
 use crate::model::scene::Row;
 use crate::program::Operations;
-use crate::scene::Derived;
+use crate::scene::{Derived, is_implicit};
 use crate::syntax::parse::Annotated;
 
 /// What the implementations share.
@@ -126,8 +126,10 @@ impl Context<'_> {
         let ty = rule_type(rule, &runtime);
         let plan = self.plan(rule);
         let shears = shears(rule).into_iter().map(|(kind, part)| {
-            let (kind, part) = (super::super::ident(kind), Literal::f64_suffixed(part));
-            quote!(#private::Shear::#kind(#part))
+            let kind = super::super::ident(kind);
+            let part = part.map(Literal::f64_suffixed);
+            let part = part.map(|part| quote!((#part)));
+            quote!(#private::Shear::#kind #part)
         });
         quote! {
             #attributes
@@ -179,6 +181,16 @@ impl Context<'_> {
         let weak_order = if is_noisy { 1 } else { order };
         let node = self.formulas.operations(&self.derived.node.impulse);
         let [none, step] = [Operations::default(), node].map(|count| operations(private, &count));
+        let blocks = is_implicit(rule).then(|| {
+            quote! {
+                #private::Block {
+                    kind: #private::BlockKind::Chebyshev,
+                    unknowns: &["q₁ − q₀"],
+                    nonzeros: 0,
+                    band: ::core::option::Option::None,
+                }
+            }
+        });
         let [action, equations] = self.texts.step(rule);
         let texts = [&self.texts.system, &self.texts.motion, &action, &equations];
         let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
@@ -189,7 +201,7 @@ impl Context<'_> {
                 substeps: ::core::option::Option::None,
                 degrees_of_freedom: #private::Plan::OF_STATE,
                 noises: #noises,
-                blocks: &[],
+                blocks: &[#blocks],
                 deterministic_order: #order,
                 strong_order: #private::StrongOrder::#strong,
                 weak_order: #weak_order,
@@ -213,7 +225,10 @@ impl Context<'_> {
 
 /// The shears of a step of a rule with nodes at the ends: an impulse with the weight w at
 /// `q₀ + c (q₁ − q₀)` is a kick by `w (1 − c)` before the drift and by `w c` after it.
-fn shears(rule: Rule) -> Vec<(&'static str, f64)> {
+fn shears(rule: Rule) -> Vec<(&'static str, Option<f64>)> {
+    if is_implicit(rule) {
+        return vec![("Midpoint", None)];
+    }
     let nodes = match rule.nodes {
         Nodes::One { c } => vec![(1.0, c)],
         Nodes::Ends => vec![(0.5, 0.0), (0.5, 1.0)],
@@ -222,5 +237,6 @@ fn shears(rule: Rule) -> Vec<(&'static str, f64)> {
     let before = nodes.iter().map(|&(w, c)| ("Kick", w * (1.0 - c)));
     let after = nodes.iter().map(|&(w, c)| ("Kick", w * c));
     let all = before.chain([("Drift", 1.0)]).chain(after);
-    all.filter(|shear| shear.1 != 0.0).collect()
+    let all = all.filter(|shear| shear.1 != 0.0);
+    all.map(|(kind, part)| (kind, Some(part))).collect()
 }

@@ -14,6 +14,7 @@ use quote::{format_ident, quote};
 
 use super::super::function::Formulas;
 use super::super::{ident, number, verbatim};
+use super::nodes::where_defined;
 use crate::algebra::{Expr, Symbol};
 use crate::model::scene::{Array, Head, Int, IntNode, Scene, Slot, SlotArray, SumId};
 use crate::program::symbol_name;
@@ -24,6 +25,8 @@ pub(super) struct Leaf {
     pub(super) sum: Option<SumId>,
     /// The values to be computed.
     pub(super) values: Vec<Expr>,
+    /// Expressions that must be positive: the values are NaN elsewhere.
+    pub(super) conditions: Vec<Expr>,
     pub(super) action: Action,
 }
 
@@ -198,9 +201,10 @@ impl<'a> Walk<'a> {
         let at = self.integer(site, code);
         let array = SlotArray::Configuration(site);
         let (row, gathered) = (self.row_name(&array), self.gathered_name(site));
+        let size = Literal::usize_unsuffixed(self.scene().row.len());
         code.extend(quote! {
             let #row = #private::scene::row_if_any(q, #at);
-            let mut #gathered = <Self::Row as #private::scene::Row>::ZERO;
+            let mut #gathered = [0f64; #size];
         });
         let is_checked = false;
         self.rows.push(Row { array, is_checked });
@@ -211,18 +215,21 @@ impl<'a> Walk<'a> {
     fn leaf(&mut self, at: usize, code: &mut TokenStream) {
         let private = self.formulas.private;
         let arena = self.formulas.arena;
-        let values = self.leaves[at].values.clone();
+        let Leaf {
+            values, conditions, ..
+        } = &self.leaves[at];
+        let (values, conditions) = (values.clone(), conditions.clone());
         if let Action::AddRows(sites) = &self.leaves[at].action {
             for site in sites.clone() {
                 self.row(&SlotArray::Configuration(site), code);
             }
         }
-        for &value in &values {
+        for &value in values.iter().chain(&conditions) {
             for symbol in arena.symbols_of(value) {
                 self.symbol(symbol, code);
             }
         }
-        let (statements, values) = self.formulas.within_loop(&values);
+        let (statements, values) = where_defined(&values, &conditions, self.formulas);
         code.extend(statements);
         match &self.leaves[at].action {
             Action::AddRows(sites) => {

@@ -45,6 +45,7 @@ impl Walk<'_> {
         let leaves = summands.map(|summand| Leaf {
             sum: summand.sum,
             values: vec![summand.value],
+            conditions: Vec::new(),
             action: Action::AddValue,
         });
         let outer = std::mem::replace(&mut self.leaves, leaves.collect());

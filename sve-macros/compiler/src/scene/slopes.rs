@@ -1,0 +1,231 @@
+//! Bounds of the derivatives of impulses, for steps whose equations join all sites.
+//!
+//! Input: a scene with the first derivatives of its terms. Output: the same scene with rows of the
+//! middle and the half width of a box in each component, and with terms that add, in the place of
+//! impulses, a lower and an upper bound of the row sums of `−∂I/∂q` over the box: the diagonal entry
+//! minus and plus the magnitudes of all others (Gershgorin). The loops, the terms and the pairs are
+//! those of the scene, so one table of segments serves both.
+//!
+//! A term under a condition on numbers counts where the condition may hold within the box, and may
+//! vanish there. A rounded number is that of the middle. At a jump between two values of either, L
+//! has no derivative, and nothing is bounded.
+
+use std::collections::HashMap;
+
+use super::{Derived, Term};
+use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
+use crate::algebra::{Arena, Expr, Purpose, Symbol};
+use crate::model::Meaning;
+use crate::model::domain;
+use crate::model::scene::{Comparison, Condition, Head, Row, Slot, SlotArray};
+
+const SUMS: &str = "`midpoint` bounds the derivatives of impulses, and sums that enter formulas have no bounds yet: use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them";
+
+/// Returns the scene of bounds with the owner of its expressions, or the reason why there is none.
+pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena), String> {
+    if !derived.totals.is_empty() || !derived.inner.before.is_empty() {
+        return Err(SUMS.to_owned());
+    }
+    let (mut all, mut arena) = (derived.clone(), arena.clone());
+    all.scene.row = Row::Array(2 * derived.scene.row.len());
+    let radii = all.declare_radii(derived.scene.row.len());
+    let ranges = radii.iter().map(|(&s, &radius)| (s, Range::Within(radius)));
+    let mut bounds = Bounds {
+        ranges: ranges.collect(),
+        arena: &mut arena,
+        step: derived.step,
+    };
+    for term in &mut all.terms {
+        let may_vanish = (derived.scene.heads(term.sum)).any(|head| !head.numbers().is_empty());
+        let function = &derived.roots[term.root].function;
+        let text = || {
+            format!(
+                "`midpoint` bounds the derivatives of impulses, and a function in `{function}` has no bounds: use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them"
+            )
+        };
+        let coordinates = term.sites.iter().map(|&site| {
+            let row = derived.scene.row_of(site);
+            row.map(|(symbol, component)| (component, symbol)).collect()
+        });
+        let coordinates: Vec<Vec<(usize, Symbol)>> = coordinates.collect();
+        bounds
+            .bound(term, &coordinates, may_vanish)
+            .ok_or_else(text)?;
+    }
+    for sum in &mut all.scene.sums {
+        if let Head::If(condition) = &sum.head {
+            sum.head = Head::If(bounds.may_hold(condition, true));
+        }
+    }
+    all.gather_pairs(&mut arena);
+    Ok((all, arena))
+}
+
+impl Derived {
+    /// Declares the half width of the box of each coordinate. Returns them by coordinate.
+    fn declare_radii(&mut self, size: usize) -> HashMap<Symbol, Symbol> {
+        let symbols = (0..self.scene.symbols.meanings().len() as u32).map(Symbol);
+        let coordinates = symbols.filter_map(|symbol| match self.scene.slot(symbol)? {
+            Slot {
+                array: array @ SlotArray::Configuration(_),
+                component,
+            } => {
+                let (array, component) = (array.clone(), component + size);
+                Some((symbol, Slot { array, component }))
+            }
+            _ => None,
+        });
+        let coordinates: Vec<(Symbol, Slot)> = coordinates.collect();
+        let declare = |(symbol, slot)| {
+            self.scene.slots.push(slot);
+            let meaning = Meaning::Slot(self.scene.slots.len() - 1);
+            (symbol, self.scene.symbols.declare(meaning))
+        };
+        coordinates.into_iter().map(declare).collect()
+    }
+}
+
+struct Bounds<'a> {
+    ranges: HashMap<Symbol, Range>,
+    arena: &'a mut Arena,
+    step: Symbol,
+}
+
+impl Bounds<'_> {
+    /// Replaces the impulses of a term by bounds of their derivatives. `coordinates` has the
+    /// components of each site. Returns `None` if a function has no bounds.
+    fn bound(
+        &mut self,
+        term: &mut Term,
+        coordinates: &[Vec<(usize, Symbol)>],
+        may_vanish: bool,
+    ) -> Option<()> {
+        let all: Vec<Symbol> = coordinates.iter().flatten().map(|c| c.1).collect();
+        let mut bounds = Vec::new();
+        for (of_site, slopes) in coordinates.iter().zip(&term.slopes) {
+            let entries = self.entries(slopes, &all, term.is_noise);
+            let Intervals {
+                middle,
+                radii,
+                conditions,
+            } = self.intervals(entries)?;
+            let rows = middle.chunks(all.len()).zip(radii.chunks(all.len()));
+            let (mut lower, mut upper) = (Vec::new(), Vec::new());
+            for (component, (middle, radii)) in rows.enumerate() {
+                let own = of_site.iter().find(|c| c.0 == component).map(|c| c.1);
+                let [mut low, mut high] = self.row(&all, own, middle, radii);
+                if may_vanish {
+                    [low, high] = [self.half(low, -0.5), self.half(high, 0.5)];
+                }
+                lower.push(low);
+                upper.push(high);
+            }
+            lower.extend(upper);
+            bounds.push(lower);
+            term.conditions.push(conditions);
+        }
+        term.gradient.clone_from(&bounds);
+        term.impulses = bounds;
+        // the step size is a factor already
+        term.is_noise = true;
+        Some(())
+    }
+
+    /// Returns −∂I/∂q, a row for each component of a site.
+    fn entries(&mut self, slopes: &[Expr], all: &[Symbol], is_noise: bool) -> Vec<Expr> {
+        let step = self.arena.symbol(self.step);
+        let mut entries = Vec::new();
+        for &slope in slopes {
+            for &symbol in all {
+                let entry = self.arena.diff(slope, symbol);
+                let entry = self.arena.neg(entry);
+                entries.push(match is_noise {
+                    true => entry,
+                    false => self.arena.mul(step, entry),
+                });
+            }
+        }
+        entries
+    }
+
+    fn intervals(&mut self, mut entries: Vec<Expr>) -> Option<Intervals> {
+        let domain = domain::conditions(&entries, self.arena);
+        let mut borders: Vec<Expr> = domain.iter().map(|condition| condition.value).collect();
+        let stable = entries.iter_mut().chain(&mut borders).collect();
+        self.arena.stabilise(Purpose::Step, stable);
+        intervals(&entries, &borders, &self.ranges, Flavour::Box, self.arena)
+    }
+
+    /// Returns the bounds of a row sum: the entry of the coordinate `own`, minus and plus the
+    /// magnitudes of the others.
+    fn row(
+        &mut self,
+        all: &[Symbol],
+        own: Option<Symbol>,
+        middle: &[Expr],
+        radii: &[Expr],
+    ) -> [Expr; 2] {
+        let mut centre = self.arena.constant(0.0);
+        let mut width = Vec::new();
+        for (&symbol, (&middle, &radius)) in all.iter().zip(middle.iter().zip(radii)) {
+            width.push((1.0, radius));
+            if Some(symbol) == own {
+                centre = middle;
+            } else {
+                width.push((1.0, self.arena.abs(middle)));
+            }
+        }
+        let width = self.arena.sum(0.0, &width);
+        [self.arena.sub(centre, width), self.arena.add(centre, width)]
+    }
+
+    /// Returns the smaller of a number and 0 for the sign −½, and the larger one for ½.
+    fn half(&mut self, number: Expr, sign: f64) -> Expr {
+        let size = self.arena.abs(number);
+        self.arena.sum(0.0, &[(0.5, number), (sign, size)])
+    }
+
+    /// Returns a condition that is true if `condition`, or its negation, holds somewhere in the box.
+    fn may_hold(&mut self, condition: &Condition, is_wanted: bool) -> Condition {
+        let mut both = |a: &Condition, b: &Condition| {
+            [a, b].map(|part| Box::new(self.may_hold(part, is_wanted)))
+        };
+        match condition {
+            Condition::Integers(..) if is_wanted => condition.clone(),
+            Condition::Integers(..) => Condition::Not(Box::new(condition.clone())),
+            Condition::Not(inner) => self.may_hold(inner, !is_wanted),
+            Condition::And(a, b) | Condition::Or(a, b) => {
+                let [a_may, b_may] = both(a, b);
+                match (condition, is_wanted) {
+                    (Condition::And(..), true) | (Condition::Or(..), false) => {
+                        Condition::And(a_may, b_may)
+                    }
+                    _ => Condition::Or(a_may, b_may),
+                }
+            }
+            &Condition::Numbers(comparison, a, b) => {
+                let difference = self.arena.sub(a, b);
+                let bounds = intervals(&[difference], &[], &self.ranges, Flavour::Box, self.arena);
+                let bounds = bounds.filter(|bounds| bounds.conditions.is_empty());
+                let zero = self.arena.constant(0.0);
+                let Some(Intervals { middle, radii, .. }) = bounds else {
+                    return Condition::Numbers(Comparison::Equal, zero, zero);
+                };
+                let [lower, upper] = [
+                    self.arena.sub(middle[0], radii[0]),
+                    self.arena.add(middle[0], radii[0]),
+                ];
+                let is_below = Condition::Numbers(Comparison::LessOrEqual, lower, zero);
+                let is_above = Condition::Numbers(Comparison::LessOrEqual, zero, upper);
+                match (comparison, is_wanted) {
+                    (Comparison::Equal, true) => {
+                        Condition::And(Box::new(is_below), Box::new(is_above))
+                    }
+                    (Comparison::Equal, false) => Condition::Numbers(Comparison::Equal, zero, zero),
+                    (Comparison::Less | Comparison::LessOrEqual, true) => is_below,
+                    (Comparison::Less | Comparison::LessOrEqual, false) => is_above,
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The iteration that solves the equations of a step: Chebyshev's semi-iteration.
+//!
+//! Input: an interval that contains all eigenvalues of the Jacobian, and that is positive. Output:
+//! the weights of the updates `Δ ← β Δ − α g`, with the residual g. If the Jacobian is not
+//! symmetric, or rounding errors stop the iteration, its weights are those of Richardson's
+//! iteration, which contracts in the norm of the largest component.
+//!
+//! Source: Saad, *Iterative Methods for Sparse Linear Systems* (2003), algorithm 12.1.
+
+/// The weights of the updates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chebyshev {
+    /// Middle and half width of the interval.
+    middle: f64,
+    half: f64,
+    /// The weight that the next update depends on; `None` before the first one.
+    rho: Option<f64>,
+    is_plain: bool,
+}
+
+impl Chebyshev {
+    /// Returns the iteration for eigenvalues from `lower` to `upper`, which are positive.
+    pub(super) fn new([lower, upper]: [f64; 2], is_symmetric: bool) -> Self {
+        Self {
+            middle: 0.5 * (lower + upper),
+            half: 0.5 * (upper - lower),
+            rho: None,
+            is_plain: !is_symmetric,
+        }
+    }
+
+    /// Returns the largest ratio of successive errors of Richardson's iteration.
+    pub(super) fn contraction(&self) -> f64 {
+        self.half / self.middle
+    }
+
+    /// Returns a bound of the eigenvalues of the Jacobian without its unit matrix.
+    pub(super) fn slope(&self) -> f64 {
+        let distance = |end: f64| (end - 1.0).abs();
+        distance(self.middle - self.half).max(distance(self.middle + self.half))
+    }
+
+    /// Returns the number of updates that reduce an error to `part` of it.
+    pub(super) fn updates(&self, part: f64) -> f64 {
+        let (a, b) = (self.middle - self.half, self.middle + self.half);
+        let rate = if self.is_plain {
+            self.contraction()
+        } else {
+            (b.sqrt() - a.sqrt()) / (b.sqrt() + a.sqrt())
+        };
+        (part.ln() / rate.ln()).max(1.0)
+    }
+
+    /// Continues with the weights of Richardson's iteration. Returns whether the weights were others.
+    pub(super) fn make_plain(&mut self) -> bool {
+        !core::mem::replace(&mut self.is_plain, true)
+    }
+
+    /// Returns α and β of the next update.
+    pub(super) fn weights(&mut self) -> [f64; 2] {
+        let Some(rho) = self.rho.filter(|_| !self.is_plain) else {
+            self.rho = Some(self.contraction());
+            return [1.0 / self.middle, 0.0];
+        };
+        let alpha = 2.0 / (2.0 * self.middle - self.half * rho);
+        let next = 0.5 * self.half * alpha;
+        self.rho = Some(next);
+        [alpha, next * rho]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The error after k updates is at most 2 τ^k of the first one for each eigenvalue in the
+    /// interval, and at its ends it is 1/T_k.
+    #[test]
+    fn errors_are_those_of_chebyshev_polynomials() {
+        let [a, b] = [0.7, 3.1];
+        for (eigenvalue, is_end) in [(a, true), (1.3, false), (2.2, false), (b, true)] {
+            let mut iteration = Chebyshev::new([a, b], true);
+            let (mut error, mut change) = (1.0, 0.0);
+            for k in 1..12 {
+                let [alpha, beta] = iteration.weights();
+                change = beta * change - alpha * eigenvalue * error;
+                error += change;
+                let x = ((b + a) / (b - a)).acosh();
+                let bound = 1.0 / (f64::from(k) * x).cosh();
+                assert!(
+                    f64::abs(error) <= bound * (1.0 + 1e-12),
+                    "{k} {error} {bound}"
+                );
+                if is_end {
+                    assert!((f64::abs(error) / bound - 1.0).abs() < 1e-10, "{k} {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn plain_updates_contract_by_the_contraction() {
+        let mut iteration = Chebyshev::new([0.5, 1.5], false);
+        let mut error: f64 = 1.0;
+        for _ in 0..5 {
+            let [alpha, beta] = iteration.weights();
+            assert_eq!([alpha, beta], [1.0, 0.0]);
+            error -= alpha * 1.5 * error;
+        }
+        assert!((error.abs() - iteration.contraction().powi(5)).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,382 @@
+//! The midpoint rule in scenes: its equations join all sites.
+
+use sve_runtime::prelude::*;
+
+use crate::common::spread;
+
+/// Pendula with springs between them.
+mod pendula {
+    use sve_runtime::prelude::*;
+    both! {
+        struct { mass: Vec<f64>, beta: f64, g: f64 }
+        [f64] 5
+        |self, q, v| {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * self.mass[i] * v[i] * v[i] + self.g * q[i].cos();
+            }
+            for i in 1..q.len() {
+                let d = q[i] - q[i - 1];
+                l -= 0.5 * d * d + 0.25 * self.beta * d.powi(4);
+            }
+            l
+        }
+    }
+}
+
+fn pendula(n: usize, beta: f64, g: f64) -> pendula::scene::System {
+    let mass = (0..n).map(|i| 1.0 + 0.25 * (i % 5) as f64).collect();
+    pendula::scene::System { mass, beta, g }
+}
+
+/// Independent of this project: fixed-point iteration of the equations with 60 digits.
+#[test]
+fn steps_have_the_digits_of_exact_arithmetic() {
+    let q: Vec<f64> = (0..5)
+        .map(|i| [0.125, -0.25, 0.375, -0.5, 0.625][i])
+        .collect();
+    let p: Vec<f64> = (0..5).map(|i| (i as f64 + 1.0) / 8.0 - 0.25).collect();
+    let cases = [
+        (
+            0.015625,
+            [
+                0.122_989_213_007_364_06,
+                -0.249_870_020_262_005_92,
+                0.376_113_090_909_233_51,
+                -0.497_509_519_407_863_95,
+                0.627_782_267_711_095_62,
+            ],
+            [
+                -0.132_380_735_057_399_79,
+                0.020_796_758_079_052_332,
+                0.088_713_454_572_833_589,
+                0.307_867_652_638_475_48,
+                0.337_260_534_040_478_21,
+            ],
+        ),
+        (
+            0.5,
+            [
+                0.022_012_396_328_341_767,
+                -0.148_880_946_611_205_01,
+                0.274_416_845_600_257_48,
+                -0.233_157_068_608_664_96,
+                0.598_672_329_884_004_62,
+            ],
+            [
+                -0.286_950_414_686_632_93,
+                0.505_595_266_943_974_95,
+                -0.728_498_926_398_455_1,
+                1.617_900_519_739_345_3,
+                -0.585_621_360_927_963_02,
+            ],
+        ),
+    ];
+    for (h, expected_q, expected_p) in cases {
+        let mut state = State::new(q.clone(), p.clone());
+        let integrator = Integrator::new(pendula(5, 0.7, 0.5), Midpoint);
+        integrator.step(&mut state, h, &[]).expect("a step");
+        let found = state.q.iter().chain(&state.p);
+        for (x, y) in found.zip(expected_q.iter().chain(&expected_p)) {
+            assert!((x - y).abs() < 3e-16, "{h}: {x} {y}");
+        }
+    }
+}
+
+/// Random pendula with longer and longer steps: the solution is that of the unrolled step, which
+/// follows it from h = 0, or the step is refused and the state unchanged.
+#[test]
+fn the_root_is_the_one_that_is_connected_with_a_short_step() {
+    let [mut same, mut refused] = [0, 0];
+    for seed in 0..400 {
+        let numbers = spread(13, 700 + seed);
+        let (beta, g) = (2.0 * numbers[0].abs(), 8.0 * numbers[1]);
+        let h = 0.1 + 1.2 * numbers[2].abs();
+        let scene = pendula(5, beta, g);
+        let unrolled = pendula::unrolled::System {
+            mass: scene.mass.clone(),
+            beta,
+            g,
+        };
+        let q: [f64; 5] = std::array::from_fn(|i| 3.0 * numbers[3 + i]);
+        let p: [f64; 5] = std::array::from_fn(|i| numbers[8 + i]);
+        let start = State::new(q.to_vec(), p.to_vec());
+        let mut state = start.clone();
+        let made = Integrator::new(&scene, Midpoint).step(&mut state, h, &[]);
+        let mut expected = State::new(q, p);
+        let found = Integrator::new(&unrolled, Midpoint).step(&mut expected, h, &[]);
+        match made {
+            Ok(()) => {
+                found.expect("the unrolled step has the solution");
+                same += 1;
+                for (x, y) in
+                    (state.q.iter().zip(&expected.q)).chain(state.p.iter().zip(&expected.p))
+                {
+                    assert!((x - y).abs() < 1e-12 * (1.0 + y.abs()), "{seed}: {x} {y}");
+                }
+            }
+            Err(StepError::Stiff { bounds, .. }) => {
+                refused += 1;
+                let [lower, upper] = bounds.map(|bound| 1.0 + bound);
+                assert!(lower <= 0.0 || upper > 100.0 * lower, "{bounds:?}");
+                assert_eq!(state, start);
+            }
+            Err(error) => panic!("{seed}: {error}"),
+        }
+    }
+    assert!(same > 80 && refused > 80, "{same} {refused}");
+}
+
+struct Springs {
+    k: f64,
+    own: f64,
+}
+
+#[variational(midpoint)]
+impl Springs {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * v[i] * v[i] - 0.5 * self.own * q[i] * q[i];
+        }
+        for i in 1..q.len() {
+            l -= 0.5 * self.k * (q[i] - q[i - 1]).powi(2);
+        }
+        l
+    }
+}
+
+/// The equations of a linear scene have the eigenvalues 1 + h²/4 (own + k λ) with λ from 0 to 4:
+/// the step ends where the lowest one is 0, and bounds of an inner row are those eigenvalues.
+#[test]
+fn bounds_of_linear_scenes_are_their_spectrum() {
+    let step = |own: f64, k: f64, h: f64| {
+        let mut state = State::new(spread(50, 3), spread(50, 4));
+        Integrator::new(Springs { k, own }, Midpoint).step(&mut state, h, &[])
+    };
+    step(-1.0, 0.3, 1.98).expect("a step");
+    let Err(StepError::Stiff { bounds, what, .. }) = step(-1.0, 0.3, 2.0) else {
+        panic!("the lowest eigenvalue is 0");
+    };
+    assert!(what.starts_with("q["), "{what}");
+    assert!(
+        (bounds[0] + 1.0).abs() < 1e-15 && (bounds[1] - 0.2).abs() < 1e-15,
+        "{bounds:?}"
+    );
+    let Err(error @ StepError::Stiff { bounds, .. }) = step(0.0, 10.0, 4.0) else {
+        panic!("many sweeps");
+    };
+    assert!(
+        (bounds[0].abs() < 1e-13) && (bounds[1] - 160.0).abs() < 1e-12,
+        "{bounds:?}"
+    );
+    let text = error.to_string();
+    let advised = text.split("take h below about ").nth(1).expect("advice");
+    let advised: f64 = advised
+        .split(',')
+        .next()
+        .expect("a number")
+        .parse()
+        .expect("a number");
+    step(0.0, 10.0, advised).expect("the advised step");
+}
+
+/// A step back undoes a step, at any size, with masses and friction of the sites and with noise.
+#[test]
+fn steps_back_undo_steps() {
+    struct Bath {
+        mass: Vec<f64>,
+        nu: Vec<f64>,
+    }
+    #[variational(midpoint)]
+    impl Bath {
+        fn lagrangian(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * self.mass[i] * (v[i][0].powi(2) + v[i][1].powi(2)) + q[i][0].cos();
+                let next = q[(i + 1) % q.len()];
+                for axis in 0..2 {
+                    l -= 0.5 * (next[axis] - q[i][axis]).powi(2);
+                }
+            }
+            l
+        }
+        #[gamma]
+        fn bath(&self, q: &[[f64; 2]]) -> Vec<f64> {
+            q.iter()
+                .map(|q| 0.2 * q[0] * q[1] + 0.3 * q[1].sin())
+                .collect()
+        }
+        #[force]
+        fn friction(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
+            (0..q.len())
+                .map(|i| [-self.nu[i] * v[i][0], -self.nu[i] * v[i][1] + 0.1 * q[i][0]])
+                .collect()
+        }
+    }
+    let n = 3000;
+    let positive = |seed| -> Vec<f64> { spread(n, seed).iter().map(|x| 1.2 + x).collect() };
+    let system = Bath {
+        mass: positive(1),
+        nu: positive(2).into_iter().map(|x| 0.1 * x).collect(),
+    };
+    let rows = |seed| -> Vec<[f64; 2]> { spread(2 * n, seed).as_chunks().0.to_vec() };
+    let start = State::new(rows(3), rows(4));
+    let dw: Vec<f64> = spread(n, 5).iter().map(|x| 0.3 * x).collect();
+    let back: Vec<f64> = dw.iter().map(|dw| -dw).collect();
+    let integrator = Integrator::new(&system, Midpoint);
+    let mut state = start.clone();
+    integrator.step(&mut state, 0.2, &dw).expect("a step");
+    assert!((state.q[7][0] - start.q[7][0]).abs() > 1e-3);
+    integrator
+        .step(&mut state, -0.2, &back)
+        .expect("a step back");
+    let numbers = |state: &State<Vec<[f64; 2]>>| {
+        let all = state.q.iter().chain(&state.p).flatten();
+        all.copied().collect::<Vec<f64>>()
+    };
+    for (x, y) in numbers(&state).into_iter().zip(numbers(&start)) {
+        assert!((x - y).abs() < 1e-14, "{x} {y}");
+    }
+}
+
+/// Pairs within a cut-off, lists, nearest images and pushes that depend on other sites: the solution
+/// is that of a fixed-point iteration with the impulses of the endpoint rule.
+#[test]
+fn any_scene_has_the_solution_of_its_impulses() {
+    struct Gas {
+        side: f64,
+        cut2: f64,
+        pairs: Vec<[usize; 2]>,
+    }
+    #[variational(midpoint, endpoint)]
+    impl Gas {
+        fn lagrangian(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * (v[i][0].powi(2) + v[i][1].powi(2));
+                for j in 0..i {
+                    let mut r2 = 0.0;
+                    for axis in 0..2 {
+                        let d = q[j][axis] - q[i][axis];
+                        r2 += (d - self.side * (d / self.side).round()).powi(2);
+                    }
+                    if r2 < self.cut2 {
+                        l -= (1.0 - r2 / self.cut2).powi(4) / (0.5 + r2).sqrt();
+                    }
+                }
+            }
+            for pair in &self.pairs {
+                let [a, b] = [q[pair[0]], q[pair[1]]];
+                l -= 0.1 * ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).powi(2);
+            }
+            l
+        }
+        #[force]
+        fn push(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
+            (0..q.len())
+                .map(|i| [0.4 * q[(i + 1) % q.len()][1].sin(), 0.0 * v[i][0]])
+                .collect()
+        }
+    }
+    let n = 40;
+    let system = Gas {
+        side: 3.0,
+        cut2: 1.2,
+        pairs: (0..n).map(|i| [i, (i * i + 3) % n]).collect(),
+    };
+    let rows = |seed| -> Vec<[f64; 2]> { spread(2 * n, seed).as_chunks().0.to_vec() };
+    let (q, p, h) = (rows(1), rows(2), 0.04);
+    let mut state = State::new(q.clone(), p.clone());
+    Integrator::new(&system, Midpoint)
+        .step(&mut state, h, &[])
+        .expect("a step");
+    let mut d = vec![[0.0; 2]; n];
+    let mut impulse = Vec::new();
+    for _ in 0..60 {
+        let node: Vec<[f64; 2]> = (0..n)
+            .map(|i| [0, 1].map(|k| q[i][k] + 0.5 * d[i][k]))
+            .collect();
+        impulse = impulses!(&system, node, [0.0; 2], h, &[]);
+        d = (0..n)
+            .map(|i| [0, 1].map(|k| h * (p[i][k] + 0.5 * impulse[i][k])))
+            .collect();
+    }
+    for i in 0..n {
+        for k in 0..2 {
+            let (x, y) = (state.q[i][k], q[i][k] + d[i][k]);
+            assert!((x - y).abs() < 2e-15, "{i} {k}: {x} {y}");
+            let (x, y) = (state.p[i][k], p[i][k] + impulse[i][k]);
+            assert!((x - y).abs() < 2e-15, "{i} {k}: {x} {y}");
+        }
+    }
+}
+
+/// A trajectory is the repeated step, bit for bit, also in compositions and with noise.
+#[test]
+fn trajectories_are_repeated_steps() {
+    fn check<R>(rule: R)
+    where
+        R: sve_runtime::Rule<pendula::scene::System, Increments = [f64]>,
+    {
+        let integrator = Integrator::new(pendula(300, 0.7, 0.5), rule);
+        let start = State::new(spread(300, 1), spread(300, 2));
+        let mut path = integrator.trajectory(start.clone(), 0.2, NoNoise);
+        let end = path.advance(150).expect("steps");
+        let mut state = start;
+        for _ in 0..150 {
+            integrator.step(&mut state, 0.2, &[]).expect("a step");
+        }
+        assert_eq!((&end.q, &end.p), (&state.q, &state.p));
+    }
+    check(Midpoint);
+    check(Composed::new(Midpoint, KahanLi8));
+}
+
+/// What stops a step is named, and the state is unchanged, in the midst of a block of steps too.
+#[test]
+fn failed_steps_leave_the_state() {
+    let n = 100_000;
+    let mut start = State::new(spread(n, 1), spread(n, 2));
+    start.q[70_123] = f64::NAN;
+    let mut state = start.clone();
+    let integrator = Integrator::new(pendula(n, 0.7, 0.5), Midpoint);
+    let error = integrator.step(&mut state, 0.1, &[]).expect_err("an error");
+    assert!(error.to_string().starts_with("q[70123] is NaN"), "{error}");
+    assert_eq!(state.p, start.p);
+    assert!(
+        state
+            .q
+            .iter()
+            .zip(&start.q)
+            .all(|(x, y)| x.to_bits() == y.to_bits())
+    );
+
+    // an inverted oscillator, whose displacements grow until the numbers end
+    let integrator = Integrator::new(Springs { k: 0.0, own: -1.0 }, Midpoint);
+    let start = State::new(vec![1.0; 3], vec![1.0; 3]);
+    let mut path = integrator.trajectory(start.clone(), 1.0, NoNoise);
+    let error = path.advance(2000).map(|_| ()).expect_err("an overflow");
+    let (made, reached) = (path.step(), path.state().clone());
+    let mut state = start;
+    for _ in 0..made {
+        integrator.step(&mut state, 1.0, &[]).expect("a step");
+    }
+    assert_eq!(reached, state);
+    let again = integrator.step(&mut state, 1.0, &[]).expect_err("the same");
+    assert_eq!(again, error);
+    assert_eq!(state, reached);
+    assert!(
+        matches!(error, StepError::NonFiniteCoordinate { .. }),
+        "{error}"
+    );
+    for (system, n) in [
+        (Springs { k: 1.0, own: 1.0 }, 0),
+        (Springs { k: 1.0, own: 1.0 }, 1),
+    ] {
+        let mut state = State::new(vec![0.5; n], vec![1.0; n]);
+        Integrator::new(system, Midpoint)
+            .step(&mut state, 0.1, &[])
+            .expect("a step");
+    }
+}
