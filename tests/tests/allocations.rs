@@ -152,7 +152,7 @@ struct Net {
     bonds: Vec<[usize; 2]>,
 }
 
-#[variational(stormer_verlet, endpoint)]
+#[variational(stormer_verlet, endpoint, midpoint)]
 impl Net {
     fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
         let mut l = 0.0;
@@ -177,8 +177,12 @@ impl Net {
 const SITES: usize = 1000;
 
 fn net() -> Integrator<Net, StormerVerlet> {
+    Integrator::new(bonded(), StormerVerlet)
+}
+
+fn bonded() -> Net {
     let bonds = (0..SITES).map(|i| [i, i * i % SITES]).collect();
-    Integrator::new(Net { sigma: 0.1, bonds }, StormerVerlet)
+    Net { sigma: 0.1, bonds }
 }
 
 fn at_rest() -> State<Vec<f64>> {
@@ -190,10 +194,8 @@ fn at_rest() -> State<Vec<f64>> {
 #[test]
 fn no_step_of_a_scene_allocates_after_the_first() {
     let net = net();
-    let (mut state, dw) = (at_rest(), vec![0.01; SITES]);
-    let first = allocations(|| net.step(&mut state, 0.01, &dw).unwrap());
-    let rest = allocations(|| (0..10).for_each(|_| net.step(&mut state, 0.01, &dw).unwrap()));
-    assert!(first > 0 && rest == 0, "{first} {rest}");
+    check_steps(&net);
+    check_steps(&Integrator::new(bonded(), Midpoint));
     for noise in [Some(Wiener::new(1)), None] {
         let count = match noise {
             Some(noise) => advanced(net.trajectory(at_rest(), 0.01, noise)),
@@ -201,6 +203,16 @@ fn no_step_of_a_scene_allocates_after_the_first() {
         };
         assert_eq!(count, 0, "with noise: {}", noise.is_some());
     }
+}
+
+fn check_steps<R>(net: &Integrator<Net, R>)
+where
+    R: sve_runtime::Rule<Net, Increments = [f64]>,
+{
+    let (mut state, dw) = (at_rest(), vec![0.01; SITES]);
+    let first = allocations(|| net.step(&mut state, 0.01, &dw).unwrap());
+    let rest = allocations(|| (0..10).for_each(|_| net.step(&mut state, 0.01, &dw).unwrap()));
+    assert!(first > 0 && rest == 0, "{first} {rest}");
 }
 
 /// Returns the number of allocations of a trajectory after its first steps.

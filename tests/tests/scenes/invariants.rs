@@ -54,7 +54,15 @@ fn energy_of_a_ring_has_no_drift() {
         let kinetic: f64 = state.p.iter().map(|p| 0.5 * p * p).sum();
         kinetic - system.lagrangian(&state.q, &vec![0.0; state.q.len()])
     };
-    let integrator = Integrator::new(&system, StormerVerlet);
+    check_energy(&system, StormerVerlet, energy);
+    check_energy(&system, Midpoint, energy);
+}
+
+fn check_energy<R>(system: &Quiet, rule: R, energy: impl Fn(&State<Vec<f64>>) -> f64)
+where
+    R: sve_runtime::Rule<Quiet, Increments = [f64]>,
+{
+    let integrator = Integrator::new(system, rule);
     let mut state = State::new(spread(32, 1), spread(32, 2));
     let (start, momentum) = (energy(&state), state.p.iter().sum::<f64>());
     let mut worst: [f64; 2] = [0.0; 2];
@@ -77,10 +85,17 @@ fn noisy_steps_are_symplectic() {
         beta: 0.5,
         sigma: 0.8,
     };
+    check_form::<N, _>(&Integrator::new(&system, StormerVerlet));
+    check_form::<N, _>(&Integrator::new(&system, Midpoint));
+}
+
+fn check_form<const N: usize, R>(integrator: &Integrator<&Fput, R>)
+where
+    R: sve_runtime::Rule<Fput, Increments = [f64]>,
+{
     let (start, dw) = (spread(2 * N, 5), spread(N, 6));
     let step = |x: &[f64]| {
         let mut state = State::new(x[..N].to_vec(), x[N..].to_vec());
-        let integrator = Integrator::new(&system, StormerVerlet);
         integrator.step(&mut state, 0.3, &dw).expect("a step");
         [state.q, state.p].concat()
     };
