@@ -109,7 +109,7 @@ pub enum StepError {
     /// The iteration of a step of a scene by the midpoint rule does not contract.
     #[error(
         "the iteration of the step from t = {t} with h = {h:e} stopped contracting after {sweeps} sweeps, with changes of {change:e} of the largest displacement: \
-         L has a jump in its derivative there, such as a cut-off, or its terms cancel; take a smaller h, or look at L there"
+         the forces change much within the step, L has a jump in its derivative there, such as a cut-off, or its terms cancel; take a smaller h, or look at L there"
     )]
     NotContracting {
         /// Time at the start of the step.

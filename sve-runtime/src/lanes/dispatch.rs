@@ -16,18 +16,6 @@ pub(crate) trait Kernel {
     fn run(self) -> Self::Output;
 }
 
-/// A closure as a kernel. It has to be `#[inline(always)]`.
-pub(crate) struct Call<F>(pub(crate) F);
-
-impl<T, F: FnOnce() -> T> Kernel for Call<F> {
-    type Output = T;
-
-    #[inline(always)]
-    fn run(self) -> T {
-        (self.0)()
-    }
-}
-
 /// Runs a kernel with the widest vectors of this machine.
 #[inline]
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {

@@ -29,9 +29,14 @@ impl Chebyshev {
         }
     }
 
-    /// Returns the largest ratio of successive errors of Richardson's iteration.
+    /// Returns the largest ratio of successive errors, after several updates.
     pub(super) fn contraction(&self) -> f64 {
-        self.half / self.middle
+        let (a, b) = (self.middle - self.half, self.middle + self.half);
+        if self.is_plain {
+            self.half / self.middle
+        } else {
+            (b.sqrt() - a.sqrt()) / (b.sqrt() + a.sqrt())
+        }
     }
 
     /// Returns a bound of the eigenvalues of the Jacobian without its unit matrix.
@@ -42,13 +47,7 @@ impl Chebyshev {
 
     /// Returns the number of updates that reduce an error to `part` of it.
     pub(super) fn updates(&self, part: f64) -> f64 {
-        let (a, b) = (self.middle - self.half, self.middle + self.half);
-        let rate = if self.is_plain {
-            self.contraction()
-        } else {
-            (b.sqrt() - a.sqrt()) / (b.sqrt() + a.sqrt())
-        };
-        (part.ln() / rate.ln()).max(1.0)
+        (part.ln() / self.contraction().ln()).max(1.0)
     }
 
     /// Continues with the weights of Richardson's iteration. Returns whether the weights were others.
@@ -59,7 +58,7 @@ impl Chebyshev {
     /// Returns α and β of the next update.
     pub(super) fn weights(&mut self) -> [f64; 2] {
         let Some(rho) = self.rho.filter(|_| !self.is_plain) else {
-            self.rho = Some(self.contraction());
+            self.rho = Some(self.half / self.middle);
             return [1.0 / self.middle, 0.0];
         };
         let alpha = 2.0 / (2.0 * self.middle - self.half * rho);

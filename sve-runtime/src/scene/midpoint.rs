@@ -11,16 +11,20 @@
 //! h → 0; the weights of the iteration come from the same bounds. The state is written after all
 //! tests.
 
+use core::marker::PhantomData;
+use core::mem::swap;
+
 use super::chebyshev::Chebyshev;
 use super::masses::InverseMasses;
-use super::passes::{End, Factors, Guess, Update, largest, write_nodes};
+use super::passes::{Add, Factors, Guess, SumsAreFinite, WriteNodes, add_friction, largest};
+use super::relax::{Relax, Solution};
 use super::segments::Segments;
 use super::shear::{index_error, input_error, name};
-use super::spectrum::{BoxesContain, Extremes, worst, write_boxes};
-use super::sweep::{Buffers, Kick, Sweep};
+use super::spectrum::{Boxes, BoxesContain, Extremes, worst};
+use super::sweep::{AreFinite, Buffers, Kick, Sweep};
 use super::{Contributions, Impulses, Row, Scene, Slopes};
 use crate::error::StepError;
-use crate::lanes::dispatch::{Call, dispatch};
+use crate::lanes::dispatch::dispatch;
 
 /// Sweeps of a step, at most: a stiffer scene needs another method.
 const MOST: f64 = 200.0;
@@ -40,9 +44,9 @@ const ROUNDING: f64 = 1e-8;
 pub(super) struct Work {
     /// The displacements.
     d: Vec<f64>,
-    impulse: Vec<f64>,
-    /// The boxes of the nodes; during the iteration, the last update of each displacement and the
-    /// nodes.
+    /// The last update of each displacement; after the iteration, the momenta at the end.
+    update: Vec<f64>,
+    /// The boxes of the nodes; during the iteration, the nodes before and after an update.
     boxes: Vec<f64>,
     bounds: Vec<f64>,
     /// The factors of the displacements, with their step size.
@@ -58,12 +62,12 @@ impl Work {
             _ => 0,
         };
         let buffers = self.of_bounds.as_ref().map_or(0, Buffers::len);
-        let arrays = [&self.d, &self.impulse, &self.boxes, &self.bounds];
+        let arrays = [&self.d, &self.update, &self.boxes, &self.bounds];
         arrays.iter().map(|array| array.len()).sum::<usize>() + factors + buffers
     }
 
     fn fit(&mut self, numbers: usize) {
-        for array in [&mut self.d, &mut self.impulse] {
+        for array in [&mut self.d, &mut self.update] {
             array.resize(numbers, 0.0);
         }
         for array in [&mut self.boxes, &mut self.bounds] {
@@ -107,13 +111,9 @@ where
     let size = factors.pass(guess);
     let spectrum = step.spectrum(scene, &factors, size)?;
     let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
-    step.iterate(scene, &factors, Chebyshev::new(spectrum, is_symmetric))?;
-    if !dispatch(Call(
-        #[inline(always)]
-        || step.end().is_finite(),
-    )) {
-        return Err(step.not_finite());
-    }
+    let iteration = Chebyshev::new(spectrum, is_symmetric);
+    step.iterate(scene, &factors, size, iteration)?;
+    step.end(scene)?;
     let guess = BoxesContain {
         d: &step.work.d,
         p: S::Row::numbers(step.p),
@@ -123,12 +123,22 @@ where
         let size = largest(&step.work.d);
         step.spectrum(scene, &factors, size)?;
     }
-    dispatch(Call(
-        #[inline(always)]
-        || step.end().write(),
-    ));
+    dispatch(Add(S::Row::numbers_mut(step.q), &step.work.d));
+    S::Row::numbers_mut(step.p).copy_from_slice(&step.work.update);
     step.work.factors = Some((step.kick.h, factors));
     Ok(())
+}
+
+/// Returns whether the error of the displacements after the update `change` is below rounding
+/// errors. The other numbers are the largest displacement, the largest one with the momenta of the
+/// start, and the largest place.
+fn is_solved(change: f64, [size, guess, farthest]: [f64; 3], iteration: &Chebyshev) -> bool {
+    let ratio = iteration.contraction();
+    let error = change * ratio / (1.0 - ratio);
+    // a displacement is a difference of f p₀ and f I/2; its error changes the impulse by the slope
+    let of_impulse = (size + guess) / (2.0 * iteration.slope());
+    error <= PART * f64::EPSILON * farthest.max(size).min(of_impulse)
+        || change <= f64::EPSILON * (size + guess)
 }
 
 impl<R: Row> MidpointStep<'_, R> {
@@ -165,7 +175,12 @@ impl<R: Row> MidpointStep<'_, R> {
             of_bounds,
             ..
         } = &mut *self.work;
-        write_boxes::<R>(boxes, R::numbers(self.q), d, size);
+        dispatch(Boxes {
+            boxes,
+            q: self.q,
+            d: R::rows_mut(d),
+            largest: size,
+        });
         bounds.fill(0.0);
         let buffers = of_bounds.get_or_insert_with(|| {
             Buffers::new::<<S as Contributions<Slopes>>::Numbers>(self.segments, self.q.len())
@@ -183,7 +198,7 @@ impl<R: Row> MidpointStep<'_, R> {
         swept.map_err(|error| index_error(error, self.start))?;
         let extremes = Extremes {
             bounds: &self.work.bounds,
-            size: R::LENGTH,
+            row: PhantomData::<R>,
         };
         let [lower, upper] = if self.q.is_empty() {
             [0.0; 2]
@@ -199,7 +214,7 @@ impl<R: Row> MidpointStep<'_, R> {
         Err(self.stiff(at, [lower, upper]))
     }
 
-    /// Solves the equations, so that `work` has the displacements and the impulses.
+    /// Solves the equations, so that `work` has the displacements.
     ///
     /// # Errors
     /// The updates stop to become smaller, and are no rounding errors.
@@ -207,49 +222,42 @@ impl<R: Row> MidpointStep<'_, R> {
         &mut self,
         scene: &S,
         factors: &Factors,
+        guess: f64,
         mut iteration: Chebyshev,
     ) -> Result<(), StepError>
     where
         S: Scene<Row = R>,
     {
-        let contraction = iteration.contraction();
-        let slope = iteration.slope();
-        let q = R::numbers(self.q).len();
+        let (q, p) = (R::numbers(self.q), R::numbers(self.p));
+        let farthest = largest(q);
+        let Work {
+            d, update, boxes, ..
+        } = &mut *self.work;
+        let (mut fresh, mut nodes) = boxes.split_at_mut(q.len());
+        dispatch(WriteNodes(fresh, q, d));
+        // of sites without any term, which are not updated
+        nodes.copy_from_slice(fresh);
         let (mut smallest, mut stalled, mut sweeps) = (f64::INFINITY, 0, 0);
-        let (update, nodes) = self.work.boxes.split_at_mut(q);
-        let (places, d) = (R::numbers(self.q), &self.work.d);
-        dispatch(Call(
-            #[inline(always)]
-            || write_nodes(nodes, places, d),
-        ));
         loop {
-            self.work.impulse.fill(0.0);
-            let swept = dispatch(Sweep::<S, Impulses, false> {
+            swap(&mut fresh, &mut nodes);
+            let swept = factors.pass(Relax {
                 scene,
                 segments: self.segments,
-                drift: None,
                 kick: self.kick,
-                q: R::rows_mut(nodes),
-                p: R::rows_mut(&mut self.work.impulse),
-                buffers: self.buffers,
-                is_tested: false,
+                buffers: &mut *self.buffers,
+                nodes: R::rows_mut(nodes),
+                solution: Solution {
+                    d: &mut *d,
+                    update: &mut *update,
+                    fresh: &mut *fresh,
+                    q,
+                    p,
+                    weights: iteration.weights(),
+                },
             });
-            swept.map_err(|error| index_error(error, self.start))?;
+            let [change, size] = swept.map_err(|error| index_error(error, self.start))?;
             sweeps += 1;
-            let [change, size, node] = factors.pass(Update {
-                d: &mut self.work.d,
-                update,
-                nodes,
-                impulse: &self.work.impulse,
-                q: R::numbers(self.q),
-                p: R::numbers(self.p),
-                weights: iteration.weights(),
-            });
-            // of the displacement, and of the impulse, which is that of the last node
-            let error = change * contraction / (1.0 - contraction);
-            let lag = 2.0 * slope * change;
-            let rounding = PART * f64::EPSILON;
-            if error <= rounding * node.max(size) && lag <= rounding * (size + slope * node) {
+            if is_solved(change, [size, guess, farthest], &iteration) {
                 return Ok(());
             }
             if change < smallest {
@@ -269,15 +277,38 @@ impl<R: Row> MidpointStep<'_, R> {
         }
     }
 
-    fn end(&mut self) -> End<'_> {
-        End {
-            d: &self.work.d,
-            impulse: &self.work.impulse,
-            rates: self.rates,
-            masses: self.masses,
-            q: R::numbers_mut(self.q),
-            p: R::numbers_mut(self.p),
+    /// Computes the momenta at the end in `work.update`, and checks that the end is finite.
+    fn end<S>(&mut self, scene: &S) -> Result<(), StepError>
+    where
+        S: Scene<Row = R>,
+    {
+        let Work {
+            d, update, boxes, ..
+        } = &mut *self.work;
+        let (q, p) = (R::numbers(self.q), R::numbers(self.p));
+        update.copy_from_slice(p);
+        let nodes = &mut boxes[..q.len()];
+        dispatch(WriteNodes(nodes, q, d));
+        let swept = dispatch(Sweep::<S, Impulses, false> {
+            scene,
+            segments: self.segments,
+            drift: None,
+            kick: self.kick,
+            q: R::rows_mut(nodes),
+            p: R::rows_mut(update),
+            buffers: self.buffers,
+            is_tested: false,
+        });
+        swept.map_err(|error| index_error(error, self.start))?;
+        add_friction(update, d, self.rates, self.masses);
+        if !dispatch(SumsAreFinite(q, &self.work.d)) {
+            let sums = q.iter().zip(&self.work.d).map(|(q, d)| q + d);
+            return Err(self.not_finite("q", sums));
         }
+        if !dispatch(AreFinite(&self.work.update)) {
+            return Err(self.not_finite("p", self.work.update.iter().copied()));
+        }
+        Ok(())
     }
 
     /// Returns the error of a spectrum that is not accepted, with its bounds at a component.
@@ -303,13 +334,15 @@ impl<R: Row> MidpointStep<'_, R> {
     }
 
     #[cold]
-    fn not_finite(&mut self) -> StepError {
-        if let Some(error) = self.input_error() {
-            return error;
-        }
-        let (start, h) = (self.start, self.kick.h);
-        let what = self.end().not_finite(R::LENGTH);
-        StepError::NonFiniteCoordinate { t: start, h, what }
+    fn not_finite(&self, array: &str, mut numbers: impl Iterator<Item = f64>) -> StepError {
+        self.input_error().unwrap_or_else(|| {
+            let at = numbers.position(|x| !x.is_finite()).unwrap_or_default();
+            StepError::NonFiniteCoordinate {
+                t: self.start,
+                h: self.kick.h,
+                what: name(array, at, R::LENGTH),
+            }
+        })
     }
 
     fn input_error(&self) -> Option<StepError> {

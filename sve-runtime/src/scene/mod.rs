@@ -11,6 +11,7 @@
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
 //! | `shear.rs` | steps that are lists of drifts and kicks, in place |
 //! | `midpoint.rs` | steps of the midpoint rule, whose equations join all sites |
+//! | `relax.rs` | a sweep of the iteration for it |
 //! | `passes.rs` | what such a step computes for each component alone |
 //! | `chebyshev.rs` | the iteration that solves these equations |
 //! | `spectrum.rs` | bounds of the derivatives of impulses, from boxes around the motion |
@@ -31,6 +32,7 @@ mod mechanics;
 mod midpoint;
 mod passes;
 mod pieces;
+mod relax;
 mod rows;
 mod segments;
 mod shear;

@@ -1,11 +1,10 @@
 //! Passes over the components of all sites that a midpoint step makes between its sweeps.
 
 use super::masses::InverseMasses;
-use super::shear::name;
 use crate::lanes::dispatch::{Kernel, dispatch};
 
 /// Numbers of partial maxima, so that these are computed in vectors.
-const PARTS: usize = 16;
+pub(super) const PARTS: usize = 16;
 
 /// The factors f of the displacements `d = f (p₀ + I/2)`.
 #[derive(Clone, Debug)]
@@ -19,6 +18,9 @@ pub(super) enum Factors {
 /// A computation with the factor of each component. `run` is `#[inline(always)]`.
 pub(super) trait Pass {
     type Output;
+    /// Returns the number of components.
+    fn components(&self) -> usize;
+    /// Computes the result. `factor` is called with numbers of components.
     fn run(self, factor: impl Fn(usize) -> f64) -> Self::Output;
 }
 
@@ -34,10 +36,14 @@ impl<P: Pass> Kernel for WithFactors<'_, P> {
                 #[inline(always)]
                 |_| *factor,
             ),
-            Factors::Each(factors) => self.1.run(
-                #[inline(always)]
-                |at| factors[at],
-            ),
+            Factors::Each(factors) => {
+                // so that the loops have no bounds to check
+                let factors = &factors[..self.1.components()];
+                self.1.run(
+                    #[inline(always)]
+                    |at| factors[at],
+                )
+            }
         }
     }
 }
@@ -96,142 +102,94 @@ impl Pass for Guess<'_> {
     type Output = f64;
 
     #[inline(always)]
+    fn components(&self) -> usize {
+        self.d.len()
+    }
+
+    #[inline(always)]
     fn run(self, factor: impl Fn(usize) -> f64) -> f64 {
-        for (at, (d, p)) in self.d.iter_mut().zip(self.p).enumerate() {
-            *d = factor(at) * p;
+        let n = self.d.len();
+        let p = &self.p[..n];
+        for at in 0..n {
+            self.d[at] = factor(at) * p[at];
         }
         largest(self.d)
     }
 }
 
 /// Writes the nodes q₀ + d/2.
-#[inline(always)]
-pub(super) fn write_nodes(nodes: &mut [f64], q: &[f64], d: &[f64]) {
-    for ((node, q), d) in nodes.iter_mut().zip(q).zip(d) {
-        *node = q + 0.5 * d;
-    }
-}
+pub(super) struct WriteNodes<'a>(
+    pub(super) &'a mut [f64],
+    pub(super) &'a [f64],
+    pub(super) &'a [f64],
+);
 
-/// Updates the displacements, Δ ← β Δ − α g with the residual g, and the nodes. Returns the largest
-/// update, the largest displacement and the largest node.
-pub(super) struct Update<'a> {
-    pub(super) d: &'a mut [f64],
-    pub(super) update: &'a mut [f64],
-    pub(super) nodes: &'a mut [f64],
-    pub(super) impulse: &'a [f64],
-    pub(super) q: &'a [f64],
-    pub(super) p: &'a [f64],
-    /// α and β.
-    pub(super) weights: [f64; 2],
-}
-
-impl Pass for Update<'_> {
-    type Output = [f64; 3];
+impl Kernel for WriteNodes<'_> {
+    type Output = ();
 
     #[inline(always)]
-    fn run(self, factor: impl Fn(usize) -> f64) -> [f64; 3] {
-        let Self {
-            d,
-            update,
-            nodes,
-            impulse,
-            q,
-            p,
-            weights: [alpha, beta],
-        } = self;
-        let n = d.len();
-        let (update, nodes) = (&mut update[..n], &mut nodes[..n]);
-        let (impulse, q, p) = (&impulse[..n], &q[..n], &p[..n]);
-        let mut parts = [[0.0f64; PARTS]; 3];
-        let mut at = 0;
-        while at < n {
-            let length = PARTS.min(n - at);
-            for part in 0..length {
-                let k = at + part;
-                let residual = d[k] - factor(k) * (p[k] + 0.5 * impulse[k]);
-                let change = beta * update[k] - alpha * residual;
-                let new = d[k] + change;
-                let node = q[k] + 0.5 * new;
-                (update[k], d[k], nodes[k]) = (change, new, node);
-                for (parts, value) in parts.iter_mut().zip([change, new, node]) {
-                    let value = value.abs();
-                    parts[part] = if value > parts[part] {
-                        value
-                    } else {
-                        parts[part]
-                    };
-                }
-            }
-            at += PARTS;
+    fn run(self) {
+        let Self(nodes, q, d) = self;
+        for ((node, q), d) in nodes.iter_mut().zip(q).zip(d) {
+            *node = q + 0.5 * d;
         }
-        parts.map(|parts| parts.into_iter().fold(0.0, f64::max))
     }
+}
+
+/// Replaces a largest magnitude by that of `x` if this is larger.
+#[inline(always)]
+pub(super) fn keep_larger(largest: &mut f64, x: f64) {
+    let x = x.abs();
+    *largest = if x > *largest { x } else { *largest };
 }
 
 /// Returns the largest magnitude of numbers.
 #[inline(always)]
 pub(super) fn largest(numbers: &[f64]) -> f64 {
     let mut parts = [0.0f64; PARTS];
-    for chunk in numbers.chunks(PARTS) {
-        for (part, x) in parts.iter_mut().zip(chunk) {
-            *part = if x.abs() > *part { x.abs() } else { *part };
+    let (chunks, rest) = numbers.as_chunks::<PARTS>();
+    for chunk in chunks {
+        for part in 0..PARTS {
+            keep_larger(&mut parts[part], chunk[part]);
         }
+    }
+    for (part, x) in rest.iter().enumerate() {
+        keep_larger(&mut parts[part], *x);
     }
     parts.into_iter().fold(0.0, f64::max)
 }
 
-/// The end of a step: q₁ = q₀ + d and p₁ = p₀ + I − N d. `rates` has N M⁻¹.
-pub(super) struct End<'a> {
-    pub(super) d: &'a [f64],
-    pub(super) impulse: &'a [f64],
-    pub(super) rates: &'a [f64],
-    pub(super) masses: &'a InverseMasses,
-    pub(super) q: &'a mut [f64],
-    pub(super) p: &'a mut [f64],
+/// Adds the impulse −N d of friction to momenta; `rates` has N M⁻¹.
+pub(super) fn add_friction(p: &mut [f64], d: &[f64], rates: &[f64], masses: &InverseMasses) {
+    for (at, ((p, d), rate)) in p.iter_mut().zip(d).zip(rates).enumerate() {
+        *p -= rate / masses.of(at) * d;
+    }
 }
 
-impl End<'_> {
-    /// Returns −N d of a component.
-    #[inline(always)]
-    fn friction(&self, at: usize) -> f64 {
-        match self.rates.get(at) {
-            Some(rate) => -rate / self.masses.of(at) * self.d[at],
-            None => 0.0,
-        }
-    }
+/// The test whether all sums of two numbers are finite.
+pub(super) struct SumsAreFinite<'a>(pub(super) &'a [f64], pub(super) &'a [f64]);
 
-    /// Returns whether the end is finite.
+impl Kernel for SumsAreFinite<'_> {
+    type Output = bool;
+
     #[inline(always)]
     #[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
-    pub(super) fn is_finite(&self) -> bool {
-        let mut bits = 0;
-        for at in 0..self.d.len() {
-            let q = self.q[at] + self.d[at];
-            let p = self.p[at] + self.impulse[at] + self.friction(at);
-            bits |= (q - q).to_bits() | (p - p).to_bits();
-        }
-        bits << 1 == 0
+    fn run(self) -> bool {
+        let sums = self.0.iter().zip(self.1).map(|(a, b)| a + b);
+        sums.fold(0, |bits, x| bits | (x - x).to_bits()) == 0
     }
+}
 
-    /// Returns the name of the first component that is not finite.
-    #[cold]
-    pub(super) fn not_finite(&self, length: usize) -> String {
-        let p = |at: usize| self.p[at] + self.impulse[at] + self.friction(at);
-        let n = self.d.len();
-        let found = (0..n).find(|&at| !(self.q[at] + self.d[at]).is_finite());
-        let in_p = || (0..n).find(|&at| !p(at).is_finite());
-        match (found, in_p) {
-            (Some(at), _) => name("q", at, length),
-            (None, in_p) => in_p().map_or_else(String::new, |at| name("p", at, length)),
-        }
-    }
+/// Adds the numbers of the second array to those of the first.
+pub(super) struct Add<'a>(pub(super) &'a mut [f64], pub(super) &'a [f64]);
 
-    /// Writes the end.
+impl Kernel for Add<'_> {
+    type Output = ();
+
     #[inline(always)]
-    pub(super) fn write(self) {
-        for at in 0..self.d.len() {
-            self.q[at] += self.d[at];
-            self.p[at] = self.p[at] + self.impulse[at] + self.friction(at);
+    fn run(self) {
+        for (to, by) in self.0.iter_mut().zip(self.1) {
+            *to += by;
         }
     }
 }

@@ -5,8 +5,11 @@
 //! the bounds of the row sums of K over these boxes. Output: an interval that contains the row sums
 //! of f K/4, so that it contains the spectrum of each such matrix (Gershgorin).
 
+use core::marker::PhantomData;
+
 use super::Row;
-use super::passes::{Factors, Pass};
+use super::passes::{Factors, PARTS, Pass};
+use crate::lanes::dispatch::Kernel;
 
 /// The part of a displacement over which a box extends beyond both its ends.
 const BEYOND: f64 = 0.25;
@@ -22,14 +25,26 @@ fn half_width(d: f64, largest: f64) -> f64 {
 }
 
 /// Writes the middle and the half width of the box of each node: from q₀ to q₀ + d/2 and beyond.
-#[inline(always)]
-pub(super) fn write_boxes<R: Row>(boxes: &mut [f64], q: &[f64], d: &[f64], largest: f64) {
-    let size = R::LENGTH;
-    let rows = boxes.chunks_exact_mut(2 * size);
-    for ((row, q), d) in rows.zip(q.chunks_exact(size)).zip(d.chunks_exact(size)) {
-        for k in 0..size {
-            row[k] = q[k] + 0.25 * d[k];
-            row[size + k] = half_width(d[k], largest);
+pub(super) struct Boxes<'a, R> {
+    pub(super) boxes: &'a mut [f64],
+    pub(super) q: &'a [R],
+    pub(super) d: &'a [R],
+    pub(super) largest: f64,
+}
+
+impl<R: Row> Kernel for Boxes<'_, R> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let size = R::LENGTH;
+        let (q, d) = (R::numbers(self.q), R::numbers(self.d));
+        let rows = self.boxes.chunks_exact_mut(2 * size);
+        for ((row, q), d) in rows.zip(q.chunks_exact(size)).zip(d.chunks_exact(size)) {
+            for k in 0..size {
+                row[k] = q[k] + 0.25 * d[k];
+                row[size + k] = half_width(d[k], self.largest);
+            }
         }
     }
 }
@@ -47,10 +62,16 @@ impl Pass for BoxesContain<'_> {
     type Output = bool;
 
     #[inline(always)]
+    fn components(&self) -> usize {
+        self.d.len()
+    }
+
+    #[inline(always)]
     fn run(self, factor: impl Fn(usize) -> f64) -> bool {
+        let p = &self.p[..self.d.len()];
         let mut is_contained = true;
-        for (at, (&d, &p)) in self.d.iter().zip(self.p).enumerate() {
-            let guess = factor(at) * p;
+        for (at, d) in self.d.iter().enumerate() {
+            let guess = factor(at) * p[at];
             // distance of the node at the solution from the middle of its box
             let distance = (0.5 * d - 0.25 * guess).abs();
             is_contained &= distance <= half_width(guess, self.largest);
@@ -60,32 +81,79 @@ impl Pass for BoxesContain<'_> {
 }
 
 /// The smallest and the largest bound of the row sums; NaN if a bound is.
-pub(super) struct Extremes<'a> {
+pub(super) struct Extremes<'a, R> {
     pub(super) bounds: &'a [f64],
-    /// Components of a site.
-    pub(super) size: usize,
+    pub(super) row: PhantomData<R>,
 }
 
-impl Pass for Extremes<'_> {
+impl<R: Row> Pass for Extremes<'_, R> {
     type Output = [f64; 2];
 
     #[inline(always)]
+    fn components(&self) -> usize {
+        self.bounds.len() / 2
+    }
+
+    #[inline(always)]
     fn run(self, factor: impl Fn(usize) -> f64) -> [f64; 2] {
-        let size = self.size;
-        let (mut lower, mut upper, mut poison) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        for (site, row) in self.bounds.chunks_exact(2 * size).enumerate() {
-            for k in 0..size {
+        let sites = self.components() / R::LENGTH;
+        let bounds = &self.bounds[..2 * R::LENGTH * sites];
+        let mut parts = Parts {
+            lower: [f64::INFINITY; PARTS],
+            minus_upper: [f64::INFINITY; PARTS],
+            bits: [0; PARTS],
+        };
+        let whole = sites - sites % PARTS;
+        for first in (0..whole).step_by(PARTS) {
+            parts.add::<R>(first, PARTS, bounds, &factor);
+        }
+        parts.add::<R>(whole, sites - whole, bounds, &factor);
+        // NaN may have a sign
+        if parts.bits.into_iter().any(|bits| bits << 1 != 0) {
+            return [f64::NAN; 2];
+        }
+        let smallest = |parts: [f64; PARTS]| parts.into_iter().fold(f64::INFINITY, f64::min);
+        [smallest(parts.lower), -smallest(parts.minus_upper)]
+    }
+}
+
+/// Partial extremes.
+struct Parts {
+    lower: [f64; PARTS],
+    minus_upper: [f64; PARTS],
+    /// 0 if all bounds are finite.
+    bits: [u64; PARTS],
+}
+
+impl Parts {
+    /// Adds the bounds of sites.
+    #[inline(always)]
+    fn add<R: Row>(
+        &mut self,
+        first: usize,
+        sites: usize,
+        bounds: &[f64],
+        factor: &impl Fn(usize) -> f64,
+    ) {
+        let size = R::LENGTH;
+        for k in 0..size {
+            for part in 0..sites {
+                let site = first + part;
                 let factor = 0.25 * factor(site * size + k);
-                let (a, b) = (factor * row[k], factor * row[size + k]);
-                // 0 for finite numbers
-                poison += (a - a) + (b - b);
-                let (low, high) = if a < b { (a, b) } else { (b, a) };
-                lower = if low < lower { low } else { lower };
-                upper = if high > upper { high } else { upper };
+                let row = 2 * site * size + k;
+                let [a, b] = [factor * bounds[row], factor * bounds[row + size]];
+                let width = a - b;
+                self.bits[part] |= (width - width).to_bits();
+                self.lower[part] = smaller(self.lower[part], smaller(a, b));
+                self.minus_upper[part] = smaller(self.minus_upper[part], smaller(-a, -b));
             }
         }
-        [lower + poison, upper + poison]
     }
+}
+
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 /// Returns the component with the worst bounds: those that are no numbers, else the lowest lower

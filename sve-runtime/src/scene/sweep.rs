@@ -37,13 +37,13 @@ pub(super) struct Kick<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Buffers {
     /// Impulses of the pairs of one piece: zeros between pieces.
-    of_piece: Vec<f64>,
+    pub(super) of_piece: Vec<f64>,
     /// The rows of copied nodes, of `BATCH` nodes each, and of what their impulses read.
-    of_batch: Vec<f64>,
+    pub(super) of_batch: Vec<f64>,
     /// The increments that the impulses of copied nodes read.
-    dw: Vec<f64>,
+    pub(super) dw: Vec<f64>,
     /// Impulses of all loops, if one of them is made as it is written: zeros between sweeps.
-    of_nests: Vec<f64>,
+    pub(super) of_nests: Vec<f64>,
 }
 
 impl Buffers {
@@ -107,11 +107,7 @@ where
         let of_batch = NumbersOf::<S, W>::rows_mut(of_batch);
         let Kick { h, t, dw } = kick;
         let n = q.len();
-        let node = Node::<S, W> {
-            scene,
-            kick,
-            what: PhantomData,
-        };
+        let node = Node::<S, W>::new(scene, kick);
         let mut is_finite = true;
         let mut moved = 0;
         let has_nests = !segments.nests.is_empty();
@@ -189,10 +185,17 @@ where
 }
 
 /// The impulse of a node to which the first pairs contribute.
-struct Node<'a, S, W> {
+pub(super) struct Node<'a, S, W> {
     scene: &'a S,
     kick: Kick<'a>,
     what: PhantomData<W>,
+}
+
+impl<'a, S, W> Node<'a, S, W> {
+    pub(super) fn new(scene: &'a S, kick: Kick<'a>) -> Self {
+        let what = PhantomData;
+        Self { scene, kick, what }
+    }
 }
 
 impl<S: Contributions<W>, W> Impulse<S::Numbers> for Node<'_, S, W> {
@@ -208,7 +211,13 @@ type CountsOf<S, W> = <S as Contributions<W>>::Counts;
 
 /// Copies the nodes of a batch, and what their impulses read, to consecutive places.
 #[inline(always)]
-fn copy<R: Row>(batch: &Batch, q: &[R], rows: &mut [R], dw: &[f64], increments: &mut [f64]) {
+pub(super) fn copy<R: Row>(
+    batch: &Batch,
+    q: &[R],
+    rows: &mut [R],
+    dw: &[f64],
+    increments: &mut [f64],
+) {
     for (to, &node) in rows.iter_mut().zip(&batch.nodes) {
         *to = q[node as usize];
     }
@@ -225,7 +234,7 @@ fn copy<R: Row>(batch: &Batch, q: &[R], rows: &mut [R], dw: &[f64], increments: 
 }
 
 #[inline(always)]
-fn streams<'a, R>(
+pub(super) fn streams<'a, R>(
     q: &'a [R],
     node: usize,
     segments: &'a Segments,
