@@ -69,6 +69,7 @@ impl Ring {
                         state.p[i] += self.sigma * part * dw;
                     }
                 }
+                StepShear::Midpoint { .. } => unreachable!("the rules of the ring are shears"),
             }
         }
     }

@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     /// The error after k updates is at most 2 τ^k of the first one for each eigenvalue in the
-    /// interval, and at its ends it is 1/T_k.
+    /// interval, and at its ends it is that of the Chebyshev polynomial.
     #[test]
     fn errors_are_those_of_chebyshev_polynomials() {
         let [a, b] = [0.7, 3.1];

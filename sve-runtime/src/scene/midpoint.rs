@@ -176,7 +176,7 @@ impl<R: Row> MidpointStep<'_, R> {
             ..
         } = &mut *self.work;
         dispatch(Boxes {
-            boxes,
+            rows: boxes,
             q: self.q,
             d: R::rows_mut(d),
             largest: size,

@@ -98,10 +98,8 @@ impl<S: Scene> Pass for Relax<'_, S> {
             sum.fill(S::Row::ZERO);
         }
         if has_nests {
-            let mut made = Ok(());
-            for &number in &segments.nests {
-                made = made.and_then(|()| scene.nest(number, h, t, dw, nodes, of_nests));
-            }
+            let mut nests = segments.nests.iter();
+            let made = nests.try_for_each(|&nest| scene.nest(nest, h, t, dw, nodes, of_nests));
             if made.is_ok() {
                 solution.update_all(S::Row::numbers(of_nests), &factor, &mut most);
             }

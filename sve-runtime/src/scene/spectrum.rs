@@ -26,7 +26,7 @@ fn half_width(d: f64, largest: f64) -> f64 {
 
 /// Writes the middle and the half width of the box of each node: from q₀ to q₀ + d/2 and beyond.
 pub(super) struct Boxes<'a, R> {
-    pub(super) boxes: &'a mut [f64],
+    pub(super) rows: &'a mut [f64],
     pub(super) q: &'a [R],
     pub(super) d: &'a [R],
     pub(super) largest: f64,
@@ -39,7 +39,7 @@ impl<R: Row> Kernel for Boxes<'_, R> {
     fn run(self) {
         let size = R::LENGTH;
         let (q, d) = (R::numbers(self.q), R::numbers(self.d));
-        let rows = self.boxes.chunks_exact_mut(2 * size);
+        let rows = self.rows.chunks_exact_mut(2 * size);
         for ((row, q), d) in rows.zip(q.chunks_exact(size)).zip(d.chunks_exact(size)) {
             for k in 0..size {
                 row[k] = q[k] + 0.25 * d[k];
@@ -143,7 +143,10 @@ impl Parts {
                 let row = 2 * site * size + k;
                 let [a, b] = [factor * bounds[row], factor * bounds[row + size]];
                 let width = a - b;
-                self.bits[part] |= (width - width).to_bits();
+                // the difference of two infinite numbers is NaN
+                #[allow(clippy::eq_op)]
+                let bits = (width - width).to_bits();
+                self.bits[part] |= bits;
                 self.lower[part] = smaller(self.lower[part], smaller(a, b));
                 self.minus_upper[part] = smaller(self.minus_upper[part], smaller(-a, -b));
             }

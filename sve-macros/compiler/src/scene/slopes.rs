@@ -139,9 +139,11 @@ impl Bounds<'_> {
             for &symbol in all {
                 let entry = self.arena.diff(slope, symbol);
                 let entry = self.arena.neg(entry);
-                entries.push(match is_noise {
-                    true => entry,
-                    false => self.arena.mul(step, entry),
+                // the value of a noise has its increment as a factor
+                entries.push(if is_noise {
+                    entry
+                } else {
+                    self.arena.mul(step, entry)
                 });
             }
         }
