@@ -13,7 +13,7 @@ use crate::catalogue::Rule;
 use crate::errors::Errors;
 use crate::syntax::arguments::Arguments;
 use crate::syntax::parse::{is_f64, is_this};
-use crate::syntax::signature::is_rotation;
+use crate::syntax::signature::{entry_of_slice, is_rotation};
 
 /// Implementations without bodies for every rule that the attribute names.
 pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenStream {
@@ -35,6 +35,14 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     // no constant is computed from a generic parameter other than a lifetime
     let mut generic = block.generics.params.iter();
     let is_generic = generic.any(|parameter| !matches!(parameter, GenericParam::Lifetime(_)));
+    if let Some(entry) = coordinates_type(block).and_then(entry_of_slice)
+        && !is_generic
+    {
+        let rules = rules.iter().map(|rule| super::rule_type(*rule, &runtime));
+        let rules: Vec<TokenStream> = rules.collect();
+        let of = (&**self_ty, site(entry));
+        return super::scene::placeholders([&private, &runtime], of, &rules, &plan(&private));
+    }
     let with_rotations = configuration_with_rotations(block, &private).filter(|_| !is_generic);
     let n = match &with_rotations {
         Some(ty) => quote!({ <#ty as #private::FixedSize>::DEGREES_OF_FREEDOM }),
@@ -93,6 +101,15 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         #(#rules)*
         #momenta
     }
+}
+
+/// The type of a site of a scene: the written one, or a number if no site has that type.
+fn site(entry: &Type) -> TokenStream {
+    let is_site = match entry {
+        Type::Array(array) => is_f64(&array.elem),
+        other => is_f64(other) || is_vector_or_nested(other),
+    };
+    if is_site { quote!(#entry) } else { quote!(f64) }
 }
 
 /// A plan of nothing.

@@ -2,6 +2,7 @@
 
 mod loops;
 mod nodes;
+mod placeholders;
 mod system;
 mod walk;
 
@@ -14,6 +15,7 @@ use crate::algebra::Arena;
 use crate::explain;
 use crate::scene::Derived;
 use crate::syntax::parse::Annotated;
+pub(super) use placeholders::placeholders;
 use system::Context;
 
 /// Prints all that was derived from the block of a scene, with the bounds of its slopes if a rule
