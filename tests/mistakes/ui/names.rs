@@ -15,4 +15,5 @@ impl Pendulum {
 
 fn main() {
     let _ = Integrator::new(Pendulum { g: STIFFNESS }, Midpoint);
+    let _ = Integrator::new(Pendulum { g: STIFFNESS }, midpoint);
 }
