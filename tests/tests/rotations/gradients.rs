@@ -7,20 +7,13 @@ use sve_runtime::{Dual, Gradient};
 
 use crate::charts::{Chart, slopes};
 use crate::starts::{body, pair, three};
-use crate::systems::{Driven, HeavyTop, Tethered, Three};
+use crate::systems::{DRIVEN, HeavyTop, I, TETHERED, THREE, TOP};
 
 const H: f64 = 0.05;
 const STEPS: u64 = 7;
-const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
 
 /// Differences of sixth order of losses of order 1.
 const ACCURACY: f64 = 2e-10;
-
-const TOP: HeavyTop = HeavyTop {
-    i: I,
-    weight: 1.3,
-    s: 0.4,
-};
 
 fn assert_close(found: &[f64], expected: &[f64]) {
     assert_eq!(found.len(), expected.len());
@@ -129,17 +122,7 @@ fn the_gradient_is_the_transpose_of_the_tangent_maps() {
 
 #[test]
 fn gradients_of_a_body_beside_a_vector_and_of_several_bodies() {
-    let at = Vector3::new(0.2, -0.1, 0.3);
-    let tethered = Integrator::new(
-        Tethered {
-            m: 1.5,
-            i: I,
-            at,
-            k: 2.0,
-            s: 0.3,
-        },
-        Midpoint,
-    );
+    let tethered = Integrator::new(TETHERED, Midpoint);
     let arm = Vector3::new(0.1, 0.4, -0.2);
     let loss = |state: &State<(Vector3<f64>, UnitQuaternion<f64>)>| {
         let end = state.q.0 + state.q.1 * arm;
@@ -163,14 +146,7 @@ fn gradients_of_a_body_beside_a_vector_and_of_several_bodies() {
     let found: Vec<f64> = parts.iter().flat_map(|part| part.iter().copied()).collect();
     assert_close(&found, &expected);
 
-    let bodies = Integrator::new(
-        Three {
-            i: I,
-            k: 0.7,
-            s: 0.2,
-        },
-        Midpoint,
-    );
+    let bodies = Integrator::new(THREE, Midpoint);
     let loss = |state: &State<[UnitQuaternion<f64>; 3]>| {
         let relative = state.q[0].inverse() * (state.q[2] * Vector3::x());
         relative.y + state.p[1].z * relative.x
@@ -194,15 +170,7 @@ fn gradients_of_a_body_beside_a_vector_and_of_several_bodies() {
 /// With friction and a torque, the energy is a loss that depends on every part of the state.
 #[test]
 fn gradients_with_a_force() {
-    let driven = Integrator::new(
-        Driven {
-            i: I,
-            weight: 1.1,
-            nu: 0.3,
-            torque: 0.5,
-        },
-        Midpoint,
-    );
+    let driven = Integrator::new(DRIVEN, Midpoint);
     let loss = |state: &State<UnitQuaternion<f64>>| driven.system().hamiltonian(state).unwrap();
     let gradient = driven
         .trajectory(body(), H, NoNoise)

@@ -1,6 +1,7 @@
 //! What motions with rotations keep: momenta, Casimirs, energies; steps back; compositions; energy
 //! and drift.
 
+use sve_models::orders::numbers;
 use sve_runtime::__private::Coordinates;
 use sve_runtime::Variational;
 use sve_runtime::nalgebra::Quaternion;
@@ -8,27 +9,9 @@ use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
 
 use crate::starts::{attitude, body, pair, three};
-use crate::systems::{Driven, FreeBody, HeavyTop, NoisyBody, SymmetricTop, Tethered, Three};
-
-const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
-
-fn top() -> HeavyTop {
-    HeavyTop {
-        i: I,
-        weight: 2.0,
-        s: 0.5,
-    }
-}
-
-fn tethered() -> Tethered {
-    Tethered {
-        m: 1.5,
-        i: I,
-        at: Vector3::new(0.3, -0.2, 0.8),
-        k: 1.2,
-        s: 0.3,
-    }
-}
+use crate::systems::{
+    DRIVEN, Driven, FreeBody, HeavyTop, I, NOISY_BODY, SYMMETRIC_TOP, TETHERED, THREE, TOP, Three,
+};
 
 /// Makes a step and the step back. Returns the largest difference from the start.
 fn there_and_back<S, Q, const N: usize, const M: usize>(
@@ -44,31 +27,18 @@ where
     let mut state = start;
     integrator.step(&mut state, 0.2, &dw).unwrap();
     integrator.step(&mut state, -0.2, &dw.map(|w| -w)).unwrap();
-    let values = |state: &State<Q>| {
-        let mut values = vec![0.0; Q::STORED_VALUES + N];
-        let (q, p) = values.split_at_mut(Q::STORED_VALUES);
-        sve_runtime::Configuration::store(&state.q, q);
-        sve_runtime::Configuration::store(&state.p, p);
-        values
-    };
-    let (a, b) = (values(&start), values(&state));
+    let (a, b) = (numbers(&start), numbers(&state));
     a.iter().zip(b).fold(0.0, |m, (a, b)| m.max((a - b).abs()))
 }
 
 #[test]
 fn a_step_and_the_step_back_return_to_the_start() {
-    let (chi, k) = (Vector3::new(0.3, -0.2, 0.5), Vector3::new(0.5, 0.2, -0.3));
-    let three = Three {
-        i: I,
-        k: 0.7,
-        s: 0.3,
-    };
     let errors = [
         there_and_back(FreeBody { i: I }, body(), []),
-        there_and_back(NoisyBody { i: I, chi, k }, body(), [0.3, -0.4]),
-        there_and_back(top(), body(), [0.5]),
-        there_and_back(tethered(), pair(), [0.4, -0.3]),
-        there_and_back(three, self::three(), [0.4]),
+        there_and_back(NOISY_BODY, body(), [0.3, -0.4]),
+        there_and_back(TOP, body(), [0.5]),
+        there_and_back(TETHERED, pair(), [0.4, -0.3]),
+        there_and_back(THREE, three(), [0.4]),
     ];
     println!("{errors:?}");
     assert!(errors.iter().all(|&e| e < 1e-14), "{errors:?}");
@@ -78,8 +48,7 @@ fn a_step_and_the_step_back_return_to_the_start() {
 /// 10⁵ steps.
 #[test]
 fn a_free_body_keeps_its_casimir_and_its_spatial_momentum() {
-    let (chi, k) = (Vector3::new(0.3, -0.2, 0.5), Vector3::new(0.5, 0.2, -0.3));
-    let system = NoisyBody { i: I, chi, k };
+    let system = NOISY_BODY;
     let integrator = Integrator::new(system, Midpoint);
     let start = body();
     let (casimir, spatial) = (start.p.norm_squared(), start.q * start.p);
@@ -104,11 +73,7 @@ fn a_free_body_keeps_its_casimir_and_its_spatial_momentum() {
 
 #[test]
 fn momenta_of_symmetries_are_kept() {
-    let system = SymmetricTop {
-        i: I,
-        weight: 2.0,
-        s: 0.3,
-    };
+    let system = SYMMETRIC_TOP;
     let integrator = Integrator::new(system, Midpoint);
     let start = body();
     let spatial = (start.q * start.p).z;
@@ -126,11 +91,7 @@ fn momenta_of_symmetries_are_kept() {
     println!("{worst:e}");
     assert!(worst < 1e-13, "{worst:e}");
 
-    let system = Three {
-        i: I,
-        k: 0.7,
-        s: 0.0,
-    };
+    let system = Three { s: 0.0, ..THREE };
     let start = three();
     let before = system.together_momentum(&start);
     let mut state = start;
@@ -145,7 +106,7 @@ fn momenta_of_symmetries_are_kept() {
 /// stays.
 #[test]
 fn the_energy_of_a_heavy_top_does_not_drift() {
-    let system = HeavyTop { s: 0.0, ..top() };
+    let system = HeavyTop { s: 0.0, ..TOP };
     let integrator = Integrator::new(system, Midpoint);
     let mut state = body();
     let (energy, vertical) = (system.hamiltonian(&state).unwrap(), (state.q * state.p).z);
@@ -168,7 +129,7 @@ fn the_energy_of_a_heavy_top_does_not_drift() {
 /// Energy, velocity and drift against the user's functions and the equations of motion.
 #[test]
 fn mechanics_of_a_body() {
-    let system = top();
+    let system = TOP;
     let state = body();
     let w = system.velocity(&state).unwrap();
     assert!((w - state.p.component_div(&I)).norm() < 1e-15);
@@ -202,11 +163,7 @@ fn mechanics_of_a_body() {
 /// The equations of motion with noise that depends on both, by small steps.
 #[test]
 fn noise_of_a_body_is_that_of_a_small_step() {
-    let system = SymmetricTop {
-        i: I,
-        weight: 2.0,
-        s: 0.3,
-    };
+    let system = SYMMETRIC_TOP;
     let integrator = Integrator::new(system, Midpoint);
     let start = body();
     let dw = [2e-4, -3e-4];
@@ -222,7 +179,7 @@ fn noise_of_a_body_is_that_of_a_small_step() {
 /// A composition of order 8 of the symmetric midpoint rule.
 #[test]
 fn a_composition_has_order_eight() {
-    let system = HeavyTop { s: 0.0, ..top() };
+    let system = HeavyTop { s: 0.0, ..TOP };
     let integrator = Integrator::new(system, Composed::new(Midpoint, KahanLi8));
     let end = |steps: u32| {
         let mut state = body();
@@ -246,10 +203,8 @@ fn a_composition_has_order_eight() {
 #[test]
 fn friction_takes_energy_and_a_torque_gives_it() {
     let damped = Driven {
-        i: I,
-        weight: 2.0,
-        nu: 0.4,
         torque: 0.0,
+        ..DRIVEN
     };
     let integrator = Integrator::new(damped, Midpoint);
     let mut state = body();
@@ -259,17 +214,12 @@ fn friction_takes_energy_and_a_torque_gives_it() {
     // at rest with its axis downwards
     assert!((damped.hamiltonian(&state).unwrap() + 2.0).abs() < 1e-9);
     // a small step approximates the drift with the torque
-    let driven = Driven {
-        torque: 0.7,
-        ..damped
-    };
     let (start, h) = (body(), 1e-6);
     let mut state = start;
-    Integrator::new(driven, Midpoint)
-        .step(&mut state, h, &[])
-        .unwrap();
+    let driven = Integrator::new(DRIVEN, Midpoint);
+    driven.step(&mut state, h, &[]).unwrap();
     let rate = (state.p - start.p) / h;
-    assert!((rate - driven.drift(&start).unwrap().p).norm() < 1e-5);
+    assert!((rate - DRIVEN.drift(&start).unwrap().p).norm() < 1e-5);
 }
 
 #[test]

@@ -5,11 +5,7 @@ use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
 
 use crate::starts::{attitude, body, three};
-use crate::systems::NoisyBody;
-
-const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
-const CHI: Vector3<f64> = Vector3::new(0.3, -0.2, 0.5);
-const K: Vector3<f64> = Vector3::new(0.5, 0.2, -0.3);
+use crate::systems::NOISY_BODY;
 
 struct ReducedBody;
 
@@ -45,15 +41,8 @@ impl Both {
 
 #[test]
 fn momentum_and_attitude_are_those_of_the_full_system() {
-    let full = NoisyBody {
-        i: I,
-        chi: CHI,
-        k: K,
-    };
-    let (full, reduced) = (
-        Integrator::new(full, Midpoint),
-        Integrator::new(ReducedBody, Midpoint),
-    );
+    let full = Integrator::new(NOISY_BODY, Midpoint);
+    let reduced = Integrator::new(ReducedBody, Midpoint);
     let start = body();
     let (mut state, mut turned) = (State::<Reduced>::from_momentum(start.p), start.q);
     let mut alone = state;

@@ -5,34 +5,12 @@ use sve_runtime::prelude::*;
 use sve_runtime::study::Study;
 
 use crate::starts::{body, pair};
-use crate::systems::{Driven, FreeBody, HeavyTop, SymmetricTop, Tethered};
-
-const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
-
-fn top() -> Integrator<HeavyTop, Midpoint> {
-    let top = HeavyTop {
-        i: I,
-        weight: 2.0,
-        s: 0.5,
-    };
-    Integrator::new(top, Midpoint)
-}
-
-fn tethered() -> Integrator<Tethered, Midpoint> {
-    let system = Tethered {
-        m: 1.5,
-        i: I,
-        at: Vector3::new(0.3, -0.2, 0.8),
-        k: 1.2,
-        s: 0.3,
-    };
-    Integrator::new(system, Midpoint)
-}
+use crate::systems::{DRIVEN, Driven, FreeBody, HeavyTop, I, SYMMETRIC_TOP, TETHERED, TOP};
 
 /// A trajectory is the repeated step, and continued from its stored form it has the same bits.
 #[test]
 fn a_stored_trajectory_continues_with_the_same_bits() {
-    let integrator = tethered();
+    let integrator = Integrator::new(TETHERED, Midpoint);
     let mut path = integrator.trajectory(pair(), 0.05, Wiener::new(5));
     let mut state = pair();
     for step in 0..40 {
@@ -85,7 +63,7 @@ fn a_state_is_stored_with_its_quaternion() {
 /// its final states.
 #[test]
 fn paths_of_an_ensemble_are_trajectories() {
-    let integrator = top();
+    let integrator = Integrator::new(TOP, Midpoint);
     let run = |threads: usize| {
         Ensemble::new(&integrator)
             .start(body())
@@ -118,35 +96,21 @@ fn paths_of_an_ensemble_are_trajectories() {
 
 #[test]
 fn a_composition_of_the_midpoint_rule_keeps_momenta_with_noise() {
-    let system = SymmetricTop {
-        i: I,
-        weight: 2.0,
-        s: 0.3,
-    };
+    let system = SYMMETRIC_TOP;
     let integrator = Integrator::new(system, Composed::new(Midpoint, KahanLi8));
     let start = body();
     let before = system.vertical_momentum(&start);
     let path = integrator.trajectory(start, 0.05, Wiener::new(2)).take(500);
     let end = path.last().unwrap().unwrap();
     assert!((system.vertical_momentum(&end) - before).abs() < 1e-13);
-    assert!(
-        integrator
-            .tangent(&start, 0.05, &[0.1, -0.2])
-            .unwrap()
-            .symplectic_defect()
-            < 1e-13
-    );
+    let tangent = integrator.tangent(&start, 0.05, &[0.1, -0.2]).unwrap();
+    assert!(tangent.symplectic_defect() < 1e-13);
 }
 
 /// The errors of a study are distances of rotation matrices and momenta.
 #[test]
 fn a_study_finds_the_order() {
-    let system = Driven {
-        i: I,
-        weight: 2.0,
-        nu: 0.1,
-        torque: 0.3,
-    };
+    let system = Driven { nu: 0.1, ..DRIVEN };
     let midpoint = Integrator::new(system, Midpoint);
     let fine = Integrator::new(system, Composed::new(Midpoint, KahanLi8));
     let report = Study::new("driven top")
@@ -166,7 +130,7 @@ fn a_study_finds_the_order() {
 /// A checkpoint of an ensemble of bodies is continued with the same bits.
 #[test]
 fn an_ensemble_continues_from_its_checkpoint() {
-    let integrator = tethered();
+    let integrator = Integrator::new(TETHERED, Midpoint);
     let file = std::env::temp_dir().join(format!("rotations-{}.checkpoint", std::process::id()));
     let ensemble = || {
         Ensemble::new(&integrator)

@@ -9,9 +9,9 @@ use sve_runtime::system::{Dims, System};
 
 use crate::charts::{Chart, differences, symplectic_defect};
 use crate::starts::{body, pair, three};
-use crate::systems::{Driven, FreeBody, HeavyTop, NoisyBody, SymmetricTop, Tethered, Three};
-
-const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
+use crate::systems::{
+    DRIVEN, FreeBody, HeavyTop, I, NOISY_BODY, SYMMETRIC_TOP, TETHERED, THREE, TOP,
+};
 
 /// Compares the tangent map of a step with differences. Returns the symplectic defects of both.
 fn check<S, Q, const N: usize, const M: usize>(system: S, start: State<Q>, dw: [f64; M]) -> [f64; 2]
@@ -45,57 +45,25 @@ fn assert_symplectic(defects: [f64; 2]) {
 #[test]
 fn steps_of_one_body_are_symplectic() {
     assert_symplectic(check(FreeBody { i: I }, body(), []));
-    let (chi, k) = (Vector3::new(0.3, -0.2, 0.5), Vector3::new(0.5, 0.2, -0.3));
-    assert_symplectic(check(NoisyBody { i: I, chi, k }, body(), [0.3, -0.4]));
-    let top = HeavyTop {
-        i: I,
-        weight: 2.0,
-        s: 0.5,
-    };
-    assert_symplectic(check(top, body(), [0.4]));
-    let top = SymmetricTop {
-        i: I,
-        weight: 2.0,
-        s: 0.3,
-    };
-    assert_symplectic(check(top, body(), [0.4, -0.3]));
+    assert_symplectic(check(NOISY_BODY, body(), [0.3, -0.4]));
+    assert_symplectic(check(TOP, body(), [0.4]));
+    assert_symplectic(check(SYMMETRIC_TOP, body(), [0.4, -0.3]));
 }
 
 #[test]
 fn steps_beside_a_vector_are_symplectic() {
-    assert_symplectic(check(tethered(), pair(), [0.4, -0.3]));
+    assert_symplectic(check(TETHERED, pair(), [0.4, -0.3]));
 }
 
 #[test]
 fn steps_of_three_bodies_are_symplectic() {
-    let bodies = Three {
-        i: I,
-        k: 0.7,
-        s: 0.3,
-    };
-    assert_symplectic(check(bodies, three(), [0.4]));
+    assert_symplectic(check(THREE, three(), [0.4]));
 }
 
 #[test]
 fn friction_is_not_symplectic_and_its_tangent_map_is_that_of_differences() {
-    let top = Driven {
-        i: I,
-        weight: 2.0,
-        nu: 0.4,
-        torque: 0.3,
-    };
-    let [exact, numeric] = check(top, body(), []);
+    let [exact, numeric] = check(DRIVEN, body(), []);
     assert!(exact > 1e-3 && (exact - numeric).abs() < 1e-9);
-}
-
-fn tethered() -> Tethered {
-    Tethered {
-        m: 1.5,
-        i: I,
-        at: Vector3::new(0.3, -0.2, 0.8),
-        k: 1.2,
-        s: 0.3,
-    }
 }
 
 /// The midpoint rule in the chart around R₀, frozen during the step: S = h L(R₀ cay(½(x₀ + x₁)),
@@ -140,11 +108,7 @@ fn frozen_chart(
 /// The test of symplecticity finds what is wrong: a step that does not differentiate the chart.
 #[test]
 fn a_chart_that_does_not_move_is_not_symplectic() {
-    let top = HeavyTop {
-        i: I,
-        weight: 2.0,
-        s: 0.0,
-    };
+    let top = HeavyTop { s: 0.0, ..TOP };
     let (start, h) = (body(), 0.1);
     let at = (start.q, start.p);
     let wrong = differences(&at, |at| frozen_chart(&top, *at, h));
@@ -162,14 +126,7 @@ fn a_chart_that_does_not_move_is_not_symplectic() {
 
 #[test]
 fn the_derivative_by_a_parameter_is_that_of_differences() {
-    let top = |weight: f64| {
-        let top = HeavyTop {
-            i: I,
-            weight,
-            s: 0.5,
-        };
-        Integrator::new(top, Midpoint)
-    };
+    let top = |weight: f64| Integrator::new(HeavyTop { weight, ..TOP }, Midpoint);
     let (start, h, dw) = (body(), 0.1, [0.4]);
     let at = |weight: f64| {
         let mut state = start;

@@ -2,6 +2,48 @@
 
 use sve_runtime::prelude::*;
 
+/// Principal moments of inertia.
+pub(crate) const I: Vector3<f64> = Vector3::new(1.0, 2.0, 3.0);
+
+pub(crate) const NOISY_BODY: NoisyBody = NoisyBody {
+    i: I,
+    chi: Vector3::new(0.3, -0.2, 0.5),
+    k: Vector3::new(0.5, 0.2, -0.3),
+};
+
+pub(crate) const TOP: HeavyTop = HeavyTop {
+    i: I,
+    weight: 2.0,
+    s: 0.5,
+};
+
+pub(crate) const SYMMETRIC_TOP: SymmetricTop = SymmetricTop {
+    i: I,
+    weight: 2.0,
+    s: 0.3,
+};
+
+pub(crate) const TETHERED: Tethered = Tethered {
+    m: 1.5,
+    i: I,
+    at: Vector3::new(0.3, -0.2, 0.8),
+    k: 1.2,
+    s: 0.3,
+};
+
+pub(crate) const THREE: Three = Three {
+    i: I,
+    k: 0.7,
+    s: 0.3,
+};
+
+pub(crate) const DRIVEN: Driven = Driven {
+    i: I,
+    weight: 2.0,
+    nu: 0.4,
+    torque: 0.3,
+};
+
 /// A free rigid body with the principal moments of inertia `i`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FreeBody {
