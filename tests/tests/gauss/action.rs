@@ -1,6 +1,7 @@
 //! The step against the equations that the symbolic pipeline derives from the rule's unrolled
 //! action, solved by Newton's method without any structure.
 
+use sve_models::checks::assert_relative;
 use sve_models::random::Random;
 use sve_runtime::__private::Unstructured;
 use sve_runtime::Variational;
@@ -26,14 +27,8 @@ where
         );
         let dw = random.array(-0.3, 0.3);
         let (found, expected) = (numbers(&step, &start, &dw), numbers(&unrolled, &start, &dw));
-        for (x, y) in found.iter().zip(&expected) {
-            assert!((x - y).abs() < 2e-14 * (1.0 + y.abs()), "{x} for {y}");
-        }
-        // the state itself
-        for (x, y) in found.iter().zip(&expected).take(4) {
-            assert!((x - y).abs() < 2e-15 * (1.0 + y.abs()), "{x} for {y}");
-        }
-        assert_eq!(found.len(), expected.len());
+        assert_relative(&found, &expected, 2e-14, "with derivatives");
+        assert_relative(&found[..4], &expected[..4], 2e-15, "the state itself");
     }
 }
 

@@ -1,21 +1,14 @@
 //! Stage noise: sources, symplecticity, what does not go.
 
-use sve_models::steps::check_tangent;
+use sve_models::checks::assert_close;
+use sve_models::orders::end;
+use sve_models::steps::{check_return, check_tangent};
 use sve_runtime::noise;
 use sve_runtime::noise::NoiseError;
 use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
 
-use crate::systems::{DoublePendulum, Kubo};
-
-fn double_pendulum() -> DoublePendulum {
-    DoublePendulum {
-        m: [1.0, 0.7],
-        l: [0.8, 1.1],
-        g: 2.0,
-        s: 0.4,
-    }
-}
+use crate::systems::{Kubo, double_pendulum};
 
 const START: State<[f64; 2]> = State {
     t: 0.0,
@@ -34,11 +27,14 @@ fn increments_at_the_stages_conserve_what_the_noise_conserves() {
     assert!((state.q[0].hypot(state.p[0]) - 1.0).abs() < 1e-14);
 }
 
+/// A step back takes the increments of the stages from the last to the first.
 #[test]
-fn steps_are_symplectic() {
+fn steps_are_symplectic_and_return() {
     let method = Integrator::new(double_pendulum(), StageNoise(Gauss::<3>));
     let dw = [0.1, -0.2, 0.3, 0.05, 0.1, -0.1];
     check_tangent(&method, &START, 0.1, &dw, Some(1e-13));
+    let back = [-0.3, 0.2, -0.1, 0.1, -0.1, -0.05];
+    check_return(&method, &START, 0.1, [&dw, &back], 1e-14);
 }
 
 /// Equal parts are the rule without stage noise.
@@ -50,27 +46,6 @@ fn parts_in_proportion_to_the_weights_are_the_plain_rule() {
     plain.step(&mut a, 0.1, &[0.2, -0.3]).unwrap();
     staged.step(&mut b, 0.1, &[0.1, 0.1, -0.15, -0.15]).unwrap();
     assert_eq!(a, b);
-}
-
-/// A step back takes the increments of the stages from the last to the first.
-#[test]
-fn a_step_back_returns_to_the_start() {
-    let method = Integrator::new(double_pendulum(), StageNoise(Gauss::<3>));
-    let mut state = START;
-    method
-        .step(&mut state, 0.1, &[0.1, -0.2, 0.3, 0.05, 0.1, -0.1])
-        .unwrap();
-    method
-        .step(&mut state, -0.1, &[-0.3, 0.2, -0.1, 0.1, -0.1, -0.05])
-        .unwrap();
-    for (x, y) in state
-        .q
-        .iter()
-        .chain(&state.p)
-        .zip(START.q.iter().chain(&START.p))
-    {
-        assert!((x - y).abs() < 1e-14, "{x} {y}");
-    }
 }
 
 /// Every source gives increments that add up to those of a plain rule, or says that it has none.
@@ -95,13 +70,11 @@ fn sources_draw_details_of_the_same_path() {
         adds_up(NoNoise, stages);
     }
     let mut parts = [0.0; 6];
-    let drawn = Wiener::new(7)
-        .refine(1)
-        .unwrap()
-        .stage_increments(0, 0.01, 3, &mut parts);
-    assert_eq!(drawn, Err(NoiseError::NoStages { stages: 3 }));
+    let mut refined = Wiener::new(7).refine(1).unwrap();
+    let none = Err(NoiseError::NoStages { stages: 3 });
+    assert_eq!(refined.stage_increments(0, 0.01, 3, &mut parts), none);
     let drawn = noise::ThreePoint::new(7).stage_increments(0, 0.01, 3, &mut parts);
-    assert_eq!(drawn, Err(NoiseError::NoStages { stages: 3 }));
+    assert_eq!(drawn, none);
     // clipped to as many standard deviations of their own
     let mut clipped = Truncated::new(Wiener::new(7)).deviations(0.5).unwrap();
     let b = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0_f64];
@@ -135,49 +108,22 @@ fn recorded_stages_are_coarsened_exactly_and_serve_plain_rules() {
     }
     let twice = fine.coarsen(2).unwrap().coarsen(2).unwrap();
     for step in 0..10 {
-        for (a, b) in twice
-            .get(step)
-            .unwrap()
-            .iter()
-            .zip(coarse.get(step).unwrap())
-        {
-            assert!((a - b).abs() < 1e-15);
-        }
+        let [a, b] = [&twice, &coarse].map(|path| path.get(step).unwrap());
+        assert_close(a, b, 1e-15, "coarsened twice");
     }
     // along the path, by both rules
     let staged = Integrator::new(double_pendulum(), StageNoise(Gauss::<3>));
     let plain = Integrator::new(double_pendulum(), Gauss::<3>);
-    let ends = [
-        staged
-            .trajectory(START, 0.01, &fine)
-            .last()
-            .unwrap()
-            .unwrap(),
-        plain
-            .trajectory(START, 0.01, &fine)
-            .last()
-            .unwrap()
-            .unwrap(),
-    ];
-    assert!((ends[0].q[0] - ends[1].q[0]).abs() < 0.05);
+    let [a, b] = [end(&staged, START, &fine), end(&plain, START, &fine)];
+    assert!((a[0] - b[0]).abs() < 0.05);
     // another number of stages is an error
     let two = Integrator::new(double_pendulum(), StageNoise(Gauss::<2>));
-    let error = two
-        .trajectory(START, 0.01, &fine)
-        .next()
-        .unwrap()
-        .unwrap_err();
-    let expected = NoiseError::Stages {
+    let error = two.trajectory(START, 0.01, &fine).next().unwrap();
+    let source = NoiseError::Stages {
         asked: 2,
         recorded: 3,
     };
-    assert_eq!(
-        error,
-        StepError::Noise {
-            t: 0.0,
-            source: expected
-        }
-    );
+    assert_eq!(error, Err(StepError::Noise { t: 0.0, source }));
     let rows = Recorded::new(0.01, [[0.1, 0.2, 0.3, 0.4]]).unwrap();
     assert_eq!(rows.clone().with_stages(2).unwrap().processes(), 2);
     assert!(rows.with_stages(3).is_err());

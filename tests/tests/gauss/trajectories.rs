@@ -1,5 +1,7 @@
 //! What a trajectory carries: the stages of the last step, from which the next one starts.
 
+use sve_models::checks::{assert_close, assert_states_close};
+use sve_models::orders::numbers;
 use sve_runtime::Variational;
 use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
@@ -21,19 +23,15 @@ where
     for pair in states.windows(2) {
         let mut state = pair[0];
         integrator.step(&mut state, H, &[]).unwrap();
-        let numbers = |s: &State<[f64; N]>| [s.q, s.p].concat();
         let (found, expected) = (numbers(&pair[1]), numbers(&state));
         let size = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-        for (x, y) in found.iter().zip(&expected) {
-            assert!((x - y).abs() <= 4.0 * f64::EPSILON * size, "{x} for {y}");
-            differs |= x != y;
-        }
+        let rounding = 4.0 * f64::EPSILON * size;
+        assert_close(&found, &expected, rounding, "a step of the trajectory");
+        differs |= found != expected;
     }
 
     let mut first = path();
-    for _ in 0..20 {
-        first.next().unwrap().unwrap();
-    }
+    first.nth(19).unwrap().unwrap();
     let continued = integrator.resume(first.snapshot(), NoNoise).unwrap();
     let continued: Vec<State<[f64; N]>> = continued.take(580).collect::<Result<_, _>>().unwrap();
     assert_eq!(continued, states[20..]);
@@ -57,14 +55,8 @@ fn a_trajectory_leads_back() {
     let integrator = Integrator::new(pendulum(), Gauss::<8>);
     let start = State::new([1.7], [0.2]);
     let end = |start, h| {
-        integrator
-            .trajectory(start, h, NoNoise)
-            .take(100)
-            .last()
-            .unwrap()
-            .unwrap()
+        let mut path = integrator.trajectory(start, h, NoNoise);
+        path.nth(99).unwrap().unwrap()
     };
-    let back = end(end(start, H), -H);
-    assert!((back.q[0] - start.q[0]).abs() < 1e-13, "{back:?}");
-    assert!((back.p[0] - start.p[0]).abs() < 1e-13, "{back:?}");
+    assert_states_close(&end(end(start, H), -H), &start, 1e-13, "back");
 }
