@@ -243,7 +243,7 @@ use sve_compiler::Settings;
 /// - `impl StartOfStep`: the test whether exactly one velocity has the momentum at the start of a
 ///   step, as far as L does not decide this;
 /// - for each `#[symmetry] fn name` a function `name_momentum(&self, &State<Q>) -> f64`, the
-///   momentum ⟨p, ξ⟩, of the same visibility;
+///   momentum ⟨p, ξ⟩, of the same visibility; in a system whose coordinates are slices a `Result`;
 /// - for each rule `impl StepEquations<Rule>`: `prepare`, the values that depend on parameters and
 ///   step size alone; `increment`, the step; and `PLAN`, the description of the derived step.
 ///

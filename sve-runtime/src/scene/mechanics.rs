@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::masses::InverseMasses;
+use super::momentum::check_length;
 use super::shear::index_error;
 use crate::error::StepError;
 use crate::phase::configuration::Site;
@@ -41,14 +42,7 @@ where
 {
     fn velocity(&self, state: &State<Vec<Q>>) -> Result<Vec<Q>, StepError> {
         let State { t, q, p } = state;
-        if q.len() != p.len() {
-            return Err(StepError::Length {
-                t: *t,
-                what: "p".into(),
-                found: p.len(),
-                expected: q.len(),
-            });
-        }
+        check_length("p", p.len(), q.len(), *t)?;
         let mut v = p.clone();
         let masses = InverseMasses::new(self, q.len(), *t)?;
         let components = Q::rows_mut(&mut v).iter_mut().flat_map(AsMut::as_mut);

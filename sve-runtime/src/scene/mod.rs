@@ -17,6 +17,7 @@
 //! | `spectrum.rs` | bounds of the derivatives of impulses, from boxes around the motion |
 //! | `masses.rs` | masses and friction |
 //! | `mechanics.rs` | energies and velocities, for users |
+//! | `momentum.rs` | momenta of symmetries |
 //! | `layout.rs` | what is known about the loops of a scene of known size |
 //!
 //! The folder knows arrays and no mechanics. A loop of the user is a list of instances, and each
@@ -30,6 +31,7 @@ mod layout;
 mod masses;
 mod mechanics;
 mod midpoint;
+mod momentum;
 mod passes;
 mod pieces;
 mod relax;
@@ -45,6 +47,7 @@ pub use indices::Instances;
 pub use layout::Layout;
 pub use mechanics::SceneMechanics;
 pub use midpoint::{MidpointStep, midpoint};
+pub use momentum::{PartialSums, momentum};
 pub use rows::Row;
 pub use shear::{Phase, Prepared};
 pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};

@@ -4,7 +4,8 @@ use sve_runtime::nalgebra::SVector;
 use sve_runtime::prelude::*;
 
 /// Defines a system twice from one body, as `scene::System` and as `unrolled::System`. The second
-/// γ and the second force are those of the unrolled system. `explicit` leaves the midpoint rule out.
+/// γ, force and generator of each pair are those of the unrolled system. `explicit` leaves the
+/// midpoint rule out.
 macro_rules! both {
     (explicit $($block:tt)*) => {
         both! { @rules (initial_point, endpoint, stormer_verlet) $($block)* }
@@ -19,6 +20,7 @@ macro_rules! both {
         |$this:ident, $q:ident, $v:ident| { $($body:tt)* }
         $(gamma { $($scene:tt)* } or { $($unrolled:tt)* })?
         $(force { $($scene_force:tt)* } or { $($unrolled_force:tt)* })?
+        $(symmetry { $($scene_symmetry:tt)* } or { $($unrolled_symmetry:tt)* })*
     ) => {
         pub(crate) mod scene {
             use super::*;
@@ -31,6 +33,7 @@ macro_rules! both {
                 pub(crate) fn lagrangian(&$this, $q: &[$($row)*], $v: &[$($row)*]) -> f64 { $($body)* }
                 $(#[gamma] $($scene)*)?
                 $(#[force] $($scene_force)*)?
+                $(#[symmetry] pub(crate) $($scene_symmetry)*)*
             }
         }
         pub(crate) mod unrolled {
@@ -44,6 +47,7 @@ macro_rules! both {
                 pub(crate) fn lagrangian(&$this, $q: [$($row)*; $n], $v: [$($row)*; $n]) -> f64 { $($body)* }
                 $(#[gamma] $($unrolled)*)?
                 $(#[force] $($unrolled_force)*)?
+                $(#[symmetry] pub(crate) $($unrolled_symmetry)*)*
             }
         }
     };

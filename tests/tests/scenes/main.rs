@@ -15,6 +15,9 @@
 //! | `inner.rs` | inner sums that enter formulas of the sum around them |
 //! | `rough.rs` | conditions on numbers, and rounded numbers |
 //! | `midpoint.rs` | the midpoint rule, whose equations join all sites |
+//! | `symmetric.rs` | systems with symmetries |
+//! | `symmetries.rs` | the momenta of symmetries |
+//! | `conserved.rs` | steps conserve them, and what breaks a symmetry moves its momentum |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
 
@@ -22,6 +25,7 @@
 mod common;
 mod bodies;
 mod chains;
+mod conserved;
 mod failures;
 mod forces;
 mod inner;
@@ -31,4 +35,6 @@ mod midpoint;
 mod output;
 mod rough;
 mod shapes;
+mod symmetric;
+mod symmetries;
 mod totals;

@@ -2,19 +2,18 @@
 
 use std::fmt::Write as _;
 
-use crate::algebra::{Arena, Expr, Notation, Symbol};
+use super::symmetry_caveat;
+use crate::algebra::{Arena, Notation};
 use crate::catalogue::{Nodes, Rule};
-use crate::model::SymbolNames;
-use crate::model::scene::{Comparison, Condition, Head, Processes, SlotArray, SumId};
-use crate::scene::{Derived, Summand, is_implicit};
-
-/// Characters of a formula, beyond which its text is left out.
-const LONGEST: usize = 600;
+use crate::model::scene::{Processes, SceneNames, SlotArray};
+use crate::scene::{Derived, SceneMomentum, Summand, is_implicit};
 
 /// The texts about a scene.
 pub(crate) struct SceneTexts {
     /// L, summand by summand, and the noises.
-    pub(crate) system: String,
+    system: String,
+    /// The conserved momenta, each with its name.
+    momenta: Vec<(String, String)>,
     pub(crate) motion: String,
     /// The impulses of the sites.
     sweep: Vec<String>,
@@ -25,24 +24,28 @@ pub(crate) struct SceneTexts {
 
 /// Prints a scene.
 pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
-    let writer = Writer { derived, arena };
+    let names = SceneNames {
+        scene: &derived.scene,
+        arena,
+        each: &derived.each,
+    };
     let noises = derived.scene.noises.iter().map(|noise| {
         let processes = match &noise.processes {
             Processes::Listed(list) if list.len() == 1 => "one process".to_owned(),
             Processes::Listed(list) => format!("{} processes", list.len()),
-            Processes::Each(sum) => format!("a process {}", writer.loops(Some(*sum))),
+            Processes::Each(sum) => format!("a process {}", names.loops(Some(*sum))),
         };
         format!("γ {}: {processes}", noise.name)
     });
     let summands = |name: String, list: &[Summand]| {
         let lines = list.iter().map(|summand| {
-            let (value, loops) = (writer.formula(summand.value), writer.loops(summand.sum));
+            let (value, loops) = (names.formula(summand.value), names.loops(summand.sum));
             format!("{name} += {value} {loops}")
         });
         lines.collect::<Vec<_>>()
     };
     let totals = derived.totals.iter();
-    let totals = totals.flat_map(|total| summands(writer.symbol(total.symbol), &total.summands));
+    let totals = totals.flat_map(|total| summands(names.symbol(total.symbol), &total.summands));
     let inner = derived
         .scene
         .slots
@@ -56,6 +59,20 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         });
     let forces = derived.scene.forces.iter();
     let forces = forces.map(|force| format!("F {}: an entry for each site", force.name));
+    let momenta = derived.momenta.iter();
+    let momenta = momenta.map(
+        |SceneMomentum {
+             name,
+             summands: list,
+             evidence,
+             ..
+         }| {
+            let mut lines = summands(format!("conserved {name}_momentum"), list);
+            let caveat = symmetry_caveat(*evidence);
+            lines.extend(caveat.map(|caveat| format!("the symmetry {name} is {caveat}")));
+            (name.clone(), lines.join("\n"))
+        },
+    );
     let has_forces = !derived.scene.forces.is_empty();
     let force = if has_forces {
         "(∂L/∂q + F)"
@@ -70,15 +87,31 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             .chain(forces)
             .collect::<Vec<_>>()
             .join("\n"),
+        momenta: momenta.collect(),
         motion: format!("dq = M⁻¹ p dt\ndp = {force} dt + Σ ∂γ/∂q ∘ dW"),
-        sweep: writer.sweep(),
-        friction: writer.friction(),
+        sweep: sweep(derived, names),
+        friction: friction(derived, names),
         has_forces,
     }
 }
 
 impl SceneTexts {
-    /// Returns all formulas of the system, by which stored states know it.
+    /// Returns L, the noises, the forces and the conserved momenta.
+    pub(crate) fn system(&self) -> String {
+        let momenta = self.momenta.iter().map(|(_, text)| text.as_str());
+        let lines: Vec<&str> = [self.system.as_str()].into_iter().chain(momenta).collect();
+        lines.join("\n")
+    }
+
+    /// Returns the momentum of a symmetry.
+    pub(crate) fn momentum(&self, symmetry: &str) -> &str {
+        let mut momenta = self.momenta.iter();
+        momenta
+            .find(|momentum| momentum.0 == symmetry)
+            .map_or("", |momentum| &momentum.1)
+    }
+
+    /// Returns all formulas of the motion, by which stored states know the system.
     pub(crate) fn formulas(&self) -> String {
         let lines = [&self.system]
             .into_iter()
@@ -165,122 +198,32 @@ impl SceneTexts {
     }
 }
 
-struct Writer<'a> {
-    derived: &'a Derived,
-    arena: &'a Arena,
+/// Returns the impulse of each site of each term.
+fn sweep(derived: &Derived, names: SceneNames<'_>) -> Vec<String> {
+    let mut lines = Vec::new();
+    for term in &derived.terms {
+        let loops = names.loops(term.sum);
+        for at in term.receivers(names.arena) {
+            let (site, impulses) = (term.sites[at], &term.impulses[at]);
+            for (component, &impulse) in impulses.iter().enumerate() {
+                let index = derived.scene.integers.text(site);
+                let component = names.component(component);
+                let impulse = names.formula(impulse);
+                lines.push(format!("I[{index}]{component} += {impulse} {loops}"));
+            }
+        }
+    }
+    lines
 }
 
-impl Writer<'_> {
-    fn formula(&self, expr: Expr) -> String {
-        let text = self.arena.display(expr, LONGEST, self);
-        text.map_or_else(|| "a long formula".to_owned(), |text| text.text)
-    }
-
-    /// Returns the impulse of each site of each term.
-    fn sweep(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        let scene = &self.derived.scene;
-        for term in &self.derived.terms {
-            let loops = self.loops(term.sum);
-            for at in term.receivers(self.arena) {
-                let (site, impulses) = (term.sites[at], &term.impulses[at]);
-                for (component, &impulse) in impulses.iter().enumerate() {
-                    let index = scene.integers.text(site);
-                    let component = self.component(component);
-                    let impulse = self.formula(impulse);
-                    lines.push(format!("I[{index}]{component} += {impulse} {loops}"));
-                }
-            }
-        }
-        lines
-    }
-
-    /// Returns the friction of each component of a site.
-    fn friction(&self) -> Vec<String> {
-        let frictions = self.derived.frictions.iter();
-        let lines = frictions.map(|friction| {
-            let index = self.derived.scene.integers.text(friction.site);
-            let component = self.component(friction.component);
-            let (value, loops) = (self.formula(friction.value), self.loops(friction.sum));
-            format!("N[{index}]{component} += {value} {loops}")
-        });
-        lines.collect()
-    }
-
-    /// Returns the index of a component; nothing for numbers.
-    fn component(&self, component: usize) -> String {
-        match self.derived.scene.row.len() {
-            1 => String::new(),
-            _ => format!("[{component}]"),
-        }
-    }
-
-    /// Returns the loops and conditions around the summand of a sum, the outermost first.
-    fn loops(&self, sum: Option<SumId>) -> String {
-        let scene = &self.derived.scene;
-        let heads = scene.heads(sum).map(|head| match head {
-            Head::For { counter, from, to } => {
-                let [from, to] = [from, to].map(|bound| scene.integers.text(*bound));
-                format!("for {} in {from}..{to}", scene.integers.name(*counter))
-            }
-            Head::If(condition) => format!("if {}", self.condition(condition)),
-        });
-        let mut heads: Vec<String> = heads.collect();
-        heads.reverse();
-        heads.join(", ")
-    }
-
-    fn condition(&self, condition: &Condition) -> String {
-        let sign = |comparison| match comparison {
-            Comparison::Equal => "==",
-            Comparison::Less => "<",
-            Comparison::LessOrEqual => "<=",
-        };
-        match condition {
-            Condition::Integers(comparison, a, b) => {
-                let [a, b] = [a, b].map(|int| self.derived.scene.integers.text(*int));
-                format!("{a} {} {b}", sign(*comparison))
-            }
-            Condition::Numbers(comparison, a, b) => {
-                let [a, b] = [a, b].map(|expr| self.formula(*expr));
-                format!("{a} {} {b}", sign(*comparison))
-            }
-            Condition::Not(inner) => format!("not ({})", self.condition(inner)),
-            Condition::And(a, b) => {
-                format!("({}) and ({})", self.condition(a), self.condition(b))
-            }
-            Condition::Or(a, b) => format!("({}) or ({})", self.condition(a), self.condition(b)),
-        }
-    }
-}
-
-impl Notation for Writer<'_> {
-    fn symbol(&self, symbol: Symbol) -> String {
-        let scene = &self.derived.scene;
-        if let Some(slot) = scene.slot(symbol) {
-            let component = match slot.array {
-                SlotArray::Rounded(number) => return format!("round({})", self.formula(number)),
-                SlotArray::Weight(number) => return format!("({})", self.formula(number)),
-                SlotArray::Sum(sum) => return format!("S{}", sum.0),
-                SlotArray::Configuration(_) | SlotArray::Velocity(_) => {
-                    self.component(slot.component)
-                }
-                SlotArray::Field(_) | SlotArray::Number(_) => String::new(),
-            };
-            return format!("{}{component}", scene.text(slot));
-        }
-        let is_increment = |each: &&(Symbol, SumId)| each.0 == symbol;
-        match self.derived.each.iter().find(is_increment) {
-            Some(_) => "ΔW".to_owned(),
-            None => SymbolNames::of_system(&scene.symbols).symbol(symbol),
-        }
-    }
-
-    fn place(&self, symbol: Symbol) -> u8 {
-        SymbolNames::of_system(&self.derived.scene.symbols).place(symbol)
-    }
-
-    fn name(&self, _: Expr) -> Option<&str> {
-        None
-    }
+/// Returns the friction of each component of a site.
+fn friction(derived: &Derived, names: SceneNames<'_>) -> Vec<String> {
+    let frictions = derived.frictions.iter();
+    let lines = frictions.map(|friction| {
+        let index = derived.scene.integers.text(friction.site);
+        let component = names.component(friction.component);
+        let (value, loops) = (names.formula(friction.value), names.loops(friction.sum));
+        format!("N[{index}]{component} += {value} {loops}")
+    });
+    lines.collect()
 }

@@ -5,12 +5,14 @@
 //! parents come before their children. A condition contains no sum.
 
 mod integers;
+mod names;
 
 use proc_macro2::{Span, TokenStream};
 
 use super::{Meaning, Symbols};
 use crate::algebra::{Arena, Expr, Symbol};
 pub(crate) use integers::{Access, Array, Counter, Int, IntNode, Integers, Step};
+pub(crate) use names::SceneNames;
 
 /// The number of a sum. Its symbol has the meaning `Meaning::Sum`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -26,7 +28,7 @@ pub(crate) struct Sum {
     pub(crate) at: Span,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Head {
     /// `for counter in from..to`.
     For {
@@ -55,7 +57,7 @@ impl Comparison {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
 pub(crate) enum Condition {
     Integers(Comparison, Int, Int),
     /// A cut-off.
@@ -78,6 +80,8 @@ pub(crate) struct Slot {
 pub(crate) enum SlotArray {
     Configuration(Int),
     Velocity(Int),
+    /// The momentum, which occurs in momenta of symmetries only.
+    Momentum(Int),
     /// A number that a field holds.
     Field(Access),
     /// An integer as a number.
@@ -136,7 +140,9 @@ pub(crate) struct Scene {
     pub(crate) sums: Vec<Sum>,
     pub(crate) lagrangian: Expr,
     pub(crate) noises: Vec<SceneNoise>,
-    pub(crate) forces: Vec<SceneForce>,
+    pub(crate) forces: Vec<SiteField>,
+    /// The generators of symmetries.
+    pub(crate) symmetries: Vec<SiteField>,
     /// As in [`Model`](super::Model).
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }
@@ -159,12 +165,13 @@ pub(crate) enum Processes {
     Each(SumId),
 }
 
-/// A force.
+/// A force, or the generator of a symmetry.
 #[derive(Clone, Debug)]
-pub(crate) struct SceneForce {
-    /// Source name.
+pub(crate) struct SiteField {
+    /// Source name, and its place.
     pub(crate) name: String,
-    /// For each component, the sum whose summand, a `For`, is the force on the site
+    pub(crate) at: Span,
+    /// For each component, the sum whose summand, a `For`, is the value at the site
     /// `counter − from`; `None` for a component that is zero everywhere.
     pub(crate) components: Vec<Option<SumId>>,
 }
@@ -208,6 +215,26 @@ impl Scene {
         std::iter::successors(sum, |sum| self.sums[sum.0].parent)
     }
 
+    /// Returns whether a head stands for what is outside of all loops.
+    pub(crate) fn is_once(&self, head: &Head) -> bool {
+        let Head::For { from, to, .. } = *head else {
+            return false;
+        };
+        [from, to].map(|bound| self.integers.value(bound)) == [Some(0), Some(1)]
+    }
+
+    /// Returns the site of an entry of a force or a generator, of a `For`.
+    pub(crate) fn site_of(&mut self, sum: SumId) -> Option<Int> {
+        let Head::For { counter, from, .. } = self.sums[sum.0].head else {
+            return None;
+        };
+        let counter = self.integers.integer(IntNode::Counter(counter));
+        Some(match self.integers.value(from) {
+            Some(0) => counter,
+            _ => self.integers.integer(IntNode::Sub(counter, from)),
+        })
+    }
+
     /// Returns the symbols of the components of a site, with the numbers of the components.
     pub(crate) fn row_of(&self, site: Int) -> impl Iterator<Item = (Symbol, usize)> + '_ {
         let symbols = (0..self.symbols.meanings().len() as u32).map(Symbol);
@@ -239,6 +266,7 @@ impl Scene {
         match &slot.array {
             SlotArray::Configuration(index) => rows("q", *index),
             SlotArray::Velocity(index) => rows("v", *index),
+            SlotArray::Momentum(index) => rows("p", *index),
             SlotArray::Field(access) => self.integers.path_text(access),
             SlotArray::Number(integer) => self.integers.text(*integer),
             SlotArray::Rounded(_) => "a rounded number".to_owned(),

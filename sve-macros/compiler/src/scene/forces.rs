@@ -6,7 +6,7 @@
 use super::kinetic::numbers;
 use super::{Coefficient, Summand, Term, Terms};
 use crate::algebra::{Expr, Symbol};
-use crate::model::scene::{Head, Int, IntNode, SceneForce, SlotArray, SumId};
+use crate::model::scene::{Head, Int, SiteField, SlotArray, SumId};
 
 const WORKS: &str = "forces of scenes depend on velocities by a friction `-nu * v[i]` of each component of their site alone, with constants that may differ from site to site";
 
@@ -14,9 +14,13 @@ impl Terms<'_> {
     /// Returns the terms of all forces, and the friction of the components of sites.
     pub(super) fn forces(&mut self) -> (Vec<Term>, Vec<Coefficient>) {
         let (mut all, mut frictions) = (Vec::new(), Vec::new());
-        for SceneForce { name, components } in self.scene.forces.clone() {
+        for SiteField {
+            name, components, ..
+        } in self.scene.forces.clone()
+        {
             for (component, sum) in components.into_iter().enumerate() {
-                let Some((sum, site)) = sum.and_then(|sum| Some((sum, self.site_of(sum)?))) else {
+                let Some((sum, site)) = sum.and_then(|sum| Some((sum, self.scene.site_of(sum)?)))
+                else {
                     continue;
                 };
                 let root = self.root(Some(sum), &name);
@@ -31,19 +35,6 @@ impl Terms<'_> {
             }
         }
         (all, frictions)
-    }
-
-    /// Returns the site of an entry of a force.
-    fn site_of(&mut self, sum: SumId) -> Option<Int> {
-        let Head::For { counter, from, .. } = self.scene.sums[sum.0].head else {
-            return None;
-        };
-        let integers = &mut self.scene.integers;
-        let counter = integers.integer(IntNode::Counter(counter));
-        Some(match integers.value(from) {
-            Some(0) => counter,
-            _ => integers.integer(IntNode::Sub(counter, from)),
-        })
     }
 
     /// Returns the friction in a summand, if there is one.

@@ -71,7 +71,12 @@ impl Terms<'_> {
     /// Returns the symbol of a number that is computed from reads.
     fn computed(&mut self, array: SlotArray) -> Symbol {
         let component = 0;
-        self.scene.slots.push(Slot { array, component });
+        self.slot(Slot { array, component })
+    }
+
+    /// Returns the symbol of a new slot.
+    pub(super) fn slot(&mut self, slot: Slot) -> Symbol {
+        self.scene.slots.push(slot);
         let meaning = Meaning::Slot(self.scene.slots.len() - 1);
         self.scene.symbols.declare(meaning)
     }

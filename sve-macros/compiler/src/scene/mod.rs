@@ -13,6 +13,7 @@ mod kinetic;
 mod share;
 mod slopes;
 mod streams;
+mod symmetry;
 mod term;
 #[cfg(test)]
 mod tests;
@@ -30,6 +31,7 @@ pub(crate) use inner::InnerTotals;
 use share::share;
 pub(crate) use slopes::slopes;
 pub(crate) use streams::Pair;
+pub(crate) use symmetry::{SceneMomentum, moves_nothing};
 pub(crate) use term::Term;
 pub(crate) use totals::Total;
 
@@ -51,6 +53,8 @@ pub(crate) struct Derived {
     pub(crate) masses: Vec<Coefficient>,
     /// The friction ν of the forces −ν v.
     pub(crate) frictions: Vec<Coefficient>,
+    /// The momenta of symmetries.
+    pub(crate) momenta: Vec<SceneMomentum>,
     /// The terms of potentials, noises and forces.
     pub(crate) terms: Vec<Term>,
     /// The terms of streams with their sites, those of most nodes first, each as a loop over nodes
@@ -101,6 +105,7 @@ pub(crate) fn is_implicit(rule: Rule) -> bool {
 /// Derives a scene.
 pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     let mut errors = Errors::new();
+    let read = scene.clone();
     let mut terms = Terms::new(scene, arena, &mut errors);
     let (summands, slopes) = terms.lagrangian();
     let masses = kinetic::masses(&mut terms, &summands);
@@ -108,6 +113,7 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     let at_rest: Vec<Summand> = all.map(|s| terms.at_rest(s)).collect();
     let noises = terms.noises();
     let (forces, frictions) = terms.forces();
+    let momenta = terms.momenta();
     let mut list = Vec::new();
     for (summands, is_noise) in [(at_rest, false), (noises, true)] {
         let all = summands.iter().filter_map(|s| terms.term(s, is_noise));
@@ -122,6 +128,7 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         lagrangian: summands,
         masses,
         frictions,
+        momenta,
         terms: list,
         listed: terms.listed,
         each: terms.each,
@@ -131,16 +138,19 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         node: Gather::default(),
     };
     errors.finish(())?;
+    symmetry::check(&read, arena, &mut derived.momenta)?;
     for term in &mut derived.terms {
         term.slopes.clone_from(&term.gradient);
     }
     let gradients = derived.terms.iter_mut().flat_map(|t| &mut t.gradient);
     arena.stabilise(Purpose::Step, gradients.flatten().collect());
     let totals = derived.totals.iter_mut().flat_map(|t| &mut t.summands);
+    let momenta = derived.momenta.iter_mut().flat_map(|m| &mut m.summands);
     let values = derived
         .lagrangian
         .iter_mut()
         .chain(totals)
+        .chain(momenta)
         .map(|s| &mut s.value);
     arena.stabilise(Purpose::Values, values.collect());
     let step = arena.symbol(derived.step);
@@ -243,7 +253,7 @@ impl<'a> Terms<'a> {
     fn function(&mut self, name: &str, value: Expr, [to, slopes]: [&mut Vec<Summand>; 2]) {
         let value = self.with_totals(name, value, None, slopes);
         for (sum, _) in self.sums_in(value) {
-            if self.is_once(sum) {
+            if self.scene.is_once(&self.scene.sums[sum.0].head) {
                 let summand = self.scene.sums[sum.0].summand;
                 self.scene.sums[sum.0].summand = self.with_totals(name, summand, Some(sum), slopes);
             }

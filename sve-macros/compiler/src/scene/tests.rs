@@ -30,6 +30,7 @@ impl Builder {
             lagrangian,
             noises: Vec::new(),
             forces: Vec::new(),
+            symmetries: Vec::new(),
             constants: Vec::new(),
         };
         Self { arena, scene }

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use super::{Summand, Terms};
 use crate::algebra::{Expr, Symbol};
 use crate::model::Meaning;
-use crate::model::scene::{Head, SlotArray, SumId};
+use crate::model::scene::{SlotArray, SumId};
 
 /// A sum whose value the terms of other loops, or its own ones, read.
 #[derive(Clone)]
@@ -19,15 +19,6 @@ pub(crate) struct Total {
 }
 
 impl Terms<'_> {
-    /// Returns whether a sum stands for what is outside of all loops.
-    pub(super) fn is_once(&self, sum: SumId) -> bool {
-        let Head::For { from, to, .. } = self.scene.sums[sum.0].head else {
-            return false;
-        };
-        let bounds = [from, to].map(|bound| self.scene.integers.value(bound));
-        bounds == [Some(0), Some(1)]
-    }
-
     /// Returns the summand of `home` with symbols of totals in the place of the sums whose factors
     /// contain sums. The derivatives with respect to these sums are totals too: they are the weights
     /// of the summands that are added to `slopes`.

@@ -9,6 +9,7 @@ use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role as FunctionRole;
 use crate::system::classify::Classified;
 use crate::system::degeneracy::{Degeneracy, Role};
+use crate::system::symmetry::check_name;
 
 /// Returns an error for each rule that does not apply to this system.
 pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
@@ -85,9 +86,12 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
         .noises
         .iter()
         .filter(|f| f.role != FunctionRole::Gamma);
-    for function in h1.chain(&block.symmetries).chain(&block.constraints) {
+    for symmetry in &block.symmetries {
+        check_name(symmetry, block, &mut errors);
+    }
+    for function in h1.chain(&block.constraints) {
         let message = format!(
-            "`#[{}]` is not for scenes, systems whose coordinates are slices: their functions are `lagrangian`, `#[gamma]`, `#[force]` and helpers",
+            "`#[{}]` is not for scenes, systems whose coordinates are slices: their functions are `lagrangian`, `#[gamma]`, `#[force]`, `#[symmetry]` and helpers",
             function.role.attribute()
         );
         errors.push(function.name.span(), message);

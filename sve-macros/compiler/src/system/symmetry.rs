@@ -22,6 +22,7 @@ use crate::algebra::{Arena, Expr, Symbol, Vanishing};
 use crate::errors::Errors;
 use crate::model::configuration::{Block, Factor, cross};
 use crate::model::{Generator, Model, NoiseTerm};
+use crate::scene::moves_nothing;
 use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::degeneracy::Degeneracy;
 
@@ -55,25 +56,12 @@ pub(crate) fn check(
     let mut errors = Errors::new();
     let mut maps = Vec::new();
     for (symmetry, generator) in block.symmetries.iter().zip(&model.symmetries) {
-        let moves_nothing = generator.field.iter().all(|&x| arena.is_zero(x));
-        if moves_nothing {
-            errors.push(
-                symmetry.name.span(),
-                format!("the symmetry `{}` moves nothing: return the velocity of each coordinate along it, such as `[-q[1], q[0]]` for a rotation", symmetry.name),
-            );
+        if generator.field.iter().all(|&x| arena.is_zero(x)) {
+            let message = moves_nothing(&symmetry.name.to_string());
+            errors.push(symmetry.name.span(), message);
             continue;
         }
-        let momentum_function = momentum_name(&symmetry.name);
-        if block
-            .functions
-            .iter()
-            .any(|f| f.sig.ident == momentum_function)
-        {
-            errors.push(
-                symmetry.name.span(),
-                format!("`{}` gives the function `{momentum_function}`, which the block has already: rename one of them", symmetry.name),
-            );
-        }
+        check_name(symmetry, block, &mut errors);
         let mut evidence = Vanishing::Proved;
         for Change { of, rate, scale } in changes(block, generator, model, arena) {
             let on_rotations = model.on_rotations(rate, arena);
@@ -91,6 +79,18 @@ pub(crate) fn check(
         maps.push(map);
     }
     errors.finish(maps)
+}
+
+/// Checks that the function of the momentum has a name of its own.
+pub(crate) fn check_name(symmetry: &RoleFunction, block: &Annotated, errors: &mut Errors) {
+    let name = momentum_name(&symmetry.name);
+    if block.functions.iter().any(|f| f.sig.ident == name) {
+        let message = format!(
+            "`{}` gives the function `{name}`, which the block has already: rename one of them",
+            symmetry.name
+        );
+        errors.push(symmetry.name.span(), message);
+    }
 }
 
 /// Returns whether the nodes of all rules conserve the momentum of an affine generator. If the

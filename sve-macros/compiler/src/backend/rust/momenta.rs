@@ -39,6 +39,7 @@ pub(crate) fn momenta(context: &Context<'_>) -> TokenStream {
         let value = Array::number("momentum", *value);
         let (statements, [momentum]) = context.formulas().arrays(&[value]);
         let formula = model.symbols.formula(map.value, READABLE, context.arena);
+        let formula = formula.map(|formula| format!("⟨p, ξ⟩ = {formula}"));
         let doc = doc(name, formula.as_deref(), *is_affine, *evidence);
         quote! {
             #[doc = #doc]
@@ -61,14 +62,20 @@ pub(crate) fn momenta(context: &Context<'_>) -> TokenStream {
     }
 }
 
-fn doc(name: &str, formula: Option<&str>, is_affine: bool, evidence: Vanishing) -> String {
+/// Returns the documentation of a function of a momentum.
+pub(super) fn doc(
+    name: &str,
+    formula: Option<&str>,
+    is_affine: bool,
+    evidence: Vanishing,
+) -> String {
     let steps = if is_affine {
         "by the motion and by every step"
     } else {
         "by the motion; by steps only to their accuracy, for the symmetry is not affine in q"
     };
     let formula = formula
-        .map(|formula| format!("\n\n```text\n⟨p, ξ⟩ = {formula}\n```"))
+        .map(|formula| format!("\n\n```text\n{formula}\n```"))
         .unwrap_or_default();
     let caveat = explain::symmetry_caveat(evidence)
         .map(|caveat| format!(" The symmetry is {caveat}."))

@@ -55,7 +55,14 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let configuration = written.as_ref().map(|ty| quote!(, #ty));
     let plan = plan(&private);
     let whole = written.unwrap_or_else(|| quote!([f64; #n]));
-    let momenta = momenta(block, &private, &whole);
+    let of_scene = coordinates_type(block).and_then(entry_of_slice);
+    let momenta = match of_scene {
+        Some(site) => {
+            let result = quote!(::core::result::Result<f64, #private::StepError>);
+            momenta(block, &private, [&quote!(::std::vec::Vec<#site>), &result])
+        }
+        None => momenta(block, &private, [&whole, &quote!(f64)]),
+    };
     let rules = rules.iter().map(|rule| {
         let rule = super::rule_type(*rule, &runtime);
         let (none, nothing) = (Literal::usize_unsuffixed(0), quote!(()));
@@ -140,7 +147,11 @@ fn plan(private: &TokenStream) -> TokenStream {
 }
 
 /// The functions that symmetries would give.
-fn momenta(block: &ItemImpl, private: &TokenStream, configuration: &TokenStream) -> TokenStream {
+fn momenta(
+    block: &ItemImpl,
+    private: &TokenStream,
+    [configuration, result]: [&TokenStream; 2],
+) -> TokenStream {
     let self_ty = &block.self_ty;
     let attributes = super::attributes();
     let (generics, _, clause) = block.generics.split_for_impl();
@@ -150,7 +161,7 @@ fn momenta(block: &ItemImpl, private: &TokenStream, configuration: &TokenStream)
         let (visibility, name) = (&f.vis, super::momentum_name(&f.sig.ident));
         is_free(&name).then(|| {
             quote! {
-                #visibility fn #name(&self, state: &#private::State<#configuration>) -> f64 {
+                #visibility fn #name(&self, state: &#private::State<#configuration>) -> #result {
                     ::core::unreachable!("the macro reported an error")
                 }
             }

@@ -14,7 +14,7 @@ use crate::algebra::{Expr, Node, Symbol};
 use crate::interpret::types::Shape;
 use crate::interpret::value::Value;
 use crate::model::scene::{
-    Array, Head, Int, IntNode, Processes, Row, Scene, SceneForce, SceneNoise, SlotArray, Sum, SumId,
+    Array, Head, Int, IntNode, Processes, Row, Scene, SceneNoise, SiteField, SlotArray, Sum, SumId,
 };
 use crate::model::{Meaning, Symbols};
 use crate::syntax::parse::RoleFunction;
@@ -33,29 +33,18 @@ impl Lowering<'_> {
         self.scene.shape = Some(shape);
         let time = self.symbols.declare(Meaning::Time);
         let function = &block.lagrangian;
-        let result = self.run_scene(
-            function,
-            time,
-            &[SlotArray::Configuration, SlotArray::Velocity],
-        );
+        let result = self.run_scene(function, time);
         let lagrangian = self.scalar_result(function, &result);
         let mut noises = Vec::new();
         // other noises are refused by their role
         for function in block.noises.iter().filter(|f| f.role == Role::Gamma) {
-            let result = self.run_scene(function, time, &[SlotArray::Configuration]);
+            let result = self.run_scene(function, time);
             if let Some(processes) = self.processes(function, result) {
                 noises.push((function, processes));
             }
         }
-        let mut forces = Vec::new();
-        for function in &block.forces {
-            let rows: [fn(Int) -> SlotArray; 2] = [SlotArray::Configuration, SlotArray::Velocity];
-            let result = self.run_scene(function, time, &rows);
-            forces.extend(
-                self.force_on_sites(function, result)
-                    .map(|force| (function, force)),
-            );
-        }
+        let forces = self.on_sites(&block.forces, time);
+        let symmetries = self.on_sites(&block.symmetries, time);
         let mut sums = Vec::new();
         let lagrangian = self.root(lagrangian?, function.name.span(), &mut sums)?;
         let mut placed = Vec::new();
@@ -72,18 +61,8 @@ impl Lowering<'_> {
             let name = function.name.to_string();
             placed.push(SceneNoise { name, processes });
         }
-        let mut placed_forces = Vec::new();
-        for (function, components) in forces {
-            let components = components.into_iter();
-            let placed = components.map(|sum| match sum {
-                Some(sum) => self.placed_root(sum, &mut sums).map(Some),
-                None => Some(None),
-            });
-            placed_forces.push(SceneForce {
-                name: function.name.to_string(),
-                components: placed.collect::<Option<_>>()?,
-            });
-        }
+        let forces = self.placed_on_sites(forces, &mut sums)?;
+        let symmetries = self.placed_on_sites(symmetries, &mut sums)?;
         if self.errors.count() > 0 {
             return None;
         }
@@ -96,7 +75,8 @@ impl Lowering<'_> {
             sums,
             lagrangian,
             noises: placed,
-            forces: placed_forces,
+            forces,
+            symmetries,
             constants: std::mem::take(&mut self.constants),
         })
     }
@@ -122,12 +102,8 @@ impl Lowering<'_> {
     }
 
     /// Executes a function with rows as its arguments.
-    fn run_scene(
-        &mut self,
-        function: &RoleFunction,
-        time: Symbol,
-        rows: &[fn(Int) -> SlotArray],
-    ) -> Value {
+    fn run_scene(&mut self, function: &RoleFunction, time: Symbol) -> Value {
+        let rows: [fn(Int) -> SlotArray; 2] = [SlotArray::Configuration, SlotArray::Velocity];
         self.executed(function, |this| {
             let mut arguments = function.arguments.iter();
             if function.is_timed
@@ -136,7 +112,7 @@ impl Lowering<'_> {
                 let t = this.arena.symbol(time);
                 this.bind(pattern, Value::Scalar(t));
             }
-            for ((pattern, ty), &array) in arguments.zip(rows) {
+            for ((pattern, ty), array) in arguments.zip(rows) {
                 let shape = this.same_rows(ty);
                 let value = shape.map_or(Value::Poison, |()| this.rows(array));
                 this.bind(pattern, value);
@@ -225,8 +201,36 @@ impl Lowering<'_> {
         }
     }
 
-    /// Returns the sum of each component of a force; `None` for one that is zero.
-    fn force_on_sites(
+    /// Executes functions that return an entry for each site. Returns them with the sum of each
+    /// component; `None` for one that is zero.
+    fn on_sites<'b>(&mut self, functions: &'b [RoleFunction], time: Symbol) -> Vec<OnSites<'b>> {
+        let found = functions.iter().filter_map(|function| {
+            let result = self.run_scene(function, time);
+            Some((function, self.components_on_sites(function, result)?))
+        });
+        found.collect()
+    }
+
+    fn placed_on_sites(
+        &mut self,
+        functions: Vec<OnSites<'_>>,
+        sums: &mut Vec<Sum>,
+    ) -> Option<Vec<SiteField>> {
+        let placed = functions.into_iter().map(|(function, components)| {
+            let components = components.into_iter().map(|sum| match sum {
+                Some(sum) => self.placed_root(sum, sums).map(Some),
+                None => Some(None),
+            });
+            Some(SiteField {
+                components: components.collect::<Option<_>>()?,
+                name: function.name.to_string(),
+                at: function.name.span(),
+            })
+        });
+        placed.collect()
+    }
+
+    fn components_on_sites(
         &mut self,
         function: &RoleFunction,
         value: Value,
@@ -238,8 +242,12 @@ impl Lowering<'_> {
         };
         let shape = self.scene.shape.clone()?;
         if entry.as_ref() != Some(&shape) {
+            let what = match function.role {
+                Role::Symmetry => "a generator",
+                _ => "a force",
+            };
             let message = format!(
-                "a force has an entry for each site: return `Vec<{}>`",
+                "{what} has an entry for each site: return `Vec<{}>`",
                 readable(of_site)
             );
             return self.refuse(&function.output, message);
@@ -366,6 +374,9 @@ impl Lowering<'_> {
         Some(self.symbols.declare(Meaning::Sum(id)))
     }
 }
+
+/// A function that returns an entry for each site, with the sum of each component.
+type OnSites<'b> = (&'b RoleFunction, Vec<Option<Symbol>>);
 
 /// The processes of a function before its sums have their places.
 enum Found {

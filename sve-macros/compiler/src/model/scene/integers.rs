@@ -102,6 +102,50 @@ impl Integers {
         known
     }
 
+    /// Returns a number with others in the place of counters.
+    pub(crate) fn replaced(&mut self, int: Int, by: &HashMap<Counter, Int>) -> Int {
+        use IntNode::{Add, Div, Max, Min, Mul, Rem, Sub};
+        let node = self.node(int).clone();
+        let mut pair = |node: fn(Int, Int) -> IntNode, a, b| {
+            let [a, b] = [a, b].map(|operand| self.replaced(operand, by));
+            self.integer(node(a, b))
+        };
+        match node {
+            IntNode::Constant(_) | IntNode::Length(Array::Sites) => int,
+            IntNode::Counter(counter) => by.get(&counter).copied().unwrap_or(int),
+            IntNode::Length(Array::Field(access)) => {
+                let access = self.replaced_in(access, by);
+                self.integer(IntNode::Length(Array::Field(access)))
+            }
+            IntNode::Field(access) => {
+                let access = self.replaced_in(access, by);
+                self.integer(IntNode::Field(access))
+            }
+            Add(a, b) => pair(Add, a, b),
+            Sub(a, b) => pair(Sub, a, b),
+            Mul(a, b) => pair(Mul, a, b),
+            Div(a, b) => pair(Div, a, b),
+            Rem(a, b) => pair(Rem, a, b),
+            Min(a, b) => pair(Min, a, b),
+            Max(a, b) => pair(Max, a, b),
+        }
+    }
+
+    /// Returns a path with other numbers in the place of counters.
+    pub(crate) fn replaced_in(&mut self, mut access: Access, by: &HashMap<Counter, Int>) -> Access {
+        for step in &mut access.steps {
+            match step {
+                Step::Member(_) => {}
+                Step::Index(index) => *index = self.replaced(*index, by),
+                Step::Pair(row, column) => {
+                    *row = self.replaced(*row, by);
+                    *column = self.replaced(*column, by);
+                }
+            }
+        }
+        access
+    }
+
     /// Returns a simpler form of a number. A difference with a constant is a sum, so that equal
     /// indices are equal numbers.
     fn simplified(&mut self, node: &IntNode) -> Option<Int> {

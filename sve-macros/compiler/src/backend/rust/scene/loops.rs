@@ -179,9 +179,9 @@ fn text(root: &Root, derived: &Derived) -> String {
 }
 
 /// The functions with loops as they are written.
-struct Loops<'a> {
-    derived: &'a Derived,
-    formulas: Formulas<'a>,
+pub(super) struct Loops<'a> {
+    pub(super) derived: &'a Derived,
+    pub(super) formulas: Formulas<'a>,
 }
 
 impl Loops<'_> {
@@ -347,7 +347,12 @@ impl Loops<'_> {
     }
 
     /// The number of rounds of a loop, after `code` that finds its bounds.
-    fn rounds(&self, function: &str, sum: SumId, code: &mut TokenStream) -> Option<TokenStream> {
+    pub(super) fn rounds(
+        &self,
+        function: &str,
+        sum: SumId,
+        code: &mut TokenStream,
+    ) -> Option<TokenStream> {
         let mut walk = Walk::new(self.derived, self.formulas, function, Vec::new());
         let Head::For { from, to, .. } = self.derived.scene.sums[sum.0].head else {
             return None;

@@ -1,6 +1,7 @@
 //! The implementations of a scene.
 
 mod loops;
+mod momenta;
 mod nodes;
 mod placeholders;
 mod system;
@@ -52,5 +53,6 @@ pub(crate) fn print(
     });
     let rules = block.arguments.rules.iter();
     let rules = rules.map(|listed| context.rule(listed.rule));
-    bounded(quote!(#system #scene #slopes #(#rules)*))
+    let momenta = context.momenta();
+    bounded(quote!(#system #scene #slopes #(#rules)* #momenta))
 }

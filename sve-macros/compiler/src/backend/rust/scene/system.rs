@@ -28,14 +28,14 @@ pub(super) struct Context<'a> {
 }
 
 impl Context<'_> {
-    fn self_ty(&self) -> &Type {
+    pub(super) fn self_ty(&self) -> &Type {
         &self.block.item.self_ty
     }
 
     /// The implementations of what all systems have, for the system and for a reference to it.
     pub(super) fn system(&self) -> TokenStream {
         let (private, self_ty, attributes) = (self.formulas.private, self.self_ty(), attributes());
-        let doc = documented(&[("The system:", &self.texts.system)]);
+        let doc = documented(&[("The system:", &self.texts.system())]);
         let kind = self.kind();
         let [coordinates, momenta] = ["q", "p"].map(|letter| self.names(letter));
         let mut hash = XxHash64::default();
@@ -47,6 +47,7 @@ impl Context<'_> {
             _ => None,
         });
         let functions = self.block.noises.iter().chain(&self.block.forces);
+        let functions = functions.chain(&self.block.symmetries);
         let functions = functions.chain([&self.block.lagrangian]);
         let functions = functions.map(|function| &function.name);
         let constants = self.derived.scene.constants.iter();
@@ -84,27 +85,28 @@ impl Context<'_> {
 
     /// The types of a system.
     fn kind(&self) -> TokenStream {
-        let (private, self_ty) = (self.formulas.private, self.self_ty());
-        let site = match self.derived.scene.row {
-            Row::Number => quote!(f64),
-            Row::Array(size) => {
-                let size = Literal::usize_unsuffixed(size);
-                quote!([f64; #size])
-            }
-            Row::Vector(size) => {
-                let size = Literal::usize_unsuffixed(size);
-                {
-                    let runtime = self.runtime();
-                    quote!(#runtime::nalgebra::SVector<f64, #size>)
-                }
-            }
-        };
+        let (private, self_ty, site) = (self.formulas.private, self.self_ty(), self.site());
         quote! {
             type Configuration = ::std::vec::Vec<#site>;
             type Target = #self_ty;
             type Kind = #private::scene::Scenes;
             type StateLanes = ();
             type IncrementLanes = ();
+        }
+    }
+
+    /// The type of a site.
+    pub(super) fn site(&self) -> TokenStream {
+        match self.derived.scene.row {
+            Row::Number => quote!(f64),
+            Row::Array(size) => {
+                let size = Literal::usize_unsuffixed(size);
+                quote!([f64; #size])
+            }
+            Row::Vector(size) => {
+                let (size, runtime) = (Literal::usize_unsuffixed(size), self.runtime());
+                quote!(#runtime::nalgebra::SVector<f64, #size>)
+            }
         }
     }
 
@@ -191,8 +193,15 @@ impl Context<'_> {
                 }
             }
         });
+        let conserved = self.derived.momenta.iter();
+        let conserved = conserved.map(|momentum| format!("{}_momentum", momentum.name));
         let [action, equations] = self.texts.step(rule);
-        let texts = [&self.texts.system, &self.texts.motion, &action, &equations];
+        let texts = [
+            &self.texts.system(),
+            &self.texts.motion,
+            &action,
+            &equations,
+        ];
         let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
         quote! {
             #private::Plan {
@@ -205,7 +214,7 @@ impl Context<'_> {
                 deterministic_order: #order,
                 strong_order: #private::StrongOrder::#strong,
                 weak_order: #weak_order,
-                conserved: &[],
+                conserved: &[#(#conserved),*],
                 in_lanes: false,
                 degenerate: ::core::option::Option::None,
                 prepare: #none,

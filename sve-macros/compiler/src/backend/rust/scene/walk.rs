@@ -311,7 +311,7 @@ impl<'a> Walk<'a> {
             quote!(*#private::scene::entry(dw, #index, #text)?)
         } else if let Some(Slot { array, component }) = self.scene().slot(symbol) {
             match array {
-                SlotArray::Configuration(_) | SlotArray::Velocity(_) => {
+                SlotArray::Configuration(_) | SlotArray::Velocity(_) | SlotArray::Momentum(_) => {
                     let component = Literal::usize_unsuffixed(*component);
                     let row = self.row(array, code);
                     quote!(#row[#component])

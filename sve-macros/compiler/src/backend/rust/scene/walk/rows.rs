@@ -17,6 +17,7 @@ impl Walk<'_> {
         let (private, text) = (self.formulas.private, self.text_of(array));
         let (rows, site) = match array {
             SlotArray::Velocity(site) => (quote!(v), *site),
+            SlotArray::Momentum(site) => (quote!(p), *site),
             SlotArray::Configuration(site) => (quote!(q), *site),
             _ => return name,
         };
@@ -45,6 +46,7 @@ impl Walk<'_> {
     pub(super) fn row_name(&mut self, array: &SlotArray) -> Ident {
         match array {
             SlotArray::Velocity(site) => format_ident!("velocity_{}", self.number_of(*site)),
+            SlotArray::Momentum(site) => format_ident!("momentum_{}", self.number_of(*site)),
             SlotArray::Configuration(site) => format_ident!("row_{}", self.number_of(*site)),
             _ => format_ident!("none"),
         }
