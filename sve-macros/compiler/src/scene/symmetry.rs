@@ -19,6 +19,7 @@ use crate::model::scene::{
 };
 
 /// A momentum that a symmetry conserves.
+#[derive(Clone)]
 pub(crate) struct SceneMomentum {
     /// Source name of the symmetry.
     pub(crate) name: String,
