@@ -127,9 +127,9 @@ impl Cluster {
 
 #[test]
 fn a_cluster_with_lists_keeps_momentum_and_angular_momentum() {
-    let grid = (0..27).map(|i| [i % 3, i / 3 % 3, i / 9].map(|x| 1.12 * f64::from(x)));
+    let grid = (0..64).map(|i| [i % 4, i / 4 % 4, i / 16].map(|x| 1.12 * f64::from(x)));
     let q: Vec<Vector3<f64>> = grid.map(Vector3::from).collect();
-    let p: Vec<Vector3<f64>> = vectors::<27>(5).map(|p| 0.8 * p).to_vec();
+    let p: Vec<Vector3<f64>> = vectors::<64>(5).map(|p| 0.8 * p).to_vec();
     let mut near = Neighbours::open(2.5, 0.4).expect("a cut-off");
     near.rebuild(&q).expect("lists");
     let mut cluster = Integrator::new(Cluster { near, cut2: 6.25 }, StormerVerlet);
