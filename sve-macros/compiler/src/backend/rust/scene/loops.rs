@@ -7,9 +7,10 @@ use syn::Type;
 use super::super::function::Formulas;
 use super::super::{attributes, ident, verbatim};
 use super::nodes::{contribution, node};
+use super::tables::tables;
 use super::walk::{Action, Leaf, Walk};
 use crate::model::scene::{Head, SumId};
-use crate::scene::{Coefficient, Derived, Pair, Root, Summand};
+use crate::scene::{Coefficient, Derived, Root, Summand};
 
 /// `is_implicit` is true if a rule of the block joins all sites.
 pub(super) fn scene(
@@ -81,100 +82,6 @@ pub(super) fn contributions(
             #contribution
             #nest
         }
-    }
-}
-
-/// The constants.
-fn tables(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
-    let private = formulas.private;
-    let roots = derived.roots.iter().map(|root| {
-        let (text, is_stream) = (verbatim(&text(root, derived)), root.is_stream);
-        quote!(#private::scene::Loop { text: #text, is_stream: #is_stream })
-    });
-    let terms = derived.terms.iter().map(|term| {
-        let (in_loop, columns) = (term.root, term.columns.len());
-        let function = &derived.roots[term.root].function;
-        let sites = term.sites.iter().map(|&site| {
-            let index = derived.scene.integers.text(site);
-            verbatim(&format!("`q[{index}]` in `{function}`"))
-        });
-        let has_increment = term.increment.is_some();
-        quote! {
-            #private::scene::Term {
-                in_loop: #in_loop,
-                slots: &[#(#sites),*],
-                columns: #columns,
-                has_increment: #has_increment,
-            }
-        }
-    });
-    let pairs = derived.pairs.iter().map(|(pair, _)| {
-        let Pair {
-            term,
-            site,
-            rows,
-            columns,
-            reads_increment,
-            ..
-        } = pair;
-        quote! {
-            #private::scene::Pair {
-                term: #term,
-                slot: #site,
-                rows: &[#(#rows),*],
-                columns: &[#(#columns),*],
-                reads_increment: #reads_increment,
-            }
-        }
-    });
-    let impulses = derived
-        .terms
-        .iter()
-        .flat_map(|term| term.impulses.iter().flatten().copied());
-    let totals = derived.totals.iter().flat_map(|total| &total.summands);
-    let totals = totals.map(|summand| summand.value);
-    let mut numbers = impulses.chain(totals).chain(derived.scene.side_numbers());
-    let reads_time = numbers.any(|e| formulas.arena.contains(e, derived.scene.time));
-    let common = derived.common;
-    // a force has a value and no potential
-    let pushes = (derived.scene.forces.iter()).flat_map(|force| force.components.iter().flatten());
-    let pushes: Vec<SumId> = pushes.copied().collect();
-    let is_push = |sum| {
-        derived
-            .scene
-            .around(sum)
-            .any(|around| pushes.contains(&around))
-    };
-    let is_symmetric = !derived.terms.iter().any(|term| is_push(term.sum));
-    let is_symmetric = (!is_symmetric).then(|| {
-        quote!(
-            const IS_SYMMETRIC: bool = false;
-        )
-    });
-    quote! {
-        #is_symmetric
-        const LOOPS: &'static [#private::scene::Loop] = &[#(#roots),*];
-        const TERMS: &'static [#private::scene::Term] = &[#(#terms),*];
-        const PAIRS: &'static [#private::scene::Pair] = &[#(#pairs),*];
-        const NODE_PAIRS: usize = #common;
-        const READS_TIME: bool = #reads_time;
-    }
-}
-
-/// The place of a root, for messages.
-fn text(root: &Root, derived: &Derived) -> String {
-    let (function, integers) = (&root.function, &derived.scene.integers);
-    let head = root.sum.map(|sum| &derived.scene.sums[sum.0].head);
-    match head {
-        Some(&Head::For { counter, from, to }) => {
-            let (counter, from, to) = (
-                integers.name(counter),
-                integers.text(from),
-                integers.text(to),
-            );
-            format!("the loop `for {counter} in {from}..{to}` in `{function}`")
-        }
-        _ => format!("`{function}`"),
     }
 }
 

@@ -5,6 +5,7 @@ mod momenta;
 mod nodes;
 mod placeholders;
 mod system;
+mod tables;
 mod walk;
 
 use proc_macro2::TokenStream;
