@@ -131,7 +131,7 @@ pub(crate) mod planar {
 pub(crate) mod rotors {
     use sve_runtime::prelude::*;
     both! {
-        struct { j: f64, weight: Vec<f64> }
+        explicit struct { j: f64, weight: Vec<f64> }
         [f64] 6
         |self, q, v| {
             let n = q.len() as f64;
@@ -182,7 +182,7 @@ pub(crate) mod charges {
 pub(crate) mod centred {
     use sve_runtime::prelude::*;
     both! {
-        struct { k: f64 }
+        explicit struct { k: f64 }
         [[f64; 2]] 4
         |self, q, v| {
             let n = q.len() as f64;

@@ -40,8 +40,12 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     {
         let rules = rules.iter().map(|rule| super::rule_type(*rule, &runtime));
         let rules: Vec<TokenStream> = rules.collect();
-        let of = (&**self_ty, site(entry));
-        return super::scene::placeholders([&private, &runtime], of, &rules, &plan(&private));
+        let site = site(entry);
+        let result = quote!(::core::result::Result<f64, #private::StepError>);
+        let momenta = momenta(block, &private, [&quote!(::std::vec::Vec<#site>), &result]);
+        let (of, plan) = ((&**self_ty, site), plan(&private));
+        let scene = super::scene::placeholders([&private, &runtime], of, &rules, &plan);
+        return quote!(#scene #momenta);
     }
     let with_rotations = configuration_with_rotations(block, &private).filter(|_| !is_generic);
     let n = match &with_rotations {
@@ -55,14 +59,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let configuration = written.as_ref().map(|ty| quote!(, #ty));
     let plan = plan(&private);
     let whole = written.unwrap_or_else(|| quote!([f64; #n]));
-    let of_scene = coordinates_type(block).and_then(entry_of_slice);
-    let momenta = match of_scene {
-        Some(site) => {
-            let result = quote!(::core::result::Result<f64, #private::StepError>);
-            momenta(block, &private, [&quote!(::std::vec::Vec<#site>), &result])
-        }
-        None => momenta(block, &private, [&whole, &quote!(f64)]),
-    };
+    let momenta = momenta(block, &private, [&whole, &quote!(f64)]);
     let rules = rules.iter().map(|rule| {
         let rule = super::rule_type(*rule, &runtime);
         let (none, nothing) = (Literal::usize_unsuffixed(0), quote!(()));
