@@ -40,9 +40,9 @@ pub(super) fn stiff(t: f64, h: f64, what: &str, [lower, upper]: [f64; 2]) -> Str
              so another solution of its equations cannot be excluded: take a smaller h, or an explicit rule such as `StormerVerlet`"
         );
     }
-    // the bounds grow with h² without noise, and more slowly with it
+    // the bounds grow at least with h: those of potentials with h², those of friction with h
     let size = (-lower / 0.5).max(upper / 60.0);
-    let smaller = h / size.max(1.0).sqrt();
+    let smaller = h.abs() / size.max(1.0);
     let reason = if lower <= -1.0 {
         "below -1 its equations may have other solutions than the one of short steps"
     } else {
@@ -50,7 +50,7 @@ pub(super) fn stiff(t: f64, h: f64, what: &str, [lower, upper]: [f64; 2]) -> Str
     };
     format!(
         "{step} is too long near {what}: h²/4 M⁻¹ ∂²V/∂q², with noise and friction, lies between {lower:.4} and {upper:.4}, and {reason}; \
-         take h below about {smaller:.1e}, or an explicit rule such as `StormerVerlet`"
+         take |h| below about {smaller:.1e}, or an explicit rule such as `StormerVerlet`"
     )
 }
 

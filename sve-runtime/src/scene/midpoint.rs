@@ -7,9 +7,9 @@
 //! ```
 //!
 //! Bounds of the derivatives of I over boxes around the motion give the spectrum of the equations.
-//! If it is positive, the root in the boxes is unique, and it is the one that is connected with
-//! h → 0; the weights of the iteration come from the same bounds. The state is written after all
-//! tests.
+//! If it is positive, the root in the boxes is unique; the weights of the iteration come from the
+//! same bounds. If the solution is outside of its boxes, boxes around it are tried. The state is
+//! written after all tests.
 
 use core::marker::PhantomData;
 use core::mem::swap;
@@ -34,10 +34,17 @@ const MOST: f64 = 200.0;
 const PART: f64 = 1.0 / 16.0;
 
 /// Updates without a smaller one after which the updates are rounding errors.
-const STALLED: u32 = 3;
+const STALLED: f64 = 3.0;
 
-/// Largest update, relative to the largest displacement, that can be a rounding error.
-const ROUNDING: f64 = 1e-8;
+/// Largest update, relative to the largest place or displacement, that can be a rounding error.
+const ROUNDING: f64 = 1e3 * f64::EPSILON;
+
+/// Smallest ratio of successive updates that is relied on. With a smaller one a jump of the impulse
+/// would not be noticed, since one update would seem to be enough.
+const RATIO: f64 = 1e-3;
+
+/// Boxes that are tried, each around the solution for the boxes before it.
+const ROUNDS: u32 = 8;
 
 /// The arrays of a solution, of the components of rows.
 #[derive(Clone, Debug, Default)]
@@ -48,6 +55,7 @@ pub(super) struct Work {
     update: Vec<f64>,
     /// The boxes of the nodes; during the iteration, the nodes before and after an update.
     boxes: Vec<f64>,
+    /// The bounds; after their test, the displacements around which the boxes are.
     bounds: Vec<f64>,
     /// The factors of the displacements, with their step size.
     factors: Option<(f64, Factors)>,
@@ -64,6 +72,17 @@ impl Work {
         let buffers = self.of_bounds.as_ref().map_or(0, Buffers::len);
         let arrays = [&self.d, &self.update, &self.boxes, &self.bounds];
         arrays.iter().map(|array| array.len()).sum::<usize>() + factors + buffers
+    }
+
+    /// Returns whether the boxes of the bounds, around displacements whose largest one is `size`,
+    /// contain the solution.
+    fn boxes_contain_solution(&self, size: f64) -> bool {
+        let d = &*self.d;
+        dispatch(BoxesContain {
+            d,
+            of: &self.bounds[..d.len()],
+            largest: size,
+        })
     }
 
     fn fit(&mut self, numbers: usize) {
@@ -104,36 +123,48 @@ where
 {
     step.work.fit(S::Row::numbers(step.q).len());
     let factors = step.factors()?;
-    let guess = Guess {
+    let guess = factors.pass(Guess {
         d: &mut step.work.d,
         p: S::Row::numbers(step.p),
-    };
-    let size = factors.pass(guess);
-    let spectrum = step.spectrum(scene, &factors, size)?;
+    });
     let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
-    let iteration = Chebyshev::new(spectrum, is_symmetric);
-    step.iterate(scene, &factors, size, iteration)?;
-    step.end(scene)?;
-    let guess = BoxesContain {
-        d: &step.work.d,
-        p: S::Row::numbers(step.p),
-        largest: size,
-    };
-    if !factors.pass(guess) {
-        let size = largest(&step.work.d);
-        step.spectrum(scene, &factors, size)?;
+    let (mut size, mut sweeps, mut change) = (guess, 0, 0.0);
+    // an iteration that leaves its boxes need not contract
+    for _ in 0..ROUNDS {
+        let spectrum = step.spectrum(scene, &factors, size)?;
+        let iteration = Chebyshev::new(spectrum, is_symmetric);
+        let iterated = step.iterate(scene, &factors, guess, iteration)?;
+        sweeps += iterated.sweeps;
+        change = iterated.change;
+        if step.work.boxes_contain_solution(size) {
+            if !iterated.is_solved {
+                break;
+            }
+            step.end(scene)?;
+            dispatch(Add(S::Row::numbers_mut(step.q), &step.work.d));
+            S::Row::numbers_mut(step.p).copy_from_slice(&step.work.update);
+            step.work.factors = Some((step.kick.h, factors));
+            return Ok(());
+        }
+        size = largest(&step.work.d);
     }
-    dispatch(Add(S::Row::numbers_mut(step.q), &step.work.d));
-    S::Row::numbers_mut(step.p).copy_from_slice(&step.work.update);
-    step.work.factors = Some((step.kick.h, factors));
-    Ok(())
+    Err(step.not_contracting(sweeps, change))
+}
+
+/// The result of an iteration.
+struct Iterated {
+    /// False if the updates stopped to become smaller, and are no rounding errors.
+    is_solved: bool,
+    sweeps: u32,
+    /// The last update, relative to the largest displacement.
+    change: f64,
 }
 
 /// Returns whether the error of the displacements after the update `change` is below rounding
 /// errors. The other numbers are the largest displacement, the largest one with the momenta of the
 /// start, and the largest place.
 fn is_solved(change: f64, [size, guess, farthest]: [f64; 3], iteration: &Chebyshev) -> bool {
-    let ratio = iteration.contraction();
+    let ratio = iteration.contraction().max(RATIO);
     let error = change * ratio / (1.0 - ratio);
     // a displacement is a difference of f p₀ and f I/2; its error changes the impulse by the slope
     let of_impulse = (size + guess) / (2.0 * iteration.slope());
@@ -208,6 +239,8 @@ impl<R: Row> MidpointStep<'_, R> {
         let spectrum = [1.0 + lower, 1.0 + upper];
         let is_positive = spectrum[0] > 0.0 && upper.is_finite();
         if is_positive && Chebyshev::new(spectrum, true).updates(f64::EPSILON) <= MOST {
+            let Work { d, bounds, .. } = &mut *self.work;
+            bounds[..d.len()].copy_from_slice(d);
             return Ok(spectrum);
         }
         let at = worst::<R>(&self.work.bounds, factors);
@@ -217,14 +250,14 @@ impl<R: Row> MidpointStep<'_, R> {
     /// Solves the equations, so that `work` has the displacements.
     ///
     /// # Errors
-    /// The updates stop to become smaller, and are no rounding errors.
+    /// An index that is out of range.
     fn iterate<S>(
         &mut self,
         scene: &S,
         factors: &Factors,
         guess: f64,
         mut iteration: Chebyshev,
-    ) -> Result<(), StepError>
+    ) -> Result<Iterated, StepError>
     where
         S: Scene<Row = R>,
     {
@@ -233,11 +266,13 @@ impl<R: Row> MidpointStep<'_, R> {
         let Work {
             d, update, boxes, ..
         } = &mut *self.work;
+        // a step that failed may have left numbers that are not finite
+        update.fill(0.0);
         let (mut fresh, mut nodes) = boxes.split_at_mut(q.len());
         dispatch(WriteNodes(fresh, q, d));
         // of sites without any term, which are not updated
         nodes.copy_from_slice(fresh);
-        let (mut smallest, mut stalled, mut sweeps) = (f64::INFINITY, 0, 0);
+        let (mut smallest, mut stalled, mut sweeps) = (f64::INFINITY, 0u32, 0u32);
         loop {
             swap(&mut fresh, &mut nodes);
             let swept = factors.pass(Relax {
@@ -257,23 +292,30 @@ impl<R: Row> MidpointStep<'_, R> {
             });
             let [change, size] = swept.map_err(|error| index_error(error, self.start))?;
             sweeps += 1;
+            let end = |is_solved| Iterated {
+                is_solved,
+                sweeps,
+                change: change / size,
+            };
             if is_solved(change, [size, guess, farthest], &iteration) {
-                return Ok(());
+                return Ok(end(true));
+            }
+            if f64::from(sweeps) > 2.0 * MOST {
+                return Ok(end(false));
             }
             if change < smallest {
                 (smallest, stalled) = (change, 0);
             } else {
                 stalled += 1;
             }
-            if stalled == STALLED {
-                if iteration.make_plain() {
-                    (smallest, stalled) = (f64::INFINITY, 0);
-                } else if change <= ROUNDING * size {
-                    return Ok(());
-                } else {
-                    return Err(self.not_contracting(sweeps, change / size));
-                }
+            // the updates of Chebyshev's iteration become smaller on average
+            if f64::from(stalled) < STALLED.max(iteration.updates(0.1)) {
+                continue;
             }
+            if !iteration.make_plain() {
+                return Ok(end(change <= ROUNDING * farthest.max(size)));
+            }
+            (smallest, stalled) = (f64::INFINITY, 0);
         }
     }
 
@@ -325,6 +367,12 @@ impl<R: Row> MidpointStep<'_, R> {
 
     #[cold]
     fn not_contracting(&self, sweeps: u32, change: f64) -> StepError {
+        let q = R::numbers(self.q);
+        let mut sums = q.iter().zip(&self.work.d).map(|(q, d)| q + d);
+        if sums.any(|sum| !sum.is_finite()) {
+            let sums = q.iter().zip(&self.work.d).map(|(q, d)| q + d);
+            return self.not_finite("q", sums);
+        }
         self.input_error().unwrap_or(StepError::NotContracting {
             t: self.start,
             h: self.kick.h,

@@ -49,32 +49,24 @@ impl<R: Row> Kernel for Boxes<'_, R> {
     }
 }
 
-/// The test whether the boxes around guessed displacements, those with the momenta of the start,
-/// contain the solution.
+/// The test whether the boxes around displacements contain other displacements.
 pub(super) struct BoxesContain<'a> {
     pub(super) d: &'a [f64],
-    pub(super) p: &'a [f64],
-    /// The largest guess.
+    /// The displacements around which the boxes are, and the largest one.
+    pub(super) of: &'a [f64],
     pub(super) largest: f64,
 }
 
-impl Pass for BoxesContain<'_> {
+impl Kernel for BoxesContain<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn components(&self) -> usize {
-        self.d.len()
-    }
-
-    #[inline(always)]
-    fn run(self, factor: impl Fn(usize) -> f64) -> bool {
-        let p = &self.p[..self.d.len()];
+    fn run(self) -> bool {
         let mut is_contained = true;
-        for (at, d) in self.d.iter().enumerate() {
-            let guess = factor(at) * p[at];
+        for (d, of) in self.d.iter().zip(self.of) {
             // distance of the node at the solution from the middle of its box
-            let distance = (0.5 * d - 0.25 * guess).abs();
-            is_contained &= distance <= half_width(guess, self.largest);
+            let distance = (0.5 * d - 0.25 * of).abs();
+            is_contained &= distance <= half_width(*of, self.largest);
         }
         is_contained
     }

@@ -176,7 +176,7 @@ fn bounds_of_linear_scenes_are_their_spectrum() {
         "{bounds:?}"
     );
     let text = error.to_string();
-    let advised = text.split("take h below about ").nth(1).expect("advice");
+    let advised = text.split("take |h| below about ").nth(1).expect("advice");
     let advised: f64 = advised
         .split(',')
         .next()
@@ -363,6 +363,7 @@ fn failed_steps_leave_the_state() {
     let mut path = integrator.trajectory(start.clone(), 1.0, NoNoise);
     let error = path.advance(2000).map(|_| ()).expect_err("an overflow");
     let (made, reached) = (path.step(), path.state().clone());
+    assert!(made > 600, "{made}");
     let mut state = start;
     for _ in 0..made {
         integrator.step(&mut state, 1.0, &[]).expect("a step");
@@ -384,4 +385,115 @@ fn failed_steps_leave_the_state() {
             .step(&mut state, 0.1, &[])
             .expect("a step");
     }
+}
+
+/// Sites of unit mass that fall on an elastic floor.
+struct Floor {
+    gravity: f64,
+    stiffness: f64,
+}
+
+#[variational(midpoint)]
+impl Floor {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * v[i] * v[i] - self.gravity * q[i];
+            if q[i] < 0.0 {
+                l -= 0.5 * self.stiffness * q[i] * q[i];
+            }
+        }
+        l
+    }
+}
+
+/// Sites of unit mass that are drawn to 0 by a constant force, which jumps there.
+struct Kink;
+
+#[variational(midpoint)]
+impl Kink {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * v[i] * v[i];
+            if q[i] > 0.0 {
+                l -= q[i];
+            } else {
+                l += q[i];
+            }
+        }
+        l
+    }
+}
+
+/// The first boxes are points, or do not reach the floor: the solution is found all the same, or
+/// there is none.
+#[test]
+fn solutions_far_from_the_first_boxes_are_found() {
+    let mut state = State::new(vec![1.0], vec![0.0]);
+    let integrator = Integrator::new(pendula(1, 0.0, 1.0), Midpoint);
+    integrator.step(&mut state, 0.5, &[]).expect("a step");
+    let mut d = 0.0;
+    for _ in 0..100 {
+        d = -0.125 * f64::sin(1.0 + 0.5 * d);
+    }
+    assert!((state.q[0] - 1.0 - d).abs() < 2e-16, "{} {d}", state.q[0]);
+    assert!((state.p[0] - 4.0 * d).abs() < 1e-15, "{} {d}", state.p[0]);
+
+    let floor = Floor {
+        gravity: 10.0,
+        stiffness: 4.0,
+    };
+    let mut state = State::new(vec![1.0; 3], vec![0.0; 3]);
+    Integrator::new(floor, Midpoint)
+        .step(&mut state, 1.0, &[])
+        .expect("a step");
+    for (q, p) in state.q.iter().zip(&state.p) {
+        assert!(
+            (q + 2.5).abs() < 1e-14 && (p + 7.0).abs() < 1e-14,
+            "{q} {p}"
+        );
+    }
+
+    let start = State::new(vec![0.1], vec![0.0]);
+    let mut state = start.clone();
+    let error = Integrator::new(Kink, Midpoint).step(&mut state, 1.0, &[]);
+    assert!(
+        matches!(error, Err(StepError::NotContracting { .. })),
+        "{error:?}"
+    );
+    assert_eq!(state, start);
+}
+
+/// A step that failed leaves nothing behind for later steps.
+#[test]
+fn steps_after_a_failed_one_are_those_without_it() {
+    struct Pushed;
+    #[variational(midpoint)]
+    impl Pushed {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            (0..q.len())
+                .map(|i| 0.5 * v[i] * v[i] - 0.25 * q[i].powi(4))
+                .sum()
+        }
+        #[gamma]
+        fn push(&self, q: &[f64]) -> f64 {
+            q.iter().sum()
+        }
+    }
+    let start = State::new(spread(40, 1), spread(40, 2));
+    let integrator = Integrator::new(Pushed, Midpoint);
+    let mut state = start.clone();
+    for dw in [f64::INFINITY, f64::NAN, 1e308] {
+        integrator
+            .step(&mut state, 0.1, &[dw])
+            .expect_err("an error");
+        assert_eq!(state, start);
+    }
+    integrator.step(&mut state, 0.1, &[0.2]).expect("a step");
+    let mut expected = start;
+    Integrator::new(Pushed, Midpoint)
+        .step(&mut expected, 0.1, &[0.2])
+        .expect("a step");
+    assert_eq!(state, expected);
 }
