@@ -67,7 +67,7 @@ fn the_largest_step_is_solved_by_both() {
         assert_eq!(ring.plan().unknowns(), 160);
         let start = State::new(core::array::from_fn(|i| 0.05 * i as f64), [0.1; 20]);
         assert!(is_fixed_point(&ring, start, 0.1));
-        assert!(!is_fixed_point(&ring, start, 1.5));
+        assert!(!is_fixed_point(&ring, start, 2.5));
     });
     thread.unwrap().join().unwrap();
 }
