@@ -186,7 +186,7 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// Makes a step of the midpoint rule; called for scenes that list the rule.
     ///
     /// # Errors
-    /// See [`midpoint`].
+    /// Those of the function `midpoint` of this module.
     fn midpoint(&self, step: MidpointStep<'_, Self::Row>) -> Result<(), StepError> {
         let _ = step;
         unreachable!("the rules of this scene are shears")
