@@ -10,7 +10,7 @@ use crate::error::StepError;
 use crate::phase::configuration::Site;
 use crate::phase::state::State;
 use crate::rule::{Rule, StepShear, Walker, shears};
-use crate::scene::{Layout, Phase, Prepared, Scene};
+use crate::scene::{Layout, Phase, Prepared, Scene, check_length};
 use crate::system::{AnySystem, Kind};
 use crate::time::is_next_time;
 
@@ -189,24 +189,6 @@ fn sites<Q: Site>(state: &State<Vec<Q>>) -> Result<usize, StepError> {
     let n = state.q.len();
     check_length("p", state.p.len(), n, state.t)?;
     Ok(n)
-}
-
-fn check_length(
-    what: &'static str,
-    found: usize,
-    expected: usize,
-    t: f64,
-) -> Result<(), StepError> {
-    if found == expected {
-        return Ok(());
-    }
-    let what = what.into();
-    Err(StepError::Length {
-        t,
-        what,
-        found,
-        expected,
-    })
 }
 
 impl<S, R, T, Q> Integrator<S, R>

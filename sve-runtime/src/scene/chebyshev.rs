@@ -7,6 +7,14 @@
 //!
 //! Source: Saad, *Iterative Methods for Sparse Linear Systems* (2003), algorithm 12.1.
 
+/// Part of a rounding error that the error of the iteration may have. Rounding errors have random
+/// signs, and this error has none.
+const PART: f64 = 1.0 / 16.0;
+
+/// Smallest ratio of successive updates that is relied on. With a smaller one a jump of the impulse
+/// would not be noticed, since one update would seem to be enough.
+const RATIO: f64 = 1e-3;
+
 /// The weights of the updates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chebyshev {
@@ -30,7 +38,7 @@ impl Chebyshev {
     }
 
     /// Returns the largest ratio of successive errors, after several updates.
-    pub(super) fn contraction(&self) -> f64 {
+    fn contraction(&self) -> f64 {
         let (a, b) = (self.middle - self.half, self.middle + self.half);
         if self.is_plain {
             self.half / self.middle
@@ -40,7 +48,7 @@ impl Chebyshev {
     }
 
     /// Returns a bound of the eigenvalues of the Jacobian without its unit matrix.
-    pub(super) fn slope(&self) -> f64 {
+    fn slope(&self) -> f64 {
         let distance = |end: f64| (end - 1.0).abs();
         distance(self.middle - self.half).max(distance(self.middle + self.half))
     }
@@ -48,6 +56,18 @@ impl Chebyshev {
     /// Returns the number of updates that reduce an error to `part` of it.
     pub(super) fn updates(&self, part: f64) -> f64 {
         (part.ln() / self.contraction().ln()).max(1.0)
+    }
+
+    /// Returns whether the error of the displacements after the update `change` is below rounding
+    /// errors. The other numbers are the largest displacement, the largest one with the momenta of
+    /// the start, and the largest place.
+    pub(super) fn is_solved(&self, change: f64, [size, guess, farthest]: [f64; 3]) -> bool {
+        let ratio = self.contraction().max(RATIO);
+        let error = change * ratio / (1.0 - ratio);
+        // a displacement is a difference of f p₀ and f I/2; its error changes the impulse by the slope
+        let of_impulse = (size + guess) / (2.0 * self.slope());
+        error <= PART * f64::EPSILON * farthest.max(size).min(of_impulse)
+            || change <= f64::EPSILON * (size + guess)
     }
 
     /// Continues with the weights of Richardson's iteration. Returns whether the weights were others.

@@ -1,6 +1,6 @@
 //! Masses and friction of all components of all sites.
 
-use super::shear::{index_error, name};
+use super::errors::{index_error, name};
 use super::{IndexError, Row, Scene};
 use crate::error::StepError;
 

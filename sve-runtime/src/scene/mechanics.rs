@@ -1,9 +1,8 @@
 //! Energies and velocities of scenes, for users.
 
 use super::Scene;
+use super::errors::{check_length, index_error};
 use super::masses::InverseMasses;
-use super::momentum::check_length;
-use super::shear::index_error;
 use crate::error::StepError;
 use crate::phase::configuration::Site;
 use crate::phase::state::State;

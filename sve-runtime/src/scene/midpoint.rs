@@ -15,13 +15,14 @@ use core::marker::PhantomData;
 use core::mem::swap;
 
 use super::chebyshev::Chebyshev;
+use super::drift::AreFinite;
+use super::errors::{index_error, input_error, name};
 use super::masses::InverseMasses;
 use super::passes::{Add, Factors, Guess, SumsAreFinite, WriteNodes, add_friction, largest};
 use super::relax::{Relax, Solution};
 use super::segments::Segments;
-use super::shear::{index_error, input_error, name};
 use super::spectrum::{Boxes, BoxesContain, Extremes, worst};
-use super::sweep::{AreFinite, Buffers, Kick, Sweep};
+use super::sweep::{Buffers, Kick, Sweep};
 use super::{Contributions, Impulses, Row, Scene, Slopes};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
@@ -29,19 +30,11 @@ use crate::lanes::dispatch::dispatch;
 /// Sweeps of a step, at most: a stiffer scene needs another method.
 const MOST: f64 = 200.0;
 
-/// Part of a rounding error that the error of the iteration may have. Rounding errors have random
-/// signs, and this error has none.
-const PART: f64 = 1.0 / 16.0;
-
 /// Updates without a smaller one after which the updates are rounding errors.
 const STALLED: f64 = 3.0;
 
 /// Largest update, relative to the largest place or displacement, that can be a rounding error.
 const ROUNDING: f64 = 1e3 * f64::EPSILON;
-
-/// Smallest ratio of successive updates that is relied on. With a smaller one a jump of the impulse
-/// would not be noticed, since one update would seem to be enough.
-const RATIO: f64 = 1e-3;
 
 /// Boxes that are tried, each around the solution for the boxes before it.
 const ROUNDS: u32 = 8;
@@ -131,8 +124,7 @@ where
     let (mut size, mut sweeps, mut change) = (guess, 0, 0.0);
     // an iteration that leaves its boxes need not contract
     for _ in 0..ROUNDS {
-        let spectrum = step.spectrum(scene, &factors, size)?;
-        let iteration = Chebyshev::new(spectrum, is_symmetric);
+        let iteration = step.iteration(scene, &factors, size, is_symmetric)?;
         let iterated = step.iterate(scene, &factors, guess, iteration)?;
         sweeps += iterated.sweeps;
         change = iterated.change;
@@ -160,18 +152,6 @@ struct Iterated {
     change: f64,
 }
 
-/// Returns whether the error of the displacements after the update `change` is below rounding
-/// errors. The other numbers are the largest displacement, the largest one with the momenta of the
-/// start, and the largest place.
-fn is_solved(change: f64, [size, guess, farthest]: [f64; 3], iteration: &Chebyshev) -> bool {
-    let ratio = iteration.contraction().max(RATIO);
-    let error = change * ratio / (1.0 - ratio);
-    // a displacement is a difference of f p₀ and f I/2; its error changes the impulse by the slope
-    let of_impulse = (size + guess) / (2.0 * iteration.slope());
-    error <= PART * f64::EPSILON * farthest.max(size).min(of_impulse)
-        || change <= f64::EPSILON * (size + guess)
-}
-
 impl<R: Row> MidpointStep<'_, R> {
     /// Returns the factors of the displacements: those of the last step, if its length was the same.
     fn factors(&mut self) -> Result<Factors, StepError> {
@@ -185,17 +165,17 @@ impl<R: Row> MidpointStep<'_, R> {
         }
     }
 
-    /// Returns an interval of positive numbers that contains the spectrum of the equations for
-    /// displacements near those in `work`, whose largest one is `size`.
+    /// Returns the iteration for displacements near those in `work`, whose largest one is `size`.
     ///
     /// # Errors
-    /// There is no such interval, or the iteration would take many sweeps.
-    fn spectrum<S>(
+    /// The bounds of the spectrum are not positive, or the iteration would take many sweeps.
+    fn iteration<S>(
         &mut self,
         scene: &S,
         factors: &Factors,
         size: f64,
-    ) -> Result<[f64; 2], StepError>
+        is_symmetric: bool,
+    ) -> Result<Chebyshev, StepError>
     where
         S: Scene<Row = R> + Contributions<Slopes>,
     {
@@ -236,12 +216,13 @@ impl<R: Row> MidpointStep<'_, R> {
         } else {
             factors.pass(extremes)
         };
-        let spectrum = [1.0 + lower, 1.0 + upper];
-        let is_positive = spectrum[0] > 0.0 && upper.is_finite();
-        if is_positive && Chebyshev::new(spectrum, true).updates(f64::EPSILON) <= MOST {
-            let Work { d, bounds, .. } = &mut *self.work;
-            bounds[..d.len()].copy_from_slice(d);
-            return Ok(spectrum);
+        if 1.0 + lower > 0.0 && upper.is_finite() {
+            let iteration = Chebyshev::new([1.0 + lower, 1.0 + upper], is_symmetric);
+            if iteration.updates(f64::EPSILON) <= MOST {
+                let Work { d, bounds, .. } = &mut *self.work;
+                bounds[..d.len()].copy_from_slice(d);
+                return Ok(iteration);
+            }
         }
         let at = worst::<R>(&self.work.bounds, factors);
         Err(self.stiff(at, [lower, upper]))
@@ -297,7 +278,7 @@ impl<R: Row> MidpointStep<'_, R> {
                 sweeps,
                 change: change / size,
             };
-            if is_solved(change, [size, guess, farthest], &iteration) {
+            if iteration.is_solved(change, [size, guess, farthest]) {
                 return Ok(end(true));
             }
             if f64::from(sweeps) > 2.0 * MOST {
@@ -367,11 +348,14 @@ impl<R: Row> MidpointStep<'_, R> {
 
     #[cold]
     fn not_contracting(&self, sweeps: u32, change: f64) -> StepError {
-        let q = R::numbers(self.q);
-        let mut sums = q.iter().zip(&self.work.d).map(|(q, d)| q + d);
-        if sums.any(|sum| !sum.is_finite()) {
-            let sums = q.iter().zip(&self.work.d).map(|(q, d)| q + d);
-            return self.not_finite("q", sums);
+        let places = || {
+            R::numbers(self.q)
+                .iter()
+                .zip(&self.work.d)
+                .map(|(q, d)| q + d)
+        };
+        if places().any(|place| !place.is_finite()) {
+            return self.not_finite("q", places());
         }
         self.input_error().unwrap_or(StepError::NotContracting {
             t: self.start,

@@ -9,6 +9,7 @@
 //! | `pieces.rs` | consecutive nodes with contributions of the same pairs |
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
+//! | `drift.rs` | the motion of sites with their velocities |
 //! | `shear.rs` | steps that are lists of drifts and kicks, in place |
 //! | `midpoint.rs` | steps of the midpoint rule, whose equations join all sites |
 //! | `relax.rs` | a sweep of the iteration for it |
@@ -18,6 +19,7 @@
 //! | `masses.rs` | masses and friction |
 //! | `mechanics.rs` | energies and velocities, for users |
 //! | `momentum.rs` | momenta of symmetries |
+//! | `errors.rs` | errors of steps, and the checks that find them |
 //! | `layout.rs` | what is known about the loops of a scene of known size |
 //!
 //! The folder knows arrays and no mechanics. A loop of the user is a list of instances, and each
@@ -26,6 +28,8 @@
 //! the user wrote it.
 
 mod chebyshev;
+mod drift;
+mod errors;
 mod indices;
 mod layout;
 mod masses;
@@ -43,6 +47,7 @@ mod streams;
 mod sweep;
 mod written;
 
+pub(crate) use errors::check_length;
 pub use indices::Instances;
 pub use layout::Layout;
 pub use mechanics::SceneMechanics;

@@ -3,7 +3,7 @@
 use core::ops::AddAssign;
 
 use super::IndexError;
-use super::shear::index_error;
+use super::errors::{check_length, index_error};
 use crate::error::StepError;
 use crate::phase::configuration::Site;
 use crate::phase::state::State;
@@ -60,23 +60,4 @@ pub fn momentum<Q: Site>(
     check_length(&format!("the result of `{name}`"), entries, n, t)?;
     let sum = sum(n, t, Q::rows(q), Q::rows(p));
     Ok(sum.map_err(|error| index_error(error, t))?.total())
-}
-
-/// Checks the length of an array.
-pub(super) fn check_length(
-    what: &str,
-    found: usize,
-    expected: usize,
-    t: f64,
-) -> Result<(), StepError> {
-    if found == expected {
-        return Ok(());
-    }
-    let what = what.into();
-    Err(StepError::Length {
-        t,
-        what,
-        found,
-        expected,
-    })
 }

@@ -6,11 +6,9 @@
 use core::ops::Range;
 
 use super::passes::{Pass, keep_larger, largest};
-use super::pieces::Bases;
 use super::segments::{Segments, TILE};
-use super::streams::StreamCounts as _;
-use super::sweep::{Buffers, Kick, Node, copy, streams};
-use super::{Contributions, Impulses, IndexError, Row, Scene};
+use super::sweep::{Buffers, Kick, Visit};
+use super::{Impulses, IndexError, Row, Scene};
 
 /// A sweep, with the updates Δ ← β Δ − α g of the displacements, where g is the residual. Returns
 /// the largest update and the largest displacement.
@@ -54,37 +52,26 @@ impl<S: Scene> Pass for Relax<'_, S> {
             nodes,
             mut solution,
         } = self;
-        let Kick { h, t, dw } = kick;
         let size = S::Row::LENGTH;
-        let of_nests = S::Row::rows_mut(&mut buffers.of_nests);
+        let Buffers {
+            of_piece,
+            of_nests,
+            of_batch,
+            dw,
+        } = buffers;
+        let of_nests = S::Row::rows_mut(of_nests);
+        let of_piece = S::Row::rows_mut(of_piece);
         let has_nests = !segments.nests.is_empty();
-        let of_piece = S::Row::rows_mut(&mut buffers.of_piece);
-        let of_batch = S::Row::rows_mut(&mut buffers.of_batch);
-        let node = Node::<S, Impulses>::new(scene, kick);
+        let mut visit = Visit::<S, Impulses>::new(scene, segments, kick, [of_batch, dw]);
         let mut most = [0.0; 2];
         for (piece, bases) in segments.pieces() {
-            let batch = piece.batch.map(|number| &segments.batches[number as usize]);
-            let streams = if let Some(batch) = batch {
-                copy(batch, nodes, of_batch, dw, &mut buffers.dw);
-                streams(of_batch, 0, segments, bases, &buffers.dw)
-            } else {
-                streams(nodes, piece.nodes().start, segments, bases, dw)
-            };
             let sum = &mut of_piece[..piece.length as usize];
-            let mut first = 0;
-            if piece.is_full {
-                <S as Contributions<Impulses>>::Counts::add::<false, _>(&streams, sum, &node);
-                first = S::NODE_PAIRS;
-            }
-            for pair in others(first, bases, S::PAIRS.len()) {
-                let streams = streams.of(&segments.streams[pair]);
-                scene.contribution(pair, h, t, dw, &streams, sum);
-            }
+            let batch = visit.add(nodes, piece, bases, sum);
             match batch {
                 _ if has_nests => add(of_nests, piece.nodes(), batch.map(|b| &*b.nodes), sum),
                 None => {
-                    let here =
-                        piece.start as usize * size..(piece.start + piece.length) as usize * size;
+                    let nodes = piece.nodes();
+                    let here = nodes.start * size..nodes.end * size;
                     solution.update(here, S::Row::numbers(sum), &factor, &mut most);
                 }
                 Some(batch) => {
@@ -99,6 +86,7 @@ impl<S: Scene> Pass for Relax<'_, S> {
         }
         if has_nests {
             let mut nests = segments.nests.iter();
+            let Kick { h, t, dw } = kick;
             let made = nests.try_for_each(|&nest| scene.nest(nest, h, t, dw, nodes, of_nests));
             if made.is_ok() {
                 solution.update_all(S::Row::numbers(of_nests), &factor, &mut most);
@@ -108,12 +96,6 @@ impl<S: Scene> Pass for Relax<'_, S> {
         }
         Ok(most)
     }
-}
-
-/// Returns the pairs that contribute to a piece, from a pair on.
-#[inline(always)]
-fn others(first: usize, bases: Bases<'_>, pairs: usize) -> impl Iterator<Item = usize> + '_ {
-    (first..pairs).filter(move |&pair| bases.has(pair))
 }
 
 /// Adds impulses to consecutive nodes, or to listed ones.

@@ -7,10 +7,12 @@
 //! repeated from the copy with a test each, so that the step that fails is known, and the state
 //! before it is restored.
 
+use super::drift::{AreFinite, Drift, DriftAlone};
+use super::errors::{check_forces, index_error, not_finite};
 use super::masses::InverseMasses;
 use super::midpoint::{MidpointStep, Work};
 use super::segments::Segments;
-use super::sweep::{AreFinite, Buffers, Drift, DriftAlone, Kick, Sweep};
+use super::sweep::{Buffers, Kick, Sweep};
 use super::{Impulses, IndexError, Layout, Row, Scene};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
@@ -343,81 +345,4 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
         self.drift_alone();
         Ok(self.is_finite)
     }
-}
-
-/// Checks that each force has an entry for each site.
-fn check_forces<S: Scene>(scene: &S, n: usize, t: f64) -> Result<(), StepError> {
-    let mut mistake = None;
-    let visited = scene.forces(n, &mut |name, found| {
-        // the number of rounds of a loop is not negative
-        let found = usize::try_from(found).unwrap_or_default();
-        if found != n && mistake.is_none() {
-            mistake = Some(StepError::Length {
-                t,
-                what: format!("the result of `{name}`").into(),
-                found,
-                expected: n,
-            });
-        }
-    });
-    visited.map_err(|error| index_error(error, t))?;
-    mistake.map_or(Ok(()), Err)
-}
-
-/// Returns the name of a component: `p[5]`, or `p[5][2]` in a row of several.
-pub(super) fn name(array: &str, at: usize, length: usize) -> String {
-    match length {
-        1 => format!("{array}[{at}]"),
-        _ => format!("{array}[{}][{}]", at / length, at % length),
-    }
-}
-
-pub(super) fn index_error(error: IndexError, t: f64) -> StepError {
-    let IndexError {
-        text,
-        index,
-        length,
-    } = error;
-    StepError::Index {
-        t,
-        text: text.into(),
-        index,
-        length,
-    }
-}
-
-/// Returns the error of a step whose result is not finite.
-#[cold]
-fn not_finite<R: Row>(
-    before: &[Vec<f64>; 2],
-    state: &Phase<'_, R>,
-    [t, h]: [f64; 2],
-    dw: &[f64],
-) -> StepError {
-    let [before_q, before_p] = before;
-    if let Some(error) = input_error::<R>([before_q, before_p], dw, t) {
-        return error;
-    }
-    let [q, p] = [&*state.q, &*state.p].map(R::numbers);
-    let result = (find("q", q, R::LENGTH)).or_else(|| find("p", p, R::LENGTH));
-    StepError::NonFiniteCoordinate {
-        t,
-        h,
-        what: result.map_or_else(String::new, |(what, _)| what),
-    }
-}
-
-/// Returns the error of a step whose start or increments are not finite.
-#[cold]
-pub(super) fn input_error<R: Row>([q, p]: [&[f64]; 2], dw: &[f64], t: f64) -> Option<StepError> {
-    let input = (find("q", q, R::LENGTH))
-        .or_else(|| find("p", p, R::LENGTH))
-        .or_else(|| find("dw", dw, 1));
-    input.map(|(what, value)| StepError::NonFiniteInput { what, value, t })
-}
-
-/// Returns the first number that is not finite, with its name.
-fn find(array: &str, numbers: &[f64], length: usize) -> Option<(String, f64)> {
-    let at = numbers.iter().position(|x| !x.is_finite())?;
-    Some((name(array, at, length), numbers[at]))
 }

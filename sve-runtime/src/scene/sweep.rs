@@ -4,26 +4,13 @@
 //! the momenta of a tile are still in the first cache when its impulses are added.
 
 use core::marker::PhantomData;
-use core::ops::Range;
 
-use super::masses::InverseMasses;
-use super::pieces::{Bases, Batch};
+use super::drift::{Drift, are_finite, drift};
+use super::pieces::{Bases, Batch, Piece};
 use super::segments::{BATCH, Segments, TILE};
 use super::streams::Impulse;
 use super::{Contributions, IndexError, Reads, Row, Scene, StreamCounts, Streams};
 use crate::lanes::dispatch::Kernel;
-
-/// A motion of all sites with their velocities.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Drift<'a> {
-    pub(super) masses: &'a InverseMasses,
-    /// The friction of each component divided by its mass; empty without friction.
-    pub(super) rates: &'a [f64],
-    /// The time of the motion.
-    pub(super) h: f64,
-    /// The times over which friction acts before it and after it.
-    pub(super) friction: [f64; 2],
-}
 
 /// The impulse over the time `h` at the time `t`.
 #[derive(Clone, Copy, Debug)]
@@ -104,10 +91,9 @@ where
         } = self;
         let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
         let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
-        let of_batch = NumbersOf::<S, W>::rows_mut(of_batch);
+        let mut visit = Visit::<S, W>::new(scene, segments, kick, [of_batch, of_increments]);
         let Kick { h, t, dw } = kick;
         let n = q.len();
-        let node = Node::<S, W>::new(scene, kick);
         let mut is_finite = true;
         let mut moved = 0;
         let has_nests = !segments.nests.is_empty();
@@ -122,11 +108,12 @@ where
             let nodes = piece.nodes();
             if !piece.has_others && piece.batch.is_none() {
                 let streams = streams(q, nodes.start, segments, bases, dw);
+                let node = &visit.node;
                 if has_nests {
                     let to = &mut of_nests[nodes.clone()];
-                    CountsOf::<S, W>::add::<false, _>(&streams, to, &node);
+                    CountsOf::<S, W>::add::<false, _>(&streams, to, node);
                 } else {
-                    CountsOf::<S, W>::add::<TWICE, _>(&streams, &mut p[nodes.clone()], &node);
+                    CountsOf::<S, W>::add::<TWICE, _>(&streams, &mut p[nodes.clone()], node);
                 }
                 if is_tested && !has_nests {
                     is_finite &= are_finite(NumbersOf::<S, W>::numbers(&p[nodes]));
@@ -134,23 +121,8 @@ where
                 continue;
             }
             // The impulse of a node is added as one number: two kicks in one have the bits of two.
-            let batch = piece.batch.map(|number| &segments.batches[number as usize]);
-            let streams = if let Some(batch) = batch {
-                copy(batch, q, of_batch, dw, of_increments);
-                streams(of_batch, 0, segments, bases, of_increments)
-            } else {
-                streams(q, nodes.start, segments, bases, dw)
-            };
             let sum = &mut of_piece[..nodes.len()];
-            let mut first = 0;
-            if piece.is_full {
-                CountsOf::<S, W>::add::<false, _>(&streams, sum, &node);
-                first = S::NODE_PAIRS;
-            }
-            for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
-                let streams = streams.of(&segments.streams[pair]);
-                Contributions::<W>::contribution(scene, pair, h, t, dw, &streams, sum);
-            }
+            let batch = visit.add(q, piece, bases, sum);
             let to = if has_nests { &mut *of_nests } else { &mut *p };
             let is_twice = TWICE && !has_nests;
             if let Some(batch) = batch {
@@ -184,18 +156,70 @@ where
     }
 }
 
+/// A visit of pieces, with what their contributions need.
+pub(super) struct Visit<'a, S: Contributions<W>, W> {
+    node: Node<'a, S, W>,
+    segments: &'a Segments,
+    /// The copied nodes of a batch with what they read, and the increments that they read.
+    of_batch: &'a mut [S::Numbers],
+    of_increments: &'a mut [f64],
+}
+
+impl<'a, S: Scene + Contributions<W>, W> Visit<'a, S, W> {
+    /// Begins a visit. The arrays are `of_batch` and `dw` of [`Buffers`].
+    #[inline(always)]
+    pub(super) fn new(
+        scene: &'a S,
+        segments: &'a Segments,
+        kick: Kick<'a>,
+        [of_batch, of_increments]: [&'a mut [f64]; 2],
+    ) -> Self {
+        let what = PhantomData;
+        Self {
+            node: Node { scene, kick, what },
+            segments,
+            of_batch: NumbersOf::<S, W>::rows_mut(of_batch),
+            of_increments,
+        }
+    }
+
+    /// Adds the contributions to the nodes of a piece to `sum`. Returns the batch of a piece of
+    /// copied nodes.
+    #[inline(always)]
+    pub(super) fn add(
+        &mut self,
+        q: &[NumbersOf<S, W>],
+        piece: &Piece,
+        bases: Bases<'_>,
+        sum: &mut [NumbersOf<S, W>],
+    ) -> Option<&'a Batch> {
+        let (segments, Kick { h, t, dw }) = (self.segments, self.node.kick);
+        let batch = piece.batch.map(|number| &segments.batches[number as usize]);
+        let streams = if let Some(batch) = batch {
+            copy(batch, q, self.of_batch, dw, self.of_increments);
+            streams(self.of_batch, 0, segments, bases, self.of_increments)
+        } else {
+            streams(q, piece.nodes().start, segments, bases, dw)
+        };
+        let mut first = 0;
+        if piece.is_full {
+            CountsOf::<S, W>::add::<false, _>(&streams, sum, &self.node);
+            first = S::NODE_PAIRS;
+        }
+        for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
+            let streams = streams.of(&segments.streams[pair]);
+            let scene = self.node.scene;
+            Contributions::<W>::contribution(scene, pair, h, t, dw, &streams, sum);
+        }
+        batch
+    }
+}
+
 /// The impulse of a node to which the first pairs contribute.
-pub(super) struct Node<'a, S, W> {
+struct Node<'a, S, W> {
     scene: &'a S,
     kick: Kick<'a>,
     what: PhantomData<W>,
-}
-
-impl<'a, S, W> Node<'a, S, W> {
-    pub(super) fn new(scene: &'a S, kick: Kick<'a>) -> Self {
-        let what = PhantomData;
-        Self { scene, kick, what }
-    }
 }
 
 impl<S: Contributions<W>, W> Impulse<S::Numbers> for Node<'_, S, W> {
@@ -211,13 +235,7 @@ type CountsOf<S, W> = <S as Contributions<W>>::Counts;
 
 /// Copies the nodes of a batch, and what their impulses read, to consecutive places.
 #[inline(always)]
-pub(super) fn copy<R: Row>(
-    batch: &Batch,
-    q: &[R],
-    rows: &mut [R],
-    dw: &[f64],
-    increments: &mut [f64],
-) {
+fn copy<R: Row>(batch: &Batch, q: &[R], rows: &mut [R], dw: &[f64], increments: &mut [f64]) {
     for (to, &node) in rows.iter_mut().zip(&batch.nodes) {
         *to = q[node as usize];
     }
@@ -234,7 +252,7 @@ pub(super) fn copy<R: Row>(
 }
 
 #[inline(always)]
-pub(super) fn streams<'a, R>(
+fn streams<'a, R>(
     q: &'a [R],
     node: usize,
     segments: &'a Segments,
@@ -298,97 +316,4 @@ fn move_all<const TWICE: bool, R: Row>(to: &mut [R], sum: &mut [R]) {
         }
         *sum = 0.0;
     }
-}
-
-/// A drift of all nodes.
-pub(super) struct DriftAlone<'a, R> {
-    pub(super) drift: Drift<'a>,
-    pub(super) q: &'a mut [R],
-    pub(super) p: &'a mut [R],
-    pub(super) is_tested: bool,
-}
-
-impl<R: Row> Kernel for DriftAlone<'_, R> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        let nodes = 0..self.q.len();
-        drift::<R>(self.q, self.p, nodes, &self.drift, self.is_tested)
-    }
-}
-
-/// Moves some nodes with their velocities. Returns whether the results are finite, if they are
-/// tested.
-#[inline(always)]
-fn drift<R: Row>(
-    q: &mut [R],
-    p: &mut [R],
-    nodes: Range<usize>,
-    drift: &Drift<'_>,
-    is_tested: bool,
-) -> bool {
-    let first = nodes.start * R::LENGTH;
-    let (q, p) = (&mut q[nodes.clone()], &mut p[nodes]);
-    let (q, p) = (R::numbers_mut(q), R::numbers_mut(p));
-    let Drift {
-        masses, rates, h, ..
-    } = *drift;
-    if rates.is_empty() {
-        match masses {
-            InverseMasses::Uniform(inverse) => shift(q, p, h * inverse),
-            InverseMasses::Each(inverse) => shift_each(q, p, &inverse[first..], h),
-        }
-        return !is_tested || are_finite(q);
-    }
-    damp(p, &rates[first..], |p, rate| {
-        p / (1.0 + drift.friction[0] * rate)
-    });
-    match masses {
-        InverseMasses::Uniform(inverse) => shift(q, p, h * inverse),
-        InverseMasses::Each(inverse) => shift_each(q, p, &inverse[first..], h),
-    }
-    damp(p, &rates[first..], |p, rate| {
-        p * (1.0 - drift.friction[1] * rate)
-    });
-    !is_tested || (are_finite(q) && are_finite(p))
-}
-
-#[inline(always)]
-fn damp(p: &mut [f64], rates: &[f64], by: impl Fn(f64, f64) -> f64) {
-    for (p, &rate) in p.iter_mut().zip(rates) {
-        *p = by(*p, rate);
-    }
-}
-
-#[inline(always)]
-fn shift(q: &mut [f64], p: &[f64], factor: f64) {
-    for (q, p) in q.iter_mut().zip(p) {
-        *q += factor * p;
-    }
-}
-
-#[inline(always)]
-fn shift_each(q: &mut [f64], p: &[f64], inverse: &[f64], h: f64) {
-    for ((q, p), inverse) in q.iter_mut().zip(p).zip(inverse) {
-        *q += h * inverse * p;
-    }
-}
-
-/// The test whether all numbers are finite.
-pub(super) struct AreFinite<'a>(pub(super) &'a [f64]);
-
-impl Kernel for AreFinite<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        are_finite(self.0)
-    }
-}
-
-#[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
-#[inline(always)]
-fn are_finite(numbers: &[f64]) -> bool {
-    (numbers.iter()).fold(0, |bits, x| bits | (x - x).to_bits()) == 0
 }

@@ -18,6 +18,7 @@
 //! | `symmetric.rs` | systems with symmetries |
 //! | `symmetries.rs` | the momenta of symmetries |
 //! | `conserved.rs` | steps conserve them, and what breaks a symmetry moves its momentum |
+//! | `hard_steps.rs` | midpoint steps that fail, and solutions far from the first guess |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
 
@@ -28,6 +29,7 @@ mod chains;
 mod conserved;
 mod failures;
 mod forces;
+mod hard_steps;
 mod inner;
 mod invariants;
 mod lattices;

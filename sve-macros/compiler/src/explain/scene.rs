@@ -19,6 +19,7 @@ pub(crate) struct SceneTexts {
     sweep: Vec<String>,
     /// The friction of the sites.
     friction: Vec<String>,
+    has_noises: bool,
     has_forces: bool,
 }
 
@@ -74,6 +75,12 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         },
     );
     let has_forces = !derived.scene.forces.is_empty();
+    let has_noises = !derived.scene.noises.is_empty();
+    let noise = if has_noises {
+        " + Σ ∂γ/∂q ∘ dW"
+    } else {
+        ""
+    };
     let force = if has_forces {
         "(∂L/∂q + F)"
     } else {
@@ -88,9 +95,10 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             .collect::<Vec<_>>()
             .join("\n"),
         momenta: momenta.collect(),
-        motion: format!("dq = M⁻¹ p dt\ndp = {force} dt + Σ ∂γ/∂q ∘ dW"),
+        motion: format!("dq = M⁻¹ p dt\ndp = {force} dt{noise}"),
         sweep: sweep(derived, names),
         friction: friction(derived, names),
+        has_noises,
         has_forces,
     }
 }
@@ -130,8 +138,11 @@ impl SceneTexts {
             Nodes::Ends => ("(L(t₀, q₀, v) + L(t₁, q₁, v))/2", Some("½ "), Some("½ ")),
             _ => ("L(t₁, q₁, v)", None, Some("")),
         };
-        let noises = nodes.replace(", v)", ")").replace('L', "γ");
-        let mut action = format!("S_d = h {nodes} + ⟨p, q₁ − q₀ − h v⟩ + Σ {noises} ΔW");
+        let mut action = format!("S_d = h {nodes} + ⟨p, q₁ − q₀ − h v⟩");
+        if self.has_noises {
+            let noises = nodes.replace(", v)", ")").replace('L', "γ");
+            write!(action, " + Σ {noises} ΔW").ok();
+        }
         if self.has_forces {
             let at = |part: Option<&str>, at| part.map(|part| format!("{part}h F({at}, v)·δ{at}"));
             let work: Vec<String> = at(start, "q₀").into_iter().chain(at(end, "q₁")).collect();
@@ -160,8 +171,13 @@ impl SceneTexts {
 
     /// Returns the discrete action and the step of the midpoint rule.
     fn implicit_step(&self) -> [String; 2] {
+        let noises = if self.has_noises {
+            " + Σ γ(t̄, q̄) ΔW"
+        } else {
+            ""
+        };
         let mut action =
-            "S_d = h L(t̄, q̄, v) + ⟨p, q₁ − q₀ − h v⟩ + Σ γ(t̄, q̄) ΔW,  q̄ = (q₀ + q₁)/2".to_owned();
+            format!("S_d = h L(t̄, q̄, v) + ⟨p, q₁ − q₀ − h v⟩{noises},  q̄ = (q₀ + q₁)/2");
         if self.has_forces {
             action.push_str("\nwith the virtual work h F(q̄, v)·δq̄ beside δS");
         }
@@ -191,9 +207,12 @@ impl SceneTexts {
         } else {
             ", F without the friction −N v"
         };
-        step.push(format!(
-            "the impulses are I = h {force} + Σ ∂γ/∂q ΔW{without}:"
-        ));
+        let noises = if self.has_noises {
+            " + Σ ∂γ/∂q ΔW"
+        } else {
+            ""
+        };
+        step.push(format!("the impulses are I = h {force}{noises}{without}:"));
         step.extend(self.sweep.iter().chain(&self.friction).cloned());
     }
 }

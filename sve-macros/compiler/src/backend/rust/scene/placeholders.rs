@@ -6,6 +6,7 @@ use quote::quote;
 use syn::Type;
 
 use super::super::attributes;
+use super::system::implementation;
 
 /// Implementations without bodies, for a configuration of these entries and for some types of rules
 /// with their plan.
@@ -39,6 +40,8 @@ pub(in super::super) fn placeholders(
         type IncrementLanes = ();
     };
     let zero = Literal::usize_unsuffixed(0);
+    let rules = rules.iter();
+    let rules = rules.map(|rule| implementation([private, runtime], self_ty, [rule, plan, &fail]));
     quote! {
         #attributes
         impl #private::AnySystem for #self_ty {
@@ -79,26 +82,6 @@ pub(in super::super) fn placeholders(
             fn lagrangian(&self, _: f64, _: &[#row], _: &[#row]) -> #number { #fail }
             fn processes(&self, _: usize) -> #count { #fail }
         }
-        #(
-            #attributes
-            impl #runtime::Rule<#self_ty> for #rules {
-                type Increments = [f64];
-                type Prepared = ();
-                type Memory = ();
-                const STAGES: usize = 1;
-                const SUBSTEPS: usize = 1;
-                const PLAN: &'static #private::Plan = &#plan;
-                const HAS_INCREMENTS: bool = false;
-                fn prepare(_: &#self_ty, _: f64) {}
-                fn walk<__M: #private::Mode<#self_ty, [f64]>>(
-                    _: #private::Walker<'_, #self_ty, Self>,
-                    _: &(),
-                    _: &mut (),
-                    _: f64,
-                    _: &__M::Increments,
-                    _: &mut __M,
-                ) -> ::core::result::Result<(), __M::Failure> { #fail }
-            }
-        )*
+        #(#rules)*
     }
 }

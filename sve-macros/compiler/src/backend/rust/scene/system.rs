@@ -123,7 +123,7 @@ impl Context<'_> {
 
     /// The implementation of a rule: its shears and its plan.
     pub(super) fn rule(&self, rule: Rule) -> TokenStream {
-        let (private, self_ty, attributes) = (self.formulas.private, self.self_ty(), attributes());
+        let (private, self_ty) = (self.formulas.private, self.self_ty());
         let runtime = self.runtime();
         let ty = rule_type(rule, &runtime);
         let plan = self.plan(rule);
@@ -133,29 +133,8 @@ impl Context<'_> {
             let part = part.map(|part| quote!((#part)));
             quote!(#private::Shear::#kind #part)
         });
-        quote! {
-            #attributes
-            impl #runtime::Rule<#self_ty> for #ty {
-                type Increments = [f64];
-                type Prepared = ();
-                type Memory = ();
-                const STAGES: usize = 1;
-                const SUBSTEPS: usize = 1;
-                const PLAN: &'static #private::Plan = &#plan;
-                const HAS_INCREMENTS: bool = false;
-                fn prepare(_: &#self_ty, _: f64) {}
-                fn walk<__M: #private::Mode<#self_ty, [f64]>>(
-                    _: #private::Walker<'_, #self_ty, Self>,
-                    _: &(),
-                    _: &mut (),
-                    h: f64,
-                    dw: &__M::Increments,
-                    mode: &mut __M,
-                ) -> ::core::result::Result<(), __M::Failure> {
-                    mode.shears(&[#(#shears),*], h, dw)
-                }
-            }
-        }
+        let walk = quote!(mode.shears(&[#(#shears),*], h, dw));
+        implementation([private, &runtime], self_ty, [&ty, &plan, &walk])
     }
 
     fn runtime(&self) -> TokenStream {
@@ -248,4 +227,36 @@ fn shears(rule: Rule) -> Vec<(&'static str, Option<f64>)> {
     let all = before.chain([("Drift", 1.0)]).chain(after);
     let all = all.filter(|shear| shear.1 != 0.0);
     all.map(|(kind, part)| (kind, Some(part))).collect()
+}
+
+/// The implementation of a rule of this type, with its plan and the body of its walk.
+pub(super) fn implementation(
+    [private, runtime]: [&TokenStream; 2],
+    self_ty: &Type,
+    [rule, plan, walk]: [&TokenStream; 3],
+) -> TokenStream {
+    let attributes = attributes();
+    quote! {
+        #attributes
+        impl #runtime::Rule<#self_ty> for #rule {
+            type Increments = [f64];
+            type Prepared = ();
+            type Memory = ();
+            const STAGES: usize = 1;
+            const SUBSTEPS: usize = 1;
+            const PLAN: &'static #private::Plan = &#plan;
+            const HAS_INCREMENTS: bool = false;
+            fn prepare(_: &#self_ty, _: f64) {}
+            fn walk<__M: #private::Mode<#self_ty, [f64]>>(
+                _: #private::Walker<'_, #self_ty, Self>,
+                _: &(),
+                _: &mut (),
+                h: f64,
+                dw: &__M::Increments,
+                mode: &mut __M,
+            ) -> ::core::result::Result<(), __M::Failure> {
+                #walk
+            }
+        }
+    }
 }
