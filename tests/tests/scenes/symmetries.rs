@@ -187,7 +187,7 @@ impl Short {
 
     #[symmetry]
     fn phase(&self, _q: &[f64]) -> Vec<f64> {
-        self.charge.iter().copied().collect()
+        self.charge.to_vec()
     }
 
     #[symmetry]
