@@ -9,6 +9,7 @@
 mod hand;
 mod lists;
 mod measure;
+mod midpoint;
 #[path = "../../tests/scene/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;
@@ -55,6 +56,9 @@ fn main() {
     }
     for n in [34, 334, 3334] {
         all_pairs(n, &is_asked);
+    }
+    for n in [100, 10_000, 1_000_000] {
+        midpoint::chain(n, &is_asked);
     }
 }
 

@@ -59,15 +59,15 @@ impl Chebyshev {
     }
 
     /// Returns whether the error of the displacements after the update `change` is below rounding
-    /// errors. The other numbers are the largest displacement, the largest one with the momenta of
-    /// the start, and the largest place.
-    pub(super) fn is_solved(&self, change: f64, [size, guess, farthest]: [f64; 3]) -> bool {
+    /// errors. `size` is the sum of the largest f p₀ and the largest f I/2, and `farthest` the
+    /// largest place.
+    pub(super) fn is_solved(&self, change: f64, size: f64, farthest: f64) -> bool {
         let ratio = self.contraction().max(RATIO);
         let error = change * ratio / (1.0 - ratio);
-        // a displacement is a difference of f p₀ and f I/2; its error changes the impulse by the slope
-        let of_impulse = (size + guess) / (2.0 * self.slope());
+        // its error changes the impulse by the slope
+        let of_impulse = size / self.slope();
         error <= PART * f64::EPSILON * farthest.max(size).min(of_impulse)
-            || change <= f64::EPSILON * (size + guess)
+            || change <= f64::EPSILON * size
     }
 
     /// Continues with the weights of Richardson's iteration. Returns whether the weights were others.

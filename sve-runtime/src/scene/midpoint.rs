@@ -15,14 +15,15 @@ use core::marker::PhantomData;
 use core::mem::swap;
 
 use super::chebyshev::Chebyshev;
-use super::drift::AreFinite;
 use super::errors::{index_error, input_error, name};
+use super::gather::Gather;
 use super::masses::InverseMasses;
-use super::passes::{Add, Factors, Guess, SumsAreFinite, WriteNodes, add_friction, largest};
-use super::relax::{Relax, Solution};
+use super::passes::{Begin, Factors, Finish, WriteNodes, largest};
+use super::relax::{End, Most, Relax};
 use super::segments::Segments;
-use super::spectrum::{Boxes, BoxesContain, Extremes, worst};
-use super::sweep::{Buffers, Kick, Sweep};
+use super::spectrum::{Bounds, Extremes, Spectrum, Worst};
+use super::sweep::{Buffers, Kick};
+use super::work::Work;
 use super::{Contributions, Impulses, Row, Scene, Slopes};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
@@ -38,55 +39,6 @@ const ROUNDING: f64 = 1e3 * f64::EPSILON;
 
 /// Boxes that are tried, each around the solution for the boxes before it.
 const ROUNDS: u32 = 8;
-
-/// The arrays of a solution, of the components of rows.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Work {
-    /// The displacements.
-    d: Vec<f64>,
-    /// The last update of each displacement; after the iteration, the momenta at the end.
-    update: Vec<f64>,
-    /// The boxes of the nodes; during the iteration, the nodes before and after an update.
-    boxes: Vec<f64>,
-    /// The bounds; after their test, the displacements around which the boxes are.
-    bounds: Vec<f64>,
-    /// The factors of the displacements, with their step size.
-    factors: Option<(f64, Factors)>,
-    of_bounds: Option<Buffers>,
-}
-
-impl Work {
-    /// Returns the number of numbers.
-    pub(super) fn len(&self) -> usize {
-        let factors = match &self.factors {
-            Some((_, Factors::Each(factors))) => factors.len(),
-            _ => 0,
-        };
-        let buffers = self.of_bounds.as_ref().map_or(0, Buffers::len);
-        let arrays = [&self.d, &self.update, &self.boxes, &self.bounds];
-        arrays.iter().map(|array| array.len()).sum::<usize>() + factors + buffers
-    }
-
-    /// Returns whether the boxes of the bounds, around displacements whose largest one is `size`,
-    /// contain the solution.
-    fn boxes_contain_solution(&self, size: f64) -> bool {
-        let d = &*self.d;
-        dispatch(BoxesContain {
-            d,
-            of: &self.bounds[..d.len()],
-            largest: size,
-        })
-    }
-
-    fn fit(&mut self, numbers: usize) {
-        for array in [&mut self.d, &mut self.update] {
-            array.resize(numbers, 0.0);
-        }
-        for array in [&mut self.boxes, &mut self.bounds] {
-            array.resize(2 * numbers, 0.0);
-        }
-    }
-}
 
 /// A step of the midpoint rule.
 #[derive(Debug)]
@@ -114,10 +66,11 @@ pub fn midpoint<S>(scene: &S, mut step: MidpointStep<'_, S::Row>) -> Result<(), 
 where
     S: Scene + Contributions<Slopes>,
 {
-    step.work.fit(S::Row::numbers(step.q).len());
+    step.work.begin(S::Row::numbers(step.q).len());
     let factors = step.factors()?;
-    let guess = factors.pass(Guess {
-        d: &mut step.work.d,
+    let guess = factors.pass(Begin {
+        centres: &mut step.work.centres,
+        q: S::Row::numbers(step.q),
         p: S::Row::numbers(step.p),
     });
     let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
@@ -127,20 +80,25 @@ where
         let iteration = step.iteration(scene, &factors, size, is_symmetric)?;
         let iterated = step.iterate(scene, &factors, guess, iteration)?;
         sweeps += iterated.sweeps;
-        change = iterated.change;
-        if step.work.boxes_contain_solution(size) {
+        change = iterated.change / iterated.size;
+        if step.end(scene, &factors, size, iterated.sweeps)? {
             if !iterated.is_solved {
                 break;
             }
-            step.end(scene)?;
-            dispatch(Add(S::Row::numbers_mut(step.q), &step.work.d));
-            S::Row::numbers_mut(step.p).copy_from_slice(&step.work.update);
+            factors.pass(Finish {
+                q: S::Row::numbers_mut(step.q),
+                p: S::Row::numbers_mut(step.p),
+                e: &step.work.e,
+                end: &step.work.other,
+            });
             step.work.factors = Some((step.kick.h, factors));
             return Ok(());
         }
-        size = largest(&step.work.d);
+        step.work.around.clear();
+        step.work.around.extend_from_slice(&step.work.e);
+        size = iterated.size;
     }
-    Err(step.not_contracting(sweeps, change))
+    Err(step.not_contracting(&factors, sweeps, change))
 }
 
 /// The result of an iteration.
@@ -148,8 +106,10 @@ struct Iterated {
     /// False if the updates stopped to become smaller, and are no rounding errors.
     is_solved: bool,
     sweeps: u32,
-    /// The last update, relative to the largest displacement.
+    /// The last update.
     change: f64,
+    /// A bound of the displacements.
+    size: f64,
 }
 
 impl<R: Row> MidpointStep<'_, R> {
@@ -165,7 +125,8 @@ impl<R: Row> MidpointStep<'_, R> {
         }
     }
 
-    /// Returns the iteration for displacements near those in `work`, whose largest one is `size`.
+    /// Returns the iteration for displacements near those in `work`, of which none is larger than
+    /// `size`.
     ///
     /// # Errors
     /// The bounds of the spectrum are not positive, or the iteration would take many sweeps.
@@ -179,56 +140,63 @@ impl<R: Row> MidpointStep<'_, R> {
     where
         S: Scene<Row = R> + Contributions<Slopes>,
     {
-        let Work {
-            d,
-            boxes,
-            bounds,
-            of_bounds,
-            ..
-        } = &mut *self.work;
-        dispatch(Boxes {
-            rows: boxes,
-            q: self.q,
-            d: R::rows_mut(d),
-            largest: size,
-        });
-        bounds.fill(0.0);
-        let buffers = of_bounds.get_or_insert_with(|| {
-            Buffers::new::<<S as Contributions<Slopes>>::Numbers>(self.segments, self.q.len())
-        });
-        let swept = dispatch(Sweep::<S, Slopes, false> {
-            scene,
-            segments: self.segments,
-            drift: None,
-            kick: self.kick,
-            q: Row::rows_mut(boxes),
-            p: Row::rows_mut(bounds),
-            buffers,
-            is_tested: false,
-        });
-        swept.map_err(|error| index_error(error, self.start))?;
-        let extremes = Extremes {
-            bounds: &self.work.bounds,
-            row: PhantomData::<R>,
-        };
-        let [lower, upper] = if self.q.is_empty() {
-            [0.0; 2]
-        } else {
-            factors.pass(extremes)
-        };
+        let extremes = self.bounds(scene, factors, size, Extremes::default())?;
+        let [lower, upper] = extremes.values();
         if 1.0 + lower > 0.0 && upper.is_finite() {
             let iteration = Chebyshev::new([1.0 + lower, 1.0 + upper], is_symmetric);
             if iteration.updates(f64::EPSILON) <= MOST {
-                let Work { d, bounds, .. } = &mut *self.work;
-                bounds[..d.len()].copy_from_slice(d);
                 return Ok(iteration);
             }
         }
-        let at = worst::<R>(&self.work.bounds, factors);
-        Err(self.stiff(at, [lower, upper]))
+        let worst = self.bounds(scene, factors, size, Worst::default())?;
+        Err(self.stiff(worst.at, [lower, upper]))
     }
 
-    /// Solves the equations, so that `work` has the displacements.
+    /// Computes bounds of the spectrum in boxes around the displacements in `work`.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn bounds<S, U: Bounds>(
+        &mut self,
+        scene: &S,
+        factors: &Factors,
+        size: f64,
+        to: U,
+    ) -> Result<U, StepError>
+    where
+        S: Scene<Row = R> + Contributions<Slopes>,
+    {
+        let Work {
+            boxes,
+            around,
+            of_bounds,
+            ..
+        } = &mut *self.work;
+        let buffers = of_bounds.get_or_insert_with(|| {
+            Buffers::new::<<S as Contributions<Slopes>>::Numbers>(self.segments, self.q.len())
+        });
+        let swept = factors.pass(Gather {
+            scene,
+            segments: self.segments,
+            kick: self.kick,
+            buffers,
+            sink: Spectrum {
+                boxes: <S as Contributions<Slopes>>::Numbers::rows_mut(boxes),
+                written: 0,
+                q: R::numbers(self.q),
+                p: R::numbers(self.p),
+                e: around,
+                largest: size,
+                to,
+            },
+            what: PhantomData::<Slopes>,
+        });
+        let swept = swept.map_err(|error| index_error(error, self.start))?;
+        Ok(swept.to)
+    }
+
+    /// Solves the equations, so that `work` has the displacements and, in the first half of `boxes`
+    /// after an even number of sweeps and else in the second one, their nodes.
     ///
     /// # Errors
     /// An index that is out of range.
@@ -242,43 +210,52 @@ impl<R: Row> MidpointStep<'_, R> {
     where
         S: Scene<Row = R>,
     {
-        let (q, p) = (R::numbers(self.q), R::numbers(self.p));
+        let q = R::numbers(self.q);
         let farthest = largest(q);
         let Work {
-            d, update, boxes, ..
+            centres,
+            e,
+            other,
+            boxes,
+            ..
         } = &mut *self.work;
         // a step that failed may have left numbers that are not finite
-        update.fill(0.0);
-        let (mut fresh, mut nodes) = boxes.split_at_mut(q.len());
-        dispatch(WriteNodes(fresh, q, d));
-        // of sites without any term, which are not updated
-        nodes.copy_from_slice(fresh);
+        other.fill(0.0);
+        let (nodes, fresh) = boxes.split_at_mut(q.len());
+        dispatch(WriteNodes(nodes, centres, e));
+        let mut nodes = [nodes, fresh];
         let (mut smallest, mut stalled, mut sweeps) = (f64::INFINITY, 0u32, 0u32);
         loop {
-            swap(&mut fresh, &mut nodes);
-            let swept = factors.pass(Relax {
+            let [nodes, fresh] = &mut nodes;
+            let swept = factors.pass(Gather {
                 scene,
                 segments: self.segments,
                 kick: self.kick,
                 buffers: &mut *self.buffers,
-                nodes: R::rows_mut(nodes),
-                solution: Solution {
-                    d: &mut *d,
-                    update: &mut *update,
-                    fresh: &mut *fresh,
-                    q,
-                    p,
+                sink: Relax {
+                    nodes: &*R::rows_mut(nodes),
+                    fresh,
+                    centres,
+                    e,
+                    other,
                     weights: iteration.weights(),
+                    most: Most::default(),
                 },
+                what: PhantomData::<Impulses>,
             });
-            let [change, size] = swept.map_err(|error| index_error(error, self.start))?;
+            let swept = swept.map_err(|error| index_error(error, self.start))?;
+            let [change, impulse] = swept.most.values();
+            swap(nodes, fresh);
+            swap(e, other);
             sweeps += 1;
+            let size = guess + impulse;
             let end = |is_solved| Iterated {
                 is_solved,
                 sweeps,
-                change: change / size,
+                change,
+                size,
             };
-            if iteration.is_solved(change, [size, guess, farthest]) {
+            if iteration.is_solved(change, size, farthest) {
                 return Ok(end(true));
             }
             if f64::from(sweeps) > 2.0 * MOST {
@@ -300,38 +277,58 @@ impl<R: Row> MidpointStep<'_, R> {
         }
     }
 
-    /// Computes the momenta at the end in `work.update`, and checks that the end is finite.
-    fn end<S>(&mut self, scene: &S) -> Result<(), StepError>
+    /// Computes the momenta at the end in `work.other`, after the last of so many sweeps. Returns
+    /// whether the boxes, around displacements of which none is larger than `size`, contain the
+    /// solution.
+    ///
+    /// # Errors
+    /// An index that is out of range; an end in the boxes that is not finite.
+    fn end<S>(
+        &mut self,
+        scene: &S,
+        factors: &Factors,
+        size: f64,
+        sweeps: u32,
+    ) -> Result<bool, StepError>
     where
         S: Scene<Row = R>,
     {
         let Work {
-            d, update, boxes, ..
+            e,
+            other,
+            boxes,
+            around,
+            ..
         } = &mut *self.work;
-        let (q, p) = (R::numbers(self.q), R::numbers(self.p));
-        update.copy_from_slice(p);
-        let nodes = &mut boxes[..q.len()];
-        dispatch(WriteNodes(nodes, q, d));
-        let swept = dispatch(Sweep::<S, Impulses, false> {
+        let (even, odd) = boxes.split_at_mut(e.len());
+        let nodes = if sweeps.is_multiple_of(2) { even } else { odd };
+        let friction = (!self.rates.is_empty()).then_some((self.rates, self.masses));
+        let swept = factors.pass(Gather {
             scene,
             segments: self.segments,
-            drift: None,
             kick: self.kick,
-            q: R::rows_mut(nodes),
-            p: R::rows_mut(update),
-            buffers: self.buffers,
-            is_tested: false,
+            buffers: &mut *self.buffers,
+            sink: End {
+                nodes: &*R::rows_mut(nodes),
+                q: R::numbers(self.q),
+                p: R::numbers(self.p),
+                e,
+                to: other,
+                around,
+                largest: size,
+                friction,
+                bits: 0,
+                is_in_boxes: true,
+            },
+            what: PhantomData::<Impulses>,
         });
-        swept.map_err(|error| index_error(error, self.start))?;
-        add_friction(update, d, self.rates, self.masses);
-        if !dispatch(SumsAreFinite(q, &self.work.d)) {
-            let sums = q.iter().zip(&self.work.d).map(|(q, d)| q + d);
-            return Err(self.not_finite("q", sums));
+        let End {
+            bits, is_in_boxes, ..
+        } = swept.map_err(|error| index_error(error, self.start))?;
+        if is_in_boxes && bits != 0 {
+            return Err(self.not_finite(factors));
         }
-        if !dispatch(AreFinite(&self.work.update)) {
-            return Err(self.not_finite("p", self.work.update.iter().copied()));
-        }
-        Ok(())
+        Ok(is_in_boxes)
     }
 
     /// Returns the error of a spectrum that is not accepted, with its bounds at a component.
@@ -347,15 +344,10 @@ impl<R: Row> MidpointStep<'_, R> {
     }
 
     #[cold]
-    fn not_contracting(&self, sweeps: u32, change: f64) -> StepError {
-        let places = || {
-            R::numbers(self.q)
-                .iter()
-                .zip(&self.work.d)
-                .map(|(q, d)| q + d)
-        };
-        if places().any(|place| !place.is_finite()) {
-            return self.not_finite("q", places());
+    fn not_contracting(&self, factors: &Factors, sweeps: u32, change: f64) -> StepError {
+        let is_finite = self.places(factors).all(f64::is_finite);
+        if !is_finite {
+            return self.not_finite(factors);
         }
         self.input_error().unwrap_or(StepError::NotContracting {
             t: self.start,
@@ -365,16 +357,29 @@ impl<R: Row> MidpointStep<'_, R> {
         })
     }
 
+    /// Returns the error of an end that is not finite.
     #[cold]
-    fn not_finite(&self, array: &str, mut numbers: impl Iterator<Item = f64>) -> StepError {
+    fn not_finite(&self, factors: &Factors) -> StepError {
         self.input_error().unwrap_or_else(|| {
-            let at = numbers.position(|x| !x.is_finite()).unwrap_or_default();
+            let place = self.places(factors).position(|x| !x.is_finite());
+            let momentum = || self.work.other.iter().position(|x| !x.is_finite());
+            let (array, at) = match place {
+                Some(at) => ("q", at),
+                None => ("p", momentum().unwrap_or_default()),
+            };
             StepError::NonFiniteCoordinate {
                 t: self.start,
                 h: self.kick.h,
                 what: name(array, at, R::LENGTH),
             }
         })
+    }
+
+    /// Returns the places at the end.
+    fn places(&self, factors: &Factors) -> impl Iterator<Item = f64> {
+        let [q, p] = [&*self.q, &*self.p].map(R::numbers);
+        let place = move |at| q[at] + (factors.of(at) * p[at] + self.work.e[at]);
+        (0..q.len()).map(place)
     }
 
     fn input_error(&self) -> Option<StepError> {

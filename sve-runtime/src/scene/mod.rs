@@ -12,7 +12,9 @@
 //! | `drift.rs` | the motion of sites with their velocities |
 //! | `shear.rs` | steps that are lists of drifts and kicks, in place |
 //! | `midpoint.rs` | steps of the midpoint rule, whose equations join all sites |
-//! | `relax.rs` | a sweep of the iteration for it |
+//! | `work.rs` | its arrays |
+//! | `gather.rs` | sweeps whose sums are used piece by piece |
+//! | `relax.rs` | what the sweeps of such a step do with the impulses |
 //! | `passes.rs` | what such a step computes for each component alone |
 //! | `chebyshev.rs` | the iteration that solves these equations |
 //! | `spectrum.rs` | bounds of the derivatives of impulses, from boxes around the motion |
@@ -30,6 +32,7 @@
 mod chebyshev;
 mod drift;
 mod errors;
+mod gather;
 mod indices;
 mod layout;
 mod masses;
@@ -45,6 +48,7 @@ mod shear;
 mod spectrum;
 mod streams;
 mod sweep;
+mod work;
 mod written;
 
 pub(crate) use errors::check_length;

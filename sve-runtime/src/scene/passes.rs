@@ -1,5 +1,7 @@
 //! Passes over the components of all sites that a midpoint step makes between its sweeps.
 
+use core::ops::Range;
+
 use super::masses::InverseMasses;
 use crate::lanes::dispatch::{Kernel, dispatch};
 
@@ -15,13 +17,67 @@ pub(super) enum Factors {
     Each(Vec<f64>),
 }
 
-/// A computation with the factor of each component. `run` is `#[inline(always)]`.
+/// Factors of consecutive components. All functions are `#[inline(always)]`.
+pub(super) trait Factor: Copy {
+    /// Returns the factors of some of the components.
+    fn within(self, here: Range<usize>) -> Self;
+    /// Returns the factors of one chunk of components.
+    fn chunk(self, number: usize) -> [f64; PARTS];
+    /// Returns the factor of a component.
+    fn of(self, component: usize) -> f64;
+    /// Returns the factor of all components, if they have one.
+    fn of_all(self) -> Option<f64>;
+}
+
+impl Factor for f64 {
+    #[inline(always)]
+    fn within(self, _: Range<usize>) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn chunk(self, _: usize) -> [f64; PARTS] {
+        [self; PARTS]
+    }
+
+    #[inline(always)]
+    fn of(self, _: usize) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn of_all(self) -> Option<f64> {
+        Some(self)
+    }
+}
+
+impl Factor for &[f64] {
+    #[inline(always)]
+    fn within(self, here: Range<usize>) -> Self {
+        &self[here]
+    }
+
+    #[inline(always)]
+    fn chunk(self, number: usize) -> [f64; PARTS] {
+        self.as_chunks().0[number]
+    }
+
+    #[inline(always)]
+    fn of(self, component: usize) -> f64 {
+        self[component]
+    }
+
+    #[inline(always)]
+    fn of_all(self) -> Option<f64> {
+        None
+    }
+}
+
+/// A computation with the factors of all components. `run` is `#[inline(always)]`.
 pub(super) trait Pass {
     type Output;
-    /// Returns the number of components.
-    fn components(&self) -> usize;
-    /// Computes the result. `factor` is called with numbers of components.
-    fn run(self, factor: impl Fn(usize) -> f64) -> Self::Output;
+    /// Computes the result.
+    fn run(self, factors: impl Factor) -> Self::Output;
 }
 
 struct WithFactors<'a, P>(&'a Factors, P);
@@ -32,18 +88,8 @@ impl<P: Pass> Kernel for WithFactors<'_, P> {
     #[inline(always)]
     fn run(self) -> P::Output {
         match self.0 {
-            Factors::Uniform(factor) => self.1.run(
-                #[inline(always)]
-                |_| *factor,
-            ),
-            Factors::Each(factors) => {
-                // so that the loops have no bounds to check
-                let factors = &factors[..self.1.components()];
-                self.1.run(
-                    #[inline(always)]
-                    |at| factors[at],
-                )
-            }
+            Factors::Uniform(factor) => self.1.run(*factor),
+            Factors::Each(factors) => self.1.run(&**factors),
         }
     }
 }
@@ -92,32 +138,75 @@ impl Factors {
     }
 }
 
-/// Writes the displacements with the momenta of the start. Returns the largest one.
-pub(super) struct Guess<'a> {
-    pub(super) d: &'a mut [f64],
+/// Begins a solution: the nodes c = q₀ + f p₀/2 of displacements without impulses. Returns the largest
+/// displacement f p₀.
+pub(super) struct Begin<'a> {
+    pub(super) centres: &'a mut [f64],
+    pub(super) q: &'a [f64],
     pub(super) p: &'a [f64],
 }
 
-impl Pass for Guess<'_> {
+impl Pass for Begin<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn components(&self) -> usize {
-        self.d.len()
-    }
-
-    #[inline(always)]
-    fn run(self, factor: impl Fn(usize) -> f64) -> f64 {
-        let n = self.d.len();
-        let p = &self.p[..n];
-        for at in 0..n {
-            self.d[at] = factor(at) * p[at];
-        }
-        largest(self.d)
+    fn run(self, factors: impl Factor) -> f64 {
+        begin(self.centres, self.q, self.p, factors)
     }
 }
 
-/// Writes the nodes q₀ + d/2.
+#[inline(always)]
+fn begin(centres: &mut [f64], q: &[f64], p: &[f64], factors: impl Factor) -> f64 {
+    let mut most = [0; PARTS];
+    let (chunks, rest) = centres.as_chunks_mut::<PARTS>();
+    let [(qs, q), (ps, p)] = [q, p].map(|x| x.as_chunks::<PARTS>());
+    let first = chunks.len() * PARTS;
+    for (at, ((centre, q), p)) in chunks.iter_mut().zip(qs).zip(ps).enumerate() {
+        let factor = factors.chunk(at);
+        for k in 0..PARTS {
+            let d = factor[k] * p[k];
+            centre[k] = q[k] + 0.5 * d;
+            keep_larger(&mut most[k], d);
+        }
+    }
+    let mut largest = largest_part(&most).to_bits();
+    for (k, ((centre, q), p)) in rest.iter_mut().zip(q).zip(p).enumerate() {
+        let d = factors.of(first + k) * p;
+        *centre = q + 0.5 * d;
+        keep_larger(&mut largest, d);
+    }
+    f64::from_bits(largest)
+}
+
+/// Ends a step: the places q₀ + (f p₀ + e), and the momenta.
+pub(super) struct Finish<'a> {
+    pub(super) q: &'a mut [f64],
+    pub(super) p: &'a mut [f64],
+    pub(super) e: &'a [f64],
+    pub(super) end: &'a [f64],
+}
+
+impl Pass for Finish<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self, factors: impl Factor) {
+        let Self { q, p, e, end } = self;
+        finish(q, p, e, end, factors.within(0..e.len()));
+    }
+}
+
+#[inline(always)]
+fn finish(q: &mut [f64], p: &mut [f64], e: &[f64], end: &[f64], factors: impl Factor) {
+    let n = e.len();
+    let (q, p, end) = (&mut q[..n], &mut p[..n], &end[..n]);
+    for at in 0..n {
+        q[at] += factors.of(at) * p[at] + e[at];
+    }
+    p.copy_from_slice(end);
+}
+
+/// Writes the nodes c + e/2.
 pub(super) struct WriteNodes<'a>(
     pub(super) &'a mut [f64],
     pub(super) &'a [f64],
@@ -129,67 +218,40 @@ impl Kernel for WriteNodes<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self(nodes, q, d) = self;
-        for ((node, q), d) in nodes.iter_mut().zip(q).zip(d) {
-            *node = q + 0.5 * d;
+        let Self(nodes, centres, e) = self;
+        for ((node, centre), e) in nodes.iter_mut().zip(centres).zip(e) {
+            *node = centre + 0.5 * e;
         }
     }
 }
 
-/// Replaces a largest magnitude by that of `x` if this is larger.
+/// Replaces a largest magnitude by that of `x` if this is larger. NaN is larger than all numbers.
+///
+/// A magnitude is stored as its bits, whose order is that of the numbers.
 #[inline(always)]
-pub(super) fn keep_larger(largest: &mut f64, x: f64) {
-    let x = x.abs();
-    *largest = if x > *largest { x } else { *largest };
+pub(super) fn keep_larger(largest: &mut u64, x: f64) {
+    *largest = x.abs().to_bits().max(*largest);
 }
 
 /// Returns the largest magnitude of numbers.
 #[inline(always)]
 pub(super) fn largest(numbers: &[f64]) -> f64 {
-    let mut parts = [0.0f64; PARTS];
+    let mut parts = [0; PARTS];
     let (chunks, rest) = numbers.as_chunks::<PARTS>();
     for chunk in chunks {
         for part in 0..PARTS {
             keep_larger(&mut parts[part], chunk[part]);
         }
     }
-    for (part, x) in rest.iter().enumerate() {
-        keep_larger(&mut parts[part], *x);
+    let mut largest = largest_part(&parts).to_bits();
+    for x in rest {
+        keep_larger(&mut largest, *x);
     }
-    parts.into_iter().fold(0.0, f64::max)
+    f64::from_bits(largest)
 }
 
-/// Adds the impulse −N d of friction to momenta; `rates` has N M⁻¹.
-pub(super) fn add_friction(p: &mut [f64], d: &[f64], rates: &[f64], masses: &InverseMasses) {
-    for (at, ((p, d), rate)) in p.iter_mut().zip(d).zip(rates).enumerate() {
-        *p -= rate / masses.of(at) * d;
-    }
-}
-
-/// The test whether all sums of two numbers are finite.
-pub(super) struct SumsAreFinite<'a>(pub(super) &'a [f64], pub(super) &'a [f64]);
-
-impl Kernel for SumsAreFinite<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    #[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
-    fn run(self) -> bool {
-        let sums = self.0.iter().zip(self.1).map(|(a, b)| a + b);
-        sums.fold(0, |bits, x| bits | (x - x).to_bits()) == 0
-    }
-}
-
-/// Adds the numbers of the second array to those of the first.
-pub(super) struct Add<'a>(pub(super) &'a mut [f64], pub(super) &'a [f64]);
-
-impl Kernel for Add<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for (to, by) in self.0.iter_mut().zip(self.1) {
-            *to += by;
-        }
-    }
+/// Returns the largest of partial maxima.
+#[inline(always)]
+pub(super) fn largest_part(parts: &[u64; PARTS]) -> f64 {
+    f64::from_bits(parts.iter().fold(0, |largest, part| *part.max(&largest)))
 }

@@ -1,152 +1,68 @@
-//! A sweep of the iteration of a midpoint step: the impulses at all nodes, and the update of the
-//! displacements by them. The impulses of a piece of nodes are still in the first cache when its
-//! displacements are updated. The new nodes go into an array of their own, since other pieces read
-//! the old ones.
+//! What the sweeps of a midpoint step do with the impulses at the nodes.
+//!
+//! The displacement of a site is `d = f p₀ + e` with the part e of the impulse, `e = f I/2`. The
+//! iteration is one for e. The nodes `c + e/2`, with c = q₀ + f p₀/2, go into an array of their own,
+//! since other pieces read the old ones.
 
 use core::ops::Range;
 
-use super::passes::{Pass, keep_larger, largest};
-use super::segments::{Segments, TILE};
-use super::sweep::{Buffers, Kick, Visit};
-use super::{Impulses, IndexError, Row, Scene};
+use super::Row;
+use super::gather::Sink;
+use super::passes::{Factor, PARTS, keep_larger, largest_part};
+use super::spectrum::is_in_box;
 
-/// A sweep, with the updates Δ ← β Δ − α g of the displacements, where g is the residual. Returns
-/// the largest update and the largest displacement.
-pub(super) struct Relax<'a, S: Scene> {
-    pub(super) scene: &'a S,
-    pub(super) segments: &'a Segments,
-    pub(super) kick: Kick<'a>,
-    pub(super) buffers: &'a mut Buffers,
+/// The updates Δ ← β Δ − α g of the displacements, where g is the residual.
+pub(super) struct Relax<'a, R> {
     /// The nodes at which the impulses are computed.
-    pub(super) nodes: &'a [S::Row],
-    pub(super) solution: Solution<'a>,
-}
-
-/// What an update reads and writes, of the components of rows.
-pub(super) struct Solution<'a> {
-    pub(super) d: &'a mut [f64],
-    pub(super) update: &'a mut [f64],
+    pub(super) nodes: &'a [R],
     /// The nodes after the update.
     pub(super) fresh: &'a mut [f64],
-    pub(super) q: &'a [f64],
-    pub(super) p: &'a [f64],
+    /// The nodes of displacements without impulses.
+    pub(super) centres: &'a [f64],
+    /// The part e of each displacement.
+    pub(super) e: &'a [f64],
+    /// e before the last update; then e after this one.
+    pub(super) other: &'a mut [f64],
     /// α and β.
     pub(super) weights: [f64; 2],
+    pub(super) most: Most,
 }
 
-impl<S: Scene> Pass for Relax<'_, S> {
-    type Output = Result<[f64; 2], IndexError>;
+/// Partial maxima of the magnitudes of updates and of e.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Most {
+    changes: [u64; PARTS],
+    e: [u64; PARTS],
+}
 
-    #[inline(always)]
-    fn components(&self) -> usize {
-        self.solution.d.len()
-    }
-
-    #[inline(always)]
-    fn run(self, factor: impl Fn(usize) -> f64) -> Self::Output {
-        let Self {
-            scene,
-            segments,
-            kick,
-            buffers,
-            nodes,
-            mut solution,
-        } = self;
-        let size = S::Row::LENGTH;
-        let Buffers {
-            of_piece,
-            of_nests,
-            of_batch,
-            dw,
-        } = buffers;
-        let of_nests = S::Row::rows_mut(of_nests);
-        let of_piece = S::Row::rows_mut(of_piece);
-        let has_nests = !segments.nests.is_empty();
-        let mut visit = Visit::<S, Impulses>::new(scene, segments, kick, [of_batch, dw]);
-        let mut most = [0.0; 2];
-        for (piece, bases) in segments.pieces() {
-            let sum = &mut of_piece[..piece.length as usize];
-            let batch = visit.add(nodes, piece, bases, sum);
-            match batch {
-                _ if has_nests => add(of_nests, piece.nodes(), batch.map(|b| &*b.nodes), sum),
-                None => {
-                    let nodes = piece.nodes();
-                    let here = nodes.start * size..nodes.end * size;
-                    solution.update(here, S::Row::numbers(sum), &factor, &mut most);
-                }
-                Some(batch) => {
-                    for (&node, sum) in batch.nodes.iter().zip(&*sum) {
-                        let here = node as usize * size..(node as usize + 1) * size;
-                        let sum = S::Row::numbers(core::slice::from_ref(sum));
-                        solution.update(here, sum, &factor, &mut most);
-                    }
-                }
-            }
-            sum.fill(S::Row::ZERO);
-        }
-        if has_nests {
-            let mut nests = segments.nests.iter();
-            let Kick { h, t, dw } = kick;
-            let made = nests.try_for_each(|&nest| scene.nest(nest, h, t, dw, nodes, of_nests));
-            if made.is_ok() {
-                solution.update_all(S::Row::numbers(of_nests), &factor, &mut most);
-            }
-            of_nests.fill(S::Row::ZERO);
-            made?;
-        }
-        Ok(most)
+impl Most {
+    /// Returns the largest update and the largest e.
+    pub(super) fn values(&self) -> [f64; 2] {
+        [largest_part(&self.changes), largest_part(&self.e)]
     }
 }
 
-/// Adds impulses to consecutive nodes, or to listed ones.
-#[inline(always)]
-fn add<R: Row>(to: &mut [R], nodes: Range<usize>, listed: Option<&[u32]>, sum: &[R]) {
-    match listed {
-        None => {
-            for (to, sum) in to[nodes].iter_mut().zip(sum) {
-                to.add(*sum);
-            }
-        }
-        Some(listed) => {
-            for (&node, sum) in listed.iter().zip(sum) {
-                to[node as usize].add(*sum);
-            }
-        }
-    }
-}
-
-impl Solution<'_> {
-    /// Updates all components by their impulses.
+impl<R: Row> Sink<R> for Relax<'_, R> {
     #[inline(always)]
-    fn update_all(&mut self, impulse: &[f64], factor: &impl Fn(usize) -> f64, most: &mut [f64; 2]) {
-        let n = self.d.len();
-        for first in (0..n).step_by(TILE) {
-            let here = first..n.min(first + TILE);
-            self.update(here.clone(), &impulse[here], factor, most);
-        }
+    fn nodes(&mut self, _: usize, _: impl Factor) -> &[R] {
+        self.nodes
     }
 
-    /// Updates some components by their impulses.
     #[inline(always)]
-    fn update(
-        &mut self,
-        here: Range<usize>,
-        impulse: &[f64],
-        factor: &impl Fn(usize) -> f64,
-        most: &mut [f64; 2],
-    ) {
-        let first = here.start;
-        let d = &mut self.d[here.clone()];
-        let (update, fresh) = (
-            &mut self.update[here.clone()],
+    fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor) {
+        let here = nodes.start * R::LENGTH..nodes.end * R::LENGTH;
+        update_tile(
+            &mut self.other[here.clone()],
             &mut self.fresh[here.clone()],
+            [
+                &self.e[here.clone()],
+                &self.centres[here.clone()],
+                R::numbers(sums),
+            ],
+            factors.within(here),
+            self.weights,
+            &mut self.most,
         );
-        let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
-        let factor = |at| factor(first + at);
-        update_tile(d, update, fresh, [q, p, impulse], factor, self.weights);
-        for (most, tile) in most.iter_mut().zip([update, d]) {
-            keep_larger(most, largest(tile));
-        }
     }
 }
 
@@ -154,20 +70,123 @@ impl Solution<'_> {
 /// overlap.
 #[inline(always)]
 fn update_tile(
-    d: &mut [f64],
-    update: &mut [f64],
+    other: &mut [f64],
     fresh: &mut [f64],
-    [q, p, impulse]: [&[f64]; 3],
-    factor: impl Fn(usize) -> f64,
+    [e, centres, impulse]: [&[f64]; 3],
+    factors: impl Factor,
     [alpha, beta]: [f64; 2],
+    most: &mut Most,
 ) {
-    let n = d.len();
-    let (update, fresh) = (&mut update[..n], &mut fresh[..n]);
-    let (q, p, impulse) = (&q[..n], &p[..n], &impulse[..n]);
-    for at in 0..n {
-        let residual = d[at] - factor(at) * (p[at] + 0.5 * impulse[at]);
-        let change = beta * update[at] - alpha * residual;
-        let new = d[at] + change;
-        (update[at], d[at], fresh[at]) = (change, new, q[at] + 0.5 * new);
+    // in registers, since all their indices are constants once the loop is unrolled
+    let Most {
+        mut changes,
+        e: mut sizes,
+    } = *most;
+    let (others, other) = other.as_chunks_mut::<PARTS>();
+    let (freshes, fresh) = fresh.as_chunks_mut::<PARTS>();
+    let [(es, e), (cs, centres), (impulses, impulse)] =
+        [e, centres, impulse].map(|x| x.as_chunks::<PARTS>());
+    for (at, (other, fresh)) in others.iter_mut().zip(freshes).enumerate() {
+        let (e, c, impulse) = (&es[at], &cs[at], &impulses[at]);
+        let factor = factors.chunk(at);
+        for k in 0..PARTS {
+            let residual = e[k] - factor[k] * (0.5 * impulse[k]);
+            let change = beta * (e[k] - other[k]) - alpha * residual;
+            let new = e[k] + change;
+            (other[k], fresh[k]) = (new, c[k] + 0.5 * new);
+            keep_larger(&mut changes[k], change);
+            keep_larger(&mut sizes[k], new);
+        }
     }
+    *most = Most { changes, e: sizes };
+    let first = others.len() * PARTS;
+    for k in 0..other.len() {
+        let residual = e[k] - factors.of(first + k) * (0.5 * impulse[k]);
+        let change = beta * (e[k] - other[k]) - alpha * residual;
+        let new = e[k] + change;
+        (other[k], fresh[k]) = (new, centres[k] + 0.5 * new);
+        keep_larger(&mut most.changes[k], change);
+        keep_larger(&mut most.e[k], new);
+    }
+}
+
+/// The momenta at the end, with tests of the end.
+pub(super) struct End<'a, R> {
+    pub(super) nodes: &'a [R],
+    pub(super) q: &'a [f64],
+    pub(super) p: &'a [f64],
+    pub(super) e: &'a [f64],
+    /// The momenta at the end.
+    pub(super) to: &'a mut [f64],
+    /// e of the displacements around which the boxes are; zeros if it is empty.
+    pub(super) around: &'a [f64],
+    /// The largest displacement among these.
+    pub(super) largest: f64,
+    /// The friction of each component divided by its mass, and the inverse masses; nothing without
+    /// friction.
+    pub(super) friction: Option<(&'a [f64], &'a super::masses::InverseMasses)>,
+    /// Zero if all numbers at the end are finite.
+    pub(super) bits: u64,
+    /// Whether the boxes contain the displacements.
+    pub(super) is_in_boxes: bool,
+}
+
+impl<R: Row> Sink<R> for End<'_, R> {
+    #[inline(always)]
+    fn nodes(&mut self, _: usize, _: impl Factor) -> &[R] {
+        self.nodes
+    }
+
+    #[inline(always)]
+    fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor) {
+        let here = nodes.start * R::LENGTH..nodes.end * R::LENGTH;
+        let factors = factors.within(here.clone());
+        let [q, p, e] = [self.q, self.p, self.e].map(|x| &x[here.clone()]);
+        let to = &mut self.to[here.clone()];
+        let read = [q, p, e, R::numbers(sums)];
+        let (bits, is_in_boxes) = if self.around.is_empty() {
+            end_tile(to, read, factors, |_| 0.0, self.largest)
+        } else {
+            let around = &self.around[here.clone()];
+            end_tile(to, read, factors, |at| around[at], self.largest)
+        };
+        self.bits |= bits;
+        self.is_in_boxes &= is_in_boxes;
+        if let Some((rates, masses)) = self.friction {
+            let (first, rates) = (here.start, &rates[here]);
+            for at in 0..to.len() {
+                let d = factors.of(at) * p[at] + e[at];
+                to[at] -= rates[at] / masses.of(first + at) * d;
+                // the difference of two infinite numbers is NaN
+                #[allow(clippy::eq_op)]
+                let difference = to[at] - to[at];
+                self.bits |= difference.to_bits();
+            }
+        }
+    }
+}
+
+/// Writes the momenta p₀ + I. Returns bits that are zero if the end is finite, and whether the boxes
+/// contain the displacements.
+#[inline(always)]
+#[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
+fn end_tile(
+    to: &mut [f64],
+    [q, p, e, impulse]: [&[f64]; 4],
+    factors: impl Factor,
+    around: impl Fn(usize) -> f64,
+    largest: f64,
+) -> (u64, bool) {
+    let n = to.len();
+    let (q, p, e, impulse) = (&q[..n], &p[..n], &e[..n], &impulse[..n]);
+    let (mut bits, mut outside) = (0, 0);
+    for at in 0..n {
+        let straight = factors.of(at) * p[at];
+        let d = straight + e[at];
+        let end = p[at] + impulse[at];
+        to[at] = end;
+        bits |= ((q[at] + d) - (q[at] + d)).to_bits() | (end - end).to_bits();
+        outside |= u64::from(!is_in_box(d, straight + around(at), largest));
+    }
+    (bits, outside == 0)
 }

@@ -48,6 +48,8 @@ pub(super) struct Segments {
     pub(super) columns: Vec<f64>,
     /// The loops that are made as they are written.
     pub(super) nests: Vec<usize>,
+    /// Nodes without contributions of the other loops.
+    pub(super) free: Vec<Range<usize>>,
     /// Number of instances of the other loops.
     pub(super) instances: usize,
     /// Number of segments, before they are cut into pieces.
@@ -77,10 +79,10 @@ impl Segments {
                 }
             }
         }
-        Ok(Self::of_runs::<S>(&instances.runs, nests))
+        Ok(Self::of_runs::<S>(n, &instances.runs, nests))
     }
 
-    fn of_runs<S: Scene>(runs: &[Runs], nests: Vec<usize>) -> Self {
+    fn of_runs<S: Scene>(n: usize, runs: &[Runs], nests: Vec<usize>) -> Self {
         let mut columns = Vec::new();
         let columns_at: Vec<u32> = (runs.iter().flat_map(|runs| &runs.columns))
             .map(|column| {
@@ -93,6 +95,7 @@ impl Segments {
             .collect();
         let mut cuts: Vec<u32> = (of_pairs.iter().flatten())
             .flat_map(|run| [run.start, run.end()])
+            .chain([0, n as u32])
             .collect();
         cuts.sort_unstable();
         cuts.dedup();
@@ -104,6 +107,7 @@ impl Segments {
             streams: streams::<S>(),
             columns,
             nests,
+            free: Vec::new(),
             instances: runs.iter().map(Runs::instances).sum(),
             count: 0,
         };
@@ -118,6 +122,7 @@ impl Segments {
                 })
                 .collect();
             if here.iter().all(Option::is_none) {
+                all.free.push(start as usize..end as usize);
                 continue;
             }
             all.count += 1;

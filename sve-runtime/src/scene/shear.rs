@@ -10,9 +10,10 @@
 use super::drift::{AreFinite, Drift, DriftAlone};
 use super::errors::{check_forces, index_error, not_finite};
 use super::masses::InverseMasses;
-use super::midpoint::{MidpointStep, Work};
+use super::midpoint::MidpointStep;
 use super::segments::Segments;
 use super::sweep::{Buffers, Kick, Sweep};
+use super::work::Work;
 use super::{Impulses, IndexError, Layout, Row, Scene};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;

@@ -5,11 +5,12 @@
 //! the bounds of the row sums of K over these boxes. Output: an interval that contains the row sums
 //! of f K/4, so that it contains the spectrum of each such matrix (Gershgorin).
 
-use core::marker::PhantomData;
+use core::ops::Range;
 
 use super::Row;
-use super::passes::{Factors, PARTS, Pass};
-use crate::lanes::dispatch::Kernel;
+use super::gather::Sink;
+use super::passes::{Factor, PARTS};
+use super::segments::TILE;
 
 /// The part of a displacement over which a box extends beyond both its ends.
 const BEYOND: f64 = 0.25;
@@ -24,153 +25,196 @@ fn half_width(d: f64, largest: f64) -> f64 {
     0.5 * ((0.5 + BEYOND) * d.abs() + WIDER * largest)
 }
 
-/// Writes the middle and the half width of the box of each node: from q₀ to q₀ + d/2 and beyond.
-pub(super) struct Boxes<'a, R> {
-    pub(super) rows: &'a mut [f64],
-    pub(super) q: &'a [R],
-    pub(super) d: &'a [R],
-    pub(super) largest: f64,
+/// Returns whether the box around the displacement `of` contains the displacement `d`: the distance
+/// of its node from the middle of the box is at most the half width.
+#[inline(always)]
+pub(super) fn is_in_box(d: f64, of: f64, largest: f64) -> bool {
+    (0.5 * d - 0.25 * of).abs() <= half_width(of, largest)
 }
 
-impl<R: Row> Kernel for Boxes<'_, R> {
-    type Output = ();
+/// The bounds of the row sums of f K/4 at the nodes in boxes: from q₀ to q₀ + d/2 and beyond, for the
+/// displacements d = f p₀ + e.
+pub(super) struct Spectrum<'a, N, U> {
+    /// The middle and the half width of the box of each node.
+    pub(super) boxes: &'a mut [N],
+    /// The number of sites whose boxes are written.
+    pub(super) written: usize,
+    pub(super) q: &'a [f64],
+    pub(super) p: &'a [f64],
+    /// Zeros if it is empty.
+    pub(super) e: &'a [f64],
+    /// The largest displacement.
+    pub(super) largest: f64,
+    pub(super) to: U,
+}
 
+/// What is done with the bounds of the row sums. Functions are `#[inline(always)]`.
+pub(super) trait Bounds {
+    /// Takes a lower and an upper bound of each component of consecutive sites of `size` components,
+    /// beginning with the component `first`.
+    fn take(&mut self, first: usize, size: usize, bounds: &[f64], factors: impl Factor);
+}
+
+impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
     #[inline(always)]
-    fn run(self) {
-        let size = R::LENGTH;
-        let (q, d) = (R::numbers(self.q), R::numbers(self.d));
-        let rows = self.rows.chunks_exact_mut(2 * size);
-        for ((row, q), d) in rows.zip(q.chunks_exact(size)).zip(d.chunks_exact(size)) {
-            for k in 0..size {
-                row[k] = q[k] + 0.25 * d[k];
-                row[size + k] = half_width(d[k], self.largest);
+    fn nodes(&mut self, ready: usize, factors: impl Factor) -> &[N] {
+        if self.written < ready {
+            let tiles = self.written..ready.next_multiple_of(TILE).min(self.boxes.len());
+            self.written = tiles.end;
+            let size = N::LENGTH / 2;
+            let here = tiles.start * size..tiles.end * size;
+            let boxes = N::numbers_mut(&mut self.boxes[tiles]);
+            let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
+            let (factors, largest) = (factors.within(here.clone()), self.largest);
+            if self.e.is_empty() {
+                write_boxes(boxes, size, [q, p], factors, |_| 0.0, largest);
+            } else {
+                let e = &self.e[here];
+                write_boxes(boxes, size, [q, p], factors, |at| e[at], largest);
             }
         }
-    }
-}
-
-/// The test whether the boxes around displacements contain other displacements.
-pub(super) struct BoxesContain<'a> {
-    pub(super) d: &'a [f64],
-    /// The displacements around which the boxes are, and the largest one.
-    pub(super) of: &'a [f64],
-    pub(super) largest: f64,
-}
-
-impl Kernel for BoxesContain<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run(self) -> bool {
-        let mut is_contained = true;
-        for (d, of) in self.d.iter().zip(self.of) {
-            // distance of the node at the solution from the middle of its box
-            let distance = (0.5 * d - 0.25 * of).abs();
-            is_contained &= distance <= half_width(*of, self.largest);
-        }
-        is_contained
-    }
-}
-
-/// The smallest and the largest bound of the row sums; NaN if a bound is.
-pub(super) struct Extremes<'a, R> {
-    pub(super) bounds: &'a [f64],
-    pub(super) row: PhantomData<R>,
-}
-
-impl<R: Row> Pass for Extremes<'_, R> {
-    type Output = [f64; 2];
-
-    #[inline(always)]
-    fn components(&self) -> usize {
-        self.bounds.len() / 2
+        self.boxes
     }
 
     #[inline(always)]
-    fn run(self, factor: impl Fn(usize) -> f64) -> [f64; 2] {
-        let sites = self.components() / R::LENGTH;
-        let bounds = &self.bounds[..2 * R::LENGTH * sites];
-        let mut parts = Parts {
-            lower: [f64::INFINITY; PARTS],
-            minus_upper: [f64::INFINITY; PARTS],
-            bits: [0; PARTS],
-        };
-        let whole = sites - sites % PARTS;
-        for first in (0..whole).step_by(PARTS) {
-            parts.add::<R>(first, PARTS, bounds, &factor);
-        }
-        parts.add::<R>(whole, sites - whole, bounds, &factor);
-        // NaN may have a sign
-        if parts.bits.into_iter().any(|bits| bits << 1 != 0) {
-            return [f64::NAN; 2];
-        }
-        let smallest = |parts: [f64; PARTS]| parts.into_iter().fold(f64::INFINITY, f64::min);
-        [smallest(parts.lower), -smallest(parts.minus_upper)]
+    fn take(&mut self, nodes: Range<usize>, sums: &[N], factors: impl Factor) {
+        let size = N::LENGTH / 2;
+        let first = nodes.start * size;
+        let factors = factors.within(first..nodes.end * size);
+        self.to.take(first, size, N::numbers(sums), factors);
     }
 }
 
-/// Partial extremes.
-struct Parts {
+#[inline(always)]
+fn write_boxes(
+    boxes: &mut [f64],
+    size: usize,
+    [q, p]: [&[f64]; 2],
+    factors: impl Factor,
+    e: impl Fn(usize) -> f64,
+    largest: f64,
+) {
+    for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
+        for k in 0..size {
+            let at = site * size + k;
+            let d = factors.of(at) * p[at] + e(at);
+            row[k] = q[at] + 0.25 * d;
+            row[size + k] = half_width(d, largest);
+        }
+    }
+}
+
+/// The smallest and the largest bound, as partial extremes.
+#[derive(Clone, Copy)]
+pub(super) struct Extremes {
     lower: [f64; PARTS],
     minus_upper: [f64; PARTS],
     /// 0 if all bounds are finite.
     bits: [u64; PARTS],
 }
 
-impl Parts {
-    /// Adds the bounds of sites.
+impl Default for Extremes {
+    fn default() -> Self {
+        Self {
+            lower: [f64::INFINITY; PARTS],
+            minus_upper: [f64::INFINITY; PARTS],
+            bits: [0; PARTS],
+        }
+    }
+}
+
+impl Extremes {
+    /// Returns the smallest and the largest bound; NaN if a bound is, zeros if there is none.
+    pub(super) fn values(&self) -> [f64; 2] {
+        // NaN may have a sign
+        if self.bits.iter().any(|bits| bits << 1 != 0) {
+            return [f64::NAN; 2];
+        }
+        let smallest = |parts: &[f64; PARTS]| parts.iter().copied().fold(f64::INFINITY, f64::min);
+        let [lower, upper] = [smallest(&self.lower), -smallest(&self.minus_upper)];
+        if lower > upper {
+            [0.0; 2]
+        } else {
+            [lower, upper]
+        }
+    }
+
     #[inline(always)]
-    fn add<R: Row>(
-        &mut self,
-        first: usize,
-        sites: usize,
-        bounds: &[f64],
-        factor: &impl Fn(usize) -> f64,
-    ) {
-        let size = R::LENGTH;
-        for k in 0..size {
-            for part in 0..sites {
-                let site = first + part;
-                let factor = 0.25 * factor(site * size + k);
-                let row = 2 * site * size + k;
-                let [a, b] = [factor * bounds[row], factor * bounds[row + size]];
-                let width = a - b;
-                // the difference of two infinite numbers is NaN
-                #[allow(clippy::eq_op)]
-                let bits = (width - width).to_bits();
-                self.bits[part] |= bits;
-                self.lower[part] = smaller(self.lower[part], smaller(a, b));
-                self.minus_upper[part] = smaller(self.minus_upper[part], smaller(-a, -b));
+    fn add(&mut self, part: usize, bound: f64) {
+        // the difference of two infinite numbers is NaN
+        #[allow(clippy::eq_op)]
+        let bits = (bound - bound).to_bits();
+        self.bits[part] |= bits;
+        self.lower[part] = smaller(self.lower[part], bound);
+        self.minus_upper[part] = smaller(self.minus_upper[part], -bound);
+    }
+}
+
+impl Bounds for Extremes {
+    #[inline(always)]
+    fn take(&mut self, _: usize, size: usize, bounds: &[f64], factors: impl Factor) {
+        let Some(factor) = factors.of_all() else {
+            for (site, row) in bounds.chunks_exact(2 * size).enumerate() {
+                for (k, bound) in row.iter().enumerate() {
+                    let factor = factors.of(site * size + k % size);
+                    self.add(k % PARTS, 0.25 * factor * bound);
+                }
+            }
+            return;
+        };
+        // in registers, since all its indices are constants once the loop is unrolled
+        let mut extremes = *self;
+        let (chunks, rest) = bounds.as_chunks::<PARTS>();
+        for chunk in chunks {
+            for (part, bound) in chunk.iter().enumerate() {
+                extremes.add(part, 0.25 * factor * bound);
             }
         }
+        *self = extremes;
+        for (part, bound) in rest.iter().enumerate() {
+            self.add(part, 0.25 * factor * bound);
+        }
+    }
+}
+
+/// The component with the worst bounds: those that are no numbers, else the lowest lower bound if it
+/// is at most −1, else the highest upper one. With its badness.
+#[derive(Default)]
+pub(super) struct Worst {
+    pub(super) at: usize,
+    badness: f64,
+}
+
+impl Bounds for Worst {
+    #[inline(always)]
+    fn take(&mut self, first: usize, size: usize, bounds: &[f64], factors: impl Factor) {
+        for (site, row) in bounds.chunks_exact(2 * size).enumerate() {
+            for k in 0..size {
+                let factor = 0.25 * factors.of(site * size + k);
+                let badness = badness([row[k], row[size + k]].map(|x| factor * x));
+                if badness >= self.badness {
+                    let at = first + site * size + k;
+                    *self = Self { at, badness };
+                }
+            }
+        }
+    }
+}
+
+fn badness([a, b]: [f64; 2]) -> f64 {
+    if !(a - b).is_finite() {
+        return f64::INFINITY;
+    }
+    let (lower, upper) = (a.min(b), a.max(b));
+    // larger than any upper bound, and the larger the lower it is
+    if lower <= -1.0 {
+        f64::MAX * (1.0 + 0.5 / lower)
+    } else {
+        upper
     }
 }
 
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
-}
-
-/// Returns the component with the worst bounds: those that are no numbers, else the lowest lower
-/// bound if it is at most −1, else the highest upper one.
-#[cold]
-pub(super) fn worst<R: Row>(bounds: &[f64], factors: &Factors) -> usize {
-    let size = R::LENGTH;
-    let badness = |at: usize| {
-        let row = &bounds[at / size * 2 * size..][..2 * size];
-        let [a, b] = [row[at % size], row[size + at % size]].map(|x| 0.25 * factors.of(at) * x);
-        if !(a - b).is_finite() {
-            return f64::INFINITY;
-        }
-        let (lower, upper) = (a.min(b), a.max(b));
-        // larger than any upper bound, and the larger the lower it is
-        if lower <= -1.0 {
-            f64::MAX * (1.0 + 0.5 / lower)
-        } else {
-            upper
-        }
-    };
-    let all = 0..bounds.len() / 2;
-    let worst = all.max_by(|&a, &b| badness(a).total_cmp(&badness(b)));
-    worst.unwrap_or_default()
 }

@@ -230,7 +230,7 @@ impl<S: Contributions<W>, W> Impulse<S::Numbers> for Node<'_, S, W> {
     }
 }
 
-type NumbersOf<S, W> = <S as Contributions<W>>::Numbers;
+pub(super) type NumbersOf<S, W> = <S as Contributions<W>>::Numbers;
 type CountsOf<S, W> = <S as Contributions<W>>::Counts;
 
 /// Copies the nodes of a batch, and what their impulses read, to consecutive places.

@@ -72,7 +72,9 @@ where
         worst[half] = worst[half].max((energy(&state) / start - 1.0).abs());
     }
     assert!(worst[0] < 2e-3, "{worst:?}");
-    assert!(worst[1] < 1.1 * worst[0], "{worst:?}");
+    // the motion is chaotic, so that the largest values of two halves differ by up to a quarter for
+    // other starts; with a drift the second one would be twice the first one
+    assert!(worst[1] < 1.5 * worst[0], "{worst:?}");
     let after = state.p.iter().sum::<f64>();
     assert!((after - momentum).abs() < 1e-10, "{after} {momentum}");
 }

@@ -1,0 +1,131 @@
+//! A sweep whose sums are used piece by piece: a sink takes the contributions of all loops to the
+//! nodes of a piece while they are in the first cache.
+
+use core::marker::PhantomData;
+use core::ops::Range;
+
+use super::passes::{Factor, Pass};
+use super::segments::{Segments, TILE};
+use super::sweep::{Buffers, Kick, NumbersOf, Visit};
+use super::{Contributions, IndexError, Row, Scene};
+
+/// What is done with the contributions. All functions are `#[inline(always)]`.
+pub(super) trait Sink<R> {
+    /// Returns the nodes at which the contributions are computed, of which those below `ready` are
+    /// read. The number never decreases.
+    fn nodes(&mut self, ready: usize, factors: impl Factor) -> &[R];
+
+    /// Takes the sums of consecutive nodes.
+    fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor);
+}
+
+/// A sweep over the contributions `W`, in which the sink takes the sums of each node once. Returns
+/// the sink.
+pub(super) struct Gather<'a, S, W, K> {
+    pub(super) scene: &'a S,
+    pub(super) segments: &'a Segments,
+    pub(super) kick: Kick<'a>,
+    pub(super) buffers: &'a mut Buffers,
+    pub(super) sink: K,
+    pub(super) what: PhantomData<W>,
+}
+
+impl<S, W, K> Pass for Gather<'_, S, W, K>
+where
+    S: Scene + Contributions<W>,
+    K: Sink<NumbersOf<S, W>>,
+{
+    type Output = Result<K, IndexError>;
+
+    #[inline(always)]
+    fn run(self, factors: impl Factor) -> Self::Output {
+        let Self {
+            scene,
+            segments,
+            kick,
+            buffers:
+                Buffers {
+                    of_piece,
+                    of_nests,
+                    of_batch,
+                    dw: of_increments,
+                },
+            mut sink,
+            ..
+        } = self;
+        let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
+        let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
+        let has_nests = !segments.nests.is_empty();
+        let mut visit = Visit::<S, W>::new(scene, segments, kick, [of_batch, of_increments]);
+        for (piece, bases) in segments.pieces() {
+            let sums = &mut of_piece[..piece.length as usize];
+            let nodes = sink.nodes(piece.ready(), factors);
+            let batch = visit.add(nodes, piece, bases, sums);
+            match batch {
+                _ if has_nests => add(of_nests, piece.nodes(), batch.map(|b| &*b.nodes), sums),
+                None => sink.take(piece.nodes(), sums, factors),
+                Some(batch) => {
+                    for (&node, sum) in batch.nodes.iter().zip(&*sums) {
+                        let node = node as usize;
+                        sink.take(node..node + 1, core::slice::from_ref(sum), factors);
+                    }
+                }
+            }
+            sums.fill(NumbersOf::<S, W>::ZERO);
+        }
+        if !has_nests {
+            for range in &segments.free {
+                let _ = sink.nodes(range.end, factors);
+                take_all(
+                    &mut sink,
+                    range.clone(),
+                    |here| &of_piece[..here.len()],
+                    factors,
+                );
+            }
+            return Ok(sink);
+        }
+        let Kick { h, t, dw } = kick;
+        let all = 0..of_nests.len();
+        let nodes = sink.nodes(all.end, factors);
+        let mut nests = segments.nests.iter();
+        let made = nests
+            .try_for_each(|&nest| Contributions::<W>::nest(scene, nest, h, t, dw, nodes, of_nests));
+        if made.is_ok() {
+            take_all(&mut sink, all, |here| &of_nests[here], factors);
+        }
+        of_nests.fill(NumbersOf::<S, W>::ZERO);
+        made.map(|()| sink)
+    }
+}
+
+/// Lets the sink take nodes tile by tile.
+#[inline(always)]
+fn take_all<'a, R: Row>(
+    sink: &mut impl Sink<R>,
+    nodes: Range<usize>,
+    sums: impl Fn(Range<usize>) -> &'a [R],
+    factors: impl Factor,
+) {
+    for first in nodes.clone().step_by(TILE) {
+        let here = first..nodes.end.min(first + TILE);
+        sink.take(here.clone(), sums(here), factors);
+    }
+}
+
+/// Adds sums to consecutive nodes, or to listed ones.
+#[inline(always)]
+fn add<R: Row>(to: &mut [R], nodes: Range<usize>, listed: Option<&[u32]>, sums: &[R]) {
+    match listed {
+        None => {
+            for (to, sum) in to[nodes].iter_mut().zip(sums) {
+                to.add(*sum);
+            }
+        }
+        Some(listed) => {
+            for (&node, sum) in listed.iter().zip(sums) {
+                to[node as usize].add(*sum);
+            }
+        }
+    }
+}
