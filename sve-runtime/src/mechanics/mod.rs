@@ -5,6 +5,7 @@
 //! (`docs/mathematics.md`, sections 1 and 4), `dq = v dt + Σ ∂G_a/∂p ∘ dW_a`,
 //! `dp = (∂L/∂q + F) dt − Σ ∂G_a/∂q ∘ dW_a`, `p = ∂L/∂v`, with `G = −γ` or `G = H₁`.
 
+pub(crate) mod connected;
 pub(crate) mod constraints;
 pub(crate) mod degenerate;
 mod dual_state;
