@@ -77,6 +77,35 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         mass: f64,
     },
+    /// No velocity of a site of a scene has its momentum, or its kinetic energy is not defined.
+    #[error("the site {site}, alone: {error}")]
+    Site {
+        /// The number of the site.
+        site: usize,
+        /// What is wrong, with the configuration and the momentum of the site.
+        error: Box<StepError>,
+    },
+    /// The equations for the forces of velocities and for the `#[h1]` of a scene are not solved by
+    /// the iteration over its sites.
+    #[error(
+        "the forces of velocities or the `#[h1]` in the step from t = {t} with h = {h:e} are too strong for its iteration, whose changes have the ratio {ratio:.3}: \
+         take h below about {wanted:e}, the rule `endpoint`, whose forces of velocities are explicit, or truncated increments (`Truncated`)"
+    )]
+    Contraction {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Length of the step, or of a part of it in a composition.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// The ratio of the last two changes of the impulses.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        ratio: f64,
+        /// The magnitude of a step size at which the iteration converges, by an estimate from the
+        /// ratio. The ratio may have been smaller than later ones.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        wanted: f64,
+    },
     /// The step of a scene left the numbers.
     #[error(
         "the step from t = {t} with h = {h:e} gave a {what} that is not finite: \

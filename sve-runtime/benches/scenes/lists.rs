@@ -92,6 +92,8 @@ fn short_steps() -> (f64, Vec<Shear>) {
             Shear::Drift {
                 h,
                 friction: [0.0; 2],
+                parts: [0.0; 2],
+                at: [0.0; 2],
             },
             kick(h),
         ],

@@ -75,6 +75,8 @@ fn shears(is_verlet: bool) -> Vec<Shear> {
             Shear::Drift {
                 h: H,
                 friction: [0.0; 2],
+                parts: [0.0; 2],
+                at: [0.0; 2],
             },
             kick(0.5, 1.0),
         ]
@@ -83,6 +85,8 @@ fn shears(is_verlet: bool) -> Vec<Shear> {
             Shear::Drift {
                 h: H,
                 friction: [0.0; 2],
+                parts: [0.0; 2],
+                at: [0.0; 2],
             },
             kick(1.0, 1.0),
         ]

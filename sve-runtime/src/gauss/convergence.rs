@@ -36,7 +36,7 @@ const STAGNATION: f64 = 1e-14;
 
 /// The state of an iteration.
 #[derive(Clone, Copy)]
-pub(super) struct Course {
+pub(crate) struct Course {
     /// The last change.
     last: f64,
     sweeps: u32,
@@ -46,7 +46,7 @@ pub(super) struct Course {
 
 /// The decision after a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Verdict {
+pub(crate) enum Verdict {
     Continue,
     Converged,
     /// The iteration does not contract, or is not finite: Newton's method has to solve the step.
@@ -54,7 +54,7 @@ pub(super) enum Verdict {
 }
 
 impl Course {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             last: f64::INFINITY,
             sweeps: 0,
@@ -71,7 +71,7 @@ impl Course {
     /// Judges a sweep by its change. Convergence is linear: the next change is about
     /// `change² / last`. The first sweep says nothing about the rate, unless it changes nothing.
     #[inline(always)]
-    pub(super) fn judge(&mut self, change: f64) -> Verdict {
+    pub(crate) fn judge(&mut self, change: f64) -> Verdict {
         let last = self.last;
         self.last = change;
         self.sweeps += 1;

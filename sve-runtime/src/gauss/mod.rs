@@ -27,7 +27,7 @@
 
 mod bounds;
 mod connected;
-mod convergence;
+pub(crate) mod convergence;
 mod double_double;
 mod fixed_point;
 mod linearise;

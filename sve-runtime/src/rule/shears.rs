@@ -37,9 +37,13 @@ pub enum StepShear {
     Drift {
         /// The time over which they move.
         h: f64,
-        /// The times over which friction acts with the velocity of this drift: before it and after
-        /// it, those of the kicks on the same sides.
+        /// The times over which friction and drags act with the velocity of this drift: before it
+        /// and after it, those of the kicks on the same sides.
         friction: [f64; 2],
+        /// The fractions of the increments of the kicks on the same sides.
+        parts: [f64; 2],
+        /// The times of its start and its end, from the start of the step.
+        at: [f64; 2],
     },
     /// A step of the midpoint rule.
     Midpoint {
@@ -113,11 +117,14 @@ impl<S, I: ?Sized> Mode<S, I> for Collected<'_> {
                 },
                 Shear::Drift(fraction) => {
                     drifted += fraction;
+                    let before = self.at;
                     self.at = start + drifted * h;
                     let kicks = [&shears[..at], &shears[at..]];
                     StepShear::Drift {
                         h: fraction * h,
                         friction: kicks.map(|kicks| h * kicked(kicks)),
+                        parts: kicks.map(|kicks| part * kicked(kicks)),
+                        at: [before, self.at],
                     }
                 }
                 Shear::Midpoint => {

@@ -1,7 +1,7 @@
 //! Masses and friction of all components of all sites.
 
 use super::errors::{index_error, name};
-use super::{IndexError, Row, Scene};
+use super::{IndexError, KineticForm, Row, Scene};
 use crate::error::StepError;
 
 /// Inverse masses of all components of all sites.
@@ -14,11 +14,14 @@ pub(super) enum InverseMasses {
 }
 
 impl InverseMasses {
-    /// Returns the inverse of each mass of a scene of `n` sites.
+    /// Returns the inverse of each mass of a scene of `n` sites; nothing for another kinetic energy.
     ///
     /// # Errors
     /// An index that is out of range; a mass without an inverse.
     pub(super) fn new<S: Scene>(scene: &S, n: usize, t: f64) -> Result<Self, StepError> {
+        if S::KINETIC != KineticForm::Masses {
+            return Ok(Self::Each(Vec::new()));
+        }
         let mut masses = vec![S::Row::ZERO; n];
         let added = scene.masses(n, &mut masses);
         added.map_err(|error| index_error(error, t))?;
@@ -38,7 +41,8 @@ impl InverseMasses {
         })
     }
 
-    /// Returns the friction of each component divided by its mass; nothing without friction.
+    /// Returns the friction of each component divided by its mass; nothing without friction or
+    /// masses.
     ///
     /// # Errors
     /// An index that is out of range.
@@ -46,7 +50,8 @@ impl InverseMasses {
         let mut frictions = vec![S::Row::ZERO; n];
         scene.frictions(n, &mut frictions)?;
         let frictions = S::Row::numbers(&frictions);
-        if frictions.iter().all(|&friction| friction == 0.0) {
+        let has_masses = S::KINETIC == KineticForm::Masses;
+        if !has_masses || frictions.iter().all(|&friction| friction == 0.0) {
             return Ok(Vec::new());
         }
         let rates = frictions.iter().enumerate();

@@ -19,21 +19,25 @@
 //! | `chebyshev.rs` | the iteration that solves these equations |
 //! | `spectrum.rs` | bounds of the derivatives of impulses, from boxes around the motion |
 //! | `masses.rs` | masses and friction |
+//! | `kinetic.rs` | kinetic energies that are no sums of `½ m v²`, and their velocities |
 //! | `mechanics.rs` | energies and velocities, for users |
 //! | `momentum.rs` | momenta of symmetries |
 //! | `errors.rs` | errors of steps, and the checks that find them |
+//! | `drag.rs` | drifts with forces of velocities and H₁, and drifts of solved velocities |
 //! | `layout.rs` | what is known about the loops of a scene of known size |
 //!
-//! The folder knows arrays and no mechanics. A loop of the user is a list of instances, and each
-//! instance reads some nodes, which are sites of the configuration. Where the nodes of consecutive
-//! instances are consecutive, the derivatives are computed from slices; any other loop is made as
-//! the user wrote it.
+//! The folder knows arrays, and of mechanics the kinetic energy of a site. A loop of the user is a
+//! list of instances, and each instance reads some nodes, which are sites of the configuration.
+//! Where the nodes of consecutive instances are consecutive, the derivatives are computed from
+//! slices; any other loop is made as the user wrote it.
 
 mod chebyshev;
+mod drag;
 mod drift;
 mod errors;
 mod gather;
 mod indices;
+mod kinetic;
 mod layout;
 mod masses;
 mod mechanics;
@@ -53,6 +57,7 @@ mod written;
 
 pub(crate) use errors::check_length;
 pub use indices::Instances;
+pub use kinetic::{KineticForm, KineticJet, KineticTerms};
 pub use layout::Layout;
 pub use mechanics::SceneMechanics;
 pub use midpoint::{MidpointStep, midpoint};
@@ -155,11 +160,31 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// A [`Stop`] of the visitor, or an index of a field that is out of range.
     fn instances(&self, number: usize, n: usize, to: &mut Instances) -> Result<(), Stop>;
 
-    /// Adds the mass of each component of each of `n` sites.
+    /// The form of the kinetic energy.
+    const KINETIC: KineticForm = KineticForm::Masses;
+
+    /// Adds the mass of each component of each of `n` sites, for a kinetic energy of masses.
     ///
     /// # Errors
     /// An index that is out of range.
-    fn masses(&self, n: usize, masses: &mut [Self::Row]) -> Result<(), IndexError>;
+    fn masses(&self, n: usize, masses: &mut [Self::Row]) -> Result<(), IndexError> {
+        let _ = (n, masses);
+        Ok(())
+    }
+
+    /// Visits the terms of another kinetic energy.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn kinetic_terms(&self, n: usize, to: &mut KineticTerms) -> Result<(), IndexError> {
+        let _ = (n, to);
+        Ok(())
+    }
+
+    /// Adds the derivatives of a term of the kinetic energy at the velocity of its site.
+    fn kinetic(&self, term: usize, columns: &[f64], v: &Self::Row, to: &mut KineticJet<Self::Row>) {
+        let _ = (term, columns, v, to);
+    }
 
     /// Adds the friction ν of each component of each of `n` sites: of the forces −ν v.
     ///
@@ -176,6 +201,66 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// An index that is out of range.
     fn forces(&self, n: usize, visit: &mut dyn FnMut(&'static str, i64)) -> Result<(), IndexError> {
         let _ = (n, visit);
+        Ok(())
+    }
+
+    /// True if forces depend on velocities in another way than friction.
+    const HAS_DRAGS: bool = false;
+
+    /// Adds the impulses of these forces over the time `h`. `dw` ends with the totals.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    #[allow(clippy::too_many_arguments)] // those of a nest, and the velocities
+    fn drags(
+        &self,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        q: &[Self::Row],
+        v: &[Self::Row],
+        to: &mut [Self::Row],
+    ) -> Result<(), IndexError> {
+        let _ = (h, t, dw, q, v, to);
+        Ok(())
+    }
+
+    /// True if there are noises H₁.
+    const HAS_H1: bool = false;
+
+    /// Adds the impulses −Σ ΔW ∂H₁/∂q.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    #[allow(clippy::too_many_arguments)] // as `drags`
+    fn h1_kicks(
+        &self,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        q: &[Self::Row],
+        p: &[Self::Row],
+        to: &mut [Self::Row],
+    ) -> Result<(), IndexError> {
+        let _ = (h, t, dw, q, p, to);
+        Ok(())
+    }
+
+    /// Adds the displacements Σ ΔW ∂H₁/∂p.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    #[allow(clippy::too_many_arguments)] // as `drags`
+    fn h1_shifts(
+        &self,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        q: &[Self::Row],
+        p: &[Self::Row],
+        to: &mut [Self::Row],
+    ) -> Result<(), IndexError> {
+        let _ = (h, t, dw, q, p, to);
         Ok(())
     }
 

@@ -7,8 +7,10 @@
 //! repeated from the copy with a test each, so that the step that fails is known, and the state
 //! before it is restored.
 
+use super::drag::{Drags, Motion, Velocities};
 use super::drift::{AreFinite, Drift, DriftAlone};
 use super::errors::{check_forces, index_error, not_finite};
+use super::kinetic::{KineticForm, Sites};
 use super::masses::InverseMasses;
 use super::midpoint::MidpointStep;
 use super::segments::Segments;
@@ -39,7 +41,10 @@ pub struct Prepared {
     n: usize,
     processes: usize,
     segments: Segments,
+    /// The kinetic energies of sites that have no masses of components.
+    sites: Option<Sites>,
     masses: InverseMasses,
+    drags: Drags,
     /// The friction of each component divided by its mass; empty without friction.
     rates: Vec<f64>,
     buffers: Buffers,
@@ -67,6 +72,8 @@ impl Prepared {
             processes: scene.processes(n).map_err(index)?,
             rates: masses.rates(scene, n).map_err(index)?,
             masses,
+            sites: Sites::new(scene, n).map_err(index)?,
+            drags: Drags::default(),
             buffers: Buffers::new::<S::Row>(&segments, n),
             segments,
             before: [vec![0.0; numbers], vec![0.0; numbers]],
@@ -93,6 +100,8 @@ impl Prepared {
         };
         let numbers = masses
             + self.rates.len()
+            + self.sites.as_ref().map_or(0, Sites::len)
+            + self.drags.len()
             + self.buffers.len()
             + 2 * self.before[0].len()
             + self.of_kick.len()
@@ -217,10 +226,27 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
     fn step(&mut self, shears: &[StepShear], t: f64, dw: &[f64]) -> Result<(), StepError> {
         for shear in shears {
             match *shear {
-                StepShear::Drift { h, friction } => {
+                StepShear::Drift {
+                    h,
+                    friction,
+                    parts,
+                    at,
+                } => {
                     self.kick::<false>(t)?;
                     self.drift_alone();
-                    self.drift = Some((h, friction));
+                    let is_plain = S::KINETIC == KineticForm::Masses;
+                    if is_plain && !S::HAS_DRAGS && !S::HAS_H1 {
+                        self.drift = Some((h, friction));
+                    } else {
+                        let motion = Motion {
+                            h,
+                            forced: friction,
+                            parts,
+                            at: at.map(|at| t + at),
+                            start: t,
+                        };
+                        self.drift_with_drags(motion, dw)?;
+                    }
                 }
                 StepShear::Midpoint { h, part, at } => {
                     self.end(t)?;
@@ -245,6 +271,30 @@ impl<'a, 'b, S: Scene> Run<'a, 'b, S> {
             return Ok(());
         }
         self.kick::<false>(t)
+    }
+
+    /// Makes a drift of a scene whose velocities are solved for, or that has an H₁.
+    fn drift_with_drags(&mut self, motion: Motion, dw: &[f64]) -> Result<(), StepError> {
+        let Prepared {
+            sites,
+            masses,
+            rates,
+            drags,
+            ..
+        } = &mut *self.prepared;
+        let sites = sites.as_ref();
+        let velocities = Velocities {
+            sites,
+            masses,
+            rates,
+        };
+        drags.drift(self.scene, velocities, self.state, motion, dw)?;
+        if self.is_tested {
+            let Phase { q, p } = &*self.state;
+            self.is_finite &= dispatch(AreFinite(S::Row::numbers(q)));
+            self.is_finite &= dispatch(AreFinite(S::Row::numbers(p)));
+        }
+        Ok(())
     }
 
     /// Makes a step of the midpoint rule of length `h` with its node at the time `t`.

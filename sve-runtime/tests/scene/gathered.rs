@@ -12,6 +12,8 @@ pub(super) const VERLET: [Shear; 3] = [
     Shear::Drift {
         h: H,
         friction: [0.0; 2],
+        parts: [0.0; 2],
+        at: [0.0; 2],
     },
     kick(0.5, 1.0),
 ];
@@ -19,6 +21,8 @@ pub(super) const ENDPOINT: [Shear; 2] = [
     Shear::Drift {
         h: H,
         friction: [0.0; 2],
+        parts: [0.0; 2],
+        at: [0.0; 2],
     },
     kick(1.0, 1.0),
 ];
@@ -27,6 +31,8 @@ pub(super) const INITIAL_POINT: [Shear; 2] = [
     Shear::Drift {
         h: H,
         friction: [0.0; 2],
+        parts: [0.0; 2],
+        at: [0.0; 2],
     },
 ];
 pub(super) const H: f64 = 0.05;

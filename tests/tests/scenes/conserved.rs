@@ -91,6 +91,105 @@ fn all_rules_keep_momenta() {
     );
 }
 
+/// Relativistic bodies in a vector potential, with a force across the direction in which all may be
+/// moved.
+struct Fast {
+    a: [f64; 2],
+    k: f64,
+}
+
+#[variational(initial_point, endpoint, stormer_verlet)]
+impl Fast {
+    fn lagrangian(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += self.a[0] * v[i][0] + self.a[1] * v[i][1];
+            l -= (1.0 - v[i][0] * v[i][0] - v[i][1] * v[i][1]).sqrt();
+            let j = (i + 1) % q.len();
+            l -= 0.5 * self.k * ((q[j][0] - q[i][0]).powi(2) + (q[j][1] + q[i][1]).powi(2));
+        }
+        l
+    }
+
+    #[force]
+    fn drag(&self, _q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        v.iter()
+            .map(|v| [0.0, -0.5 * (0.1 + v[0] * v[0]).sqrt() * v[1]])
+            .collect()
+    }
+
+    #[symmetry]
+    fn along(&self, q: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        q.iter().map(|_| [1.0, 0.0]).collect()
+    }
+}
+
+/// Relativistic bodies in a round well, with a drag towards the middle, and with noises that turn and
+/// stretch them.
+struct Turning {
+    k: f64,
+    sigma: f64,
+}
+
+#[variational(stormer_verlet)]
+impl Turning {
+    fn lagrangian(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l -= (1.0 - v[i][0] * v[i][0] - v[i][1] * v[i][1]).sqrt();
+            l -= self.k * (q[i][0] * q[i][0] + q[i][1] * q[i][1]);
+        }
+        l
+    }
+
+    #[h1]
+    fn spin(&self, q: &[[f64; 2]], p: &[[f64; 2]]) -> f64 {
+        let mut h = 0.0;
+        for i in 0..q.len() {
+            h += self.sigma * (q[i][0] * p[i][1] - q[i][1] * p[i][0]);
+        }
+        h
+    }
+
+    #[h1]
+    fn swap(&self, q: &[[f64; 2]], p: &[[f64; 2]]) -> Vec<f64> {
+        (0..q.len())
+            .map(|i| {
+                let j = (i + 1) % q.len();
+                self.sigma * (q[i][0] * p[j][0] + q[i][1] * p[j][1])
+            })
+            .collect()
+    }
+
+    #[force]
+    fn drag(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        (0..q.len())
+            .map(|i| {
+                let inwards = -0.5 * (q[i][0] * v[i][0] + q[i][1] * v[i][1]);
+                [inwards * q[i][0], inwards * q[i][1]]
+            })
+            .collect()
+    }
+
+    #[symmetry]
+    fn turn(&self, q: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        q.iter().map(|q| [-q[1], q[0]]).collect()
+    }
+}
+
+/// Momenta are those of the whole: kinetic energies, forces of velocities and noises that move
+/// positions leave them.
+#[test]
+fn drifts_with_solved_velocities_keep_momenta() {
+    let (a, k) = ([0.3, -0.2], 0.7);
+    let (q, p) = (pairs::<5>(1), pairs::<5>(2));
+    assert_kept!(explicit Fast { a, k }, q, p, NoNoise, along_momentum);
+    let (turning, p) = (Turning { k, sigma: 0.1 }, p.map(|p| [p[0] + 1.0, p[1]]));
+    let (turning, noise) = (&turning, Wiener::new(3));
+    assert_kept!(@each turning, q, p, noise, [turn_momentum],
+        StormerVerlet, Composed::new(StormerVerlet, KahanLi8));
+}
+
 /// Atoms of Lennard and Jones with a cut-off, from lists of neighbours.
 struct Cluster {
     near: Neighbours<3>,

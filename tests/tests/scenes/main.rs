@@ -9,7 +9,10 @@
 //! | `lattices.rs` | lattices in two and three dimensions, open and periodic |
 //! | `bodies.rs` | all pairs of bodies, and lists of bonds, angles and neighbours with a cut-off |
 //! | `invariants.rs` | energies, the symplectic form, strong order |
+//! | `kinetic.rs` | kinetic energies that are no sums of `½ m v²` |
 //! | `forces.rs` | friction, pushes and forces of neighbours |
+//! | `drags.rs` | forces that depend on velocities |
+//! | `h1.rs` | noises that move positions |
 //! | `shapes.rs` | sums in formulas in many shapes, against differences |
 //! | `totals.rs` | sums that enter other formulas, such as a mean field |
 //! | `inner.rs` | inner sums that enter formulas of the sum around them |
@@ -27,11 +30,14 @@ mod common;
 mod bodies;
 mod chains;
 mod conserved;
+mod drags;
 mod failures;
 mod forces;
+mod h1;
 mod hard_steps;
 mod inner;
 mod invariants;
+mod kinetic;
 mod lattices;
 mod midpoint;
 mod output;

@@ -6,7 +6,7 @@ use super::symmetry_caveat;
 use crate::algebra::{Arena, Notation};
 use crate::catalogue::{Nodes, Rule};
 use crate::model::scene::{Processes, SceneNames, SlotArray};
-use crate::scene::{Derived, SceneMomentum, Summand, is_implicit};
+use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
 
 /// The texts about a scene.
 pub(crate) struct SceneTexts {
@@ -19,7 +19,10 @@ pub(crate) struct SceneTexts {
     sweep: Vec<String>,
     /// The friction of the sites.
     friction: Vec<String>,
-    has_noises: bool,
+    /// The impulses of other forces of velocities, and the impulses and displacements by all H₁.
+    in_drifts: [Vec<String>; 3],
+    has_masses: bool,
+    has_gamma: bool,
     has_forces: bool,
 }
 
@@ -36,7 +39,8 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             Processes::Listed(list) => format!("{} processes", list.len()),
             Processes::Each(sum) => format!("a process {}", names.loops(Some(*sum))),
         };
-        format!("γ {}: {processes}", noise.name)
+        let letter = if noise.is_h1 { "H₁" } else { "γ" };
+        format!("{letter} {}: {processes}", noise.name)
     });
     let summands = |name: String, list: &[Summand]| {
         let lines = list.iter().map(|summand| {
@@ -75,16 +79,24 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         },
     );
     let has_forces = !derived.scene.forces.is_empty();
-    let has_noises = !derived.scene.noises.is_empty();
-    let noise = if has_noises {
-        " + Σ ∂γ/∂q ∘ dW"
-    } else {
-        ""
+    let has = |is_h1| {
+        let mut noises = derived.scene.noises.iter();
+        noises.any(|noise| noise.is_h1 == is_h1)
     };
+    let text = |is_there, text| if is_there { text } else { "" };
+    let has_gamma = has(false);
+    let gamma = text(has_gamma, " + Σ ∂γ/∂q ∘ dW");
+    let [shift, kick] = [" + Σ ∂H₁/∂p ∘ dW", " − Σ ∂H₁/∂q ∘ dW"].map(|h1| text(has(true), h1));
     let force = if has_forces {
         "(∂L/∂q + F)"
     } else {
         "∂L/∂q"
+    };
+    let has_masses = matches!(derived.kinetic, Kinetic::Masses(_));
+    let [velocity, separator] = if has_masses {
+        ["dq = M⁻¹ p dt", "\n"]
+    } else {
+        ["dq = v dt", "\np = ∂L/∂v(v)\n"]
     };
     SceneTexts {
         system: totals
@@ -95,10 +107,16 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             .collect::<Vec<_>>()
             .join("\n"),
         momenta: momenta.collect(),
-        motion: format!("dq = M⁻¹ p dt\ndp = {force} dt{noise}"),
-        sweep: sweep(derived, names),
+        motion: format!("{velocity}{shift}{separator}dp = {force} dt{gamma}{kick}"),
+        sweep: sweep(&derived.terms, "I", names),
         friction: friction(derived, names),
-        has_noises,
+        in_drifts: [
+            sweep(&derived.drags, "D", names),
+            sweep(&derived.h1[0], "K", names),
+            sweep(&derived.h1[1], "X", names),
+        ],
+        has_masses,
+        has_gamma,
         has_forces,
     }
 }
@@ -124,8 +142,13 @@ impl SceneTexts {
         let lines = [&self.system]
             .into_iter()
             .chain(&self.sweep)
-            .chain(&self.friction);
+            .chain(&self.friction)
+            .chain(self.in_drifts.iter().flatten());
         lines.map(String::as_str).collect::<Vec<_>>().join("\n")
+    }
+
+    fn has_h1(&self) -> bool {
+        self.in_drifts[1..].iter().any(|lines| !lines.is_empty())
     }
 
     /// Returns the discrete action and the step of a rule.
@@ -139,9 +162,13 @@ impl SceneTexts {
             _ => ("L(t₁, q₁, v)", None, Some("")),
         };
         let mut action = format!("S_d = h {nodes} + ⟨p, q₁ − q₀ − h v⟩");
-        if self.has_noises {
+        if self.has_gamma {
             let noises = nodes.replace(", v)", ")").replace('L', "γ");
             write!(action, " + Σ {noises} ΔW").ok();
+        }
+        if self.has_h1() {
+            let h1 = nodes.replace(", v)", ", p)").replace('L', "H₁");
+            write!(action, " − Σ {h1} ΔW").ok();
         }
         if self.has_forces {
             let at = |part: Option<&str>, at| part.map(|part| format!("{part}h F({at}, v)·δ{at}"));
@@ -156,13 +183,7 @@ impl SceneTexts {
         let kick = |part: &str, at: &str| format!("kick: p += {part}I({at}), a sweep at {at}");
         let mut step = Vec::new();
         step.extend(start.map(|part| kick(part, "q₀")));
-        let damped = |part: Option<&str>, how: [&str; 2]| {
-            let part = part.filter(|_| !self.friction.is_empty());
-            part.map(|part| format!("friction: p {} (1 {} {part}h N M⁻¹)", how[0], how[1]))
-        };
-        step.extend(damped(start, ["/=", "+"]));
-        step.push("drift: q₁ = q₀ + h M⁻¹ p".to_owned());
-        step.extend(damped(end, ["*=", "−"]));
+        step.extend(self.drift(start, end));
         step.extend(end.map(|part| kick(part, "q₁")));
         step.push("all in place".to_owned());
         self.push_impulses(&mut step);
@@ -171,7 +192,7 @@ impl SceneTexts {
 
     /// Returns the discrete action and the step of the midpoint rule.
     fn implicit_step(&self) -> [String; 2] {
-        let noises = if self.has_noises {
+        let noises = if self.has_gamma {
             " + Σ γ(t̄, q̄) ΔW"
         } else {
             ""
@@ -202,33 +223,76 @@ impl SceneTexts {
         } else {
             "∂L/∂q"
         };
-        let without = if self.friction.is_empty() {
-            ""
-        } else {
-            ", F without the friction −N v"
+        let without = match (self.friction.is_empty(), self.in_drifts[0].is_empty()) {
+            (true, true) => "",
+            (false, true) => ", F without the friction −N v",
+            (true, false) => ", F without D",
+            (false, false) => ", F without −N v and D",
         };
-        let noises = if self.has_noises {
+        let noises = if self.has_gamma {
             " + Σ ∂γ/∂q ΔW"
         } else {
             ""
         };
         step.push(format!("the impulses are I = h {force}{noises}{without}:"));
-        step.extend(self.sweep.iter().chain(&self.friction).cloned());
+        let all = self.sweep.iter().chain(&self.friction);
+        step.extend(all.chain(self.in_drifts.iter().flatten()).cloned());
+    }
+
+    /// Returns the drift, with what depends on velocities or momenta before it and after it.
+    fn drift(&self, start: Option<&str>, end: Option<&str>) -> Vec<String> {
+        let [drags, kicks, shifts] = &self.in_drifts;
+        let has_friction = !self.friction.is_empty();
+        if self.has_masses && drags.is_empty() && !self.has_h1() {
+            let damped = |part: Option<&str>, how: [&str; 2]| {
+                let part = part.filter(|_| has_friction);
+                part.map(|part| format!("friction: p {} (1 {} {part}h N M⁻¹)", how[0], how[1]))
+            };
+            let lines = [
+                damped(start, ["/=", "+"]),
+                Some("drift: q₁ = q₀ + h M⁻¹ p".to_owned()),
+                damped(end, ["*=", "−"]),
+            ];
+            return lines.into_iter().flatten().collect();
+        }
+        // a term of the side of a node, where there are such terms
+        let term = |is_there: bool, part: Option<&str>, text: &str| match part {
+            Some(part) if is_there => text.replace('#', part),
+            _ => String::new(),
+        };
+        let [friction, drag] = [has_friction, !drags.is_empty()];
+        let [kick, shift] = [kicks, shifts].map(|lines| !lines.is_empty());
+        let momentum = if self.has_masses {
+            "M v"
+        } else {
+            "∂L/∂v(v)"
+        };
+        let implied = term(friction, start, " + #h N v");
+        let before = term(drag, start, " + #D(q₀, v)") + &term(kick, start, " + #K(q₀, p)");
+        let moved = term(shift, start, " + #X(q₀, p)") + &term(shift, end, " + #X(q₁, p)");
+        let after = term(friction, end, " − #h N v")
+            + &term(drag, end, " + #D(q₁, v)")
+            + &term(kick, end, " + #K(q₁, p)");
+        vec![
+            format!("velocities: p{implied} = (p of the kick){before} with p = {momentum}"),
+            format!("drift: q₁ = q₀ + h v{moved}"),
+            format!("momenta: p{after}"),
+        ]
     }
 }
 
-/// Returns the impulse of each site of each term.
-fn sweep(derived: &Derived, names: SceneNames<'_>) -> Vec<String> {
+/// Returns the impulse, or another row named by `letter`, of each site of each term.
+fn sweep(terms: &[Term], letter: &str, names: SceneNames<'_>) -> Vec<String> {
     let mut lines = Vec::new();
-    for term in &derived.terms {
+    for term in terms {
         let loops = names.loops(term.sum);
         for at in term.receivers(names.arena) {
             let (site, impulses) = (term.sites[at], &term.impulses[at]);
             for (component, &impulse) in impulses.iter().enumerate() {
-                let index = derived.scene.integers.text(site);
+                let index = names.scene.integers.text(site);
                 let component = names.component(component);
                 let impulse = names.formula(impulse);
-                lines.push(format!("I[{index}]{component} += {impulse} {loops}"));
+                lines.push(format!("{letter}[{index}]{component} += {impulse} {loops}"));
             }
         }
     }

@@ -80,7 +80,6 @@ pub(crate) struct Slot {
 pub(crate) enum SlotArray {
     Configuration(Int),
     Velocity(Int),
-    /// The momentum, which occurs in momenta of symmetries only.
     Momentum(Int),
     /// A number that a field holds.
     Field(Access),
@@ -147,20 +146,21 @@ pub(crate) struct Scene {
     pub(crate) constants: Vec<(TokenStream, f64)>,
 }
 
-/// A function γ.
+/// A function γ or H₁.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneNoise {
     /// Source name.
     pub(crate) name: String,
+    pub(crate) is_h1: bool,
     pub(crate) processes: Processes,
 }
 
-/// The processes of a γ.
+/// The processes of a noise.
 #[derive(Clone, Debug)]
 pub(crate) enum Processes {
-    /// γ of each process, of a function that returns `f64` or `[f64; M]`.
+    /// The noise of each process, of a function that returns `f64` or `[f64; M]`.
     Listed(Vec<Expr>),
-    /// A function that returns a `Vec`. The summand of the sum, a `For`, is γ of the process
+    /// A function that returns a `Vec`. The summand of the sum, a `For`, is that of the process
     /// `counter − from`.
     Each(SumId),
 }

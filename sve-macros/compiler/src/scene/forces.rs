@@ -1,19 +1,29 @@
-//! Forces of a scene: what they add to the impulses of their sites, and friction.
+//! Forces of a scene: what they add to the impulses of their sites, friction, and drags.
 //!
-//! A force `f − ν v` on a site has a part without velocities, which a kick adds, and a friction of
-//! each component, which acts while the site moves: the velocity is that of the drift.
+//! A force on a site has three parts. One without velocities is added by a kick. A friction `−ν v`
+//! of a component by its own velocity acts while the site moves: the velocity is that of the drift.
+//! What else reads velocities, of any site, is a drag: it acts with the velocities of the drift too,
+//! which before the drift are the solution of equations of all sites.
 
-use super::kinetic::numbers;
 use super::{Coefficient, Summand, Term, Terms};
-use crate::algebra::{Expr, Symbol};
+use crate::algebra::{Expr, Node, Symbol};
 use crate::model::scene::{Head, Int, SiteField, SlotArray, SumId};
 
-const WORKS: &str = "forces of scenes depend on velocities by a friction `-nu * v[i]` of each component of their site alone, with constants that may differ from site to site";
+/// The parts of all forces.
+pub(super) struct Forces {
+    pub(super) terms: Vec<Term>,
+    pub(super) frictions: Vec<Coefficient>,
+    pub(super) drags: Vec<Term>,
+}
 
 impl Terms<'_> {
-    /// Returns the terms of all forces, and the friction of the components of sites.
-    pub(super) fn forces(&mut self) -> (Vec<Term>, Vec<Coefficient>) {
-        let (mut all, mut frictions) = (Vec::new(), Vec::new());
+    /// Returns the parts of all forces.
+    pub(super) fn forces(&mut self) -> Forces {
+        let mut all = Forces {
+            terms: Vec::new(),
+            frictions: Vec::new(),
+            drags: Vec::new(),
+        };
         for SiteField {
             name, components, ..
         } in self.scene.forces.clone()
@@ -27,45 +37,38 @@ impl Terms<'_> {
                 let (mut summands, one) = (Vec::new(), self.arena.constant(1.0));
                 // a force is its value: it has no derivatives
                 self.sum(root, sum, one, [&mut summands, &mut Vec::new()]);
-                for summand in summands {
-                    frictions.extend(self.friction(&summand, site, component));
-                    let at_rest = self.at_rest(&summand);
-                    all.extend(self.force_term(&at_rest, site, component));
+                for mut summand in summands {
+                    all.frictions
+                        .extend(self.friction(&mut summand, site, component));
+                    let [at_rest, drag] = self.by_velocities(&summand);
+                    all.terms.extend(self.force_term(&at_rest, site, component));
+                    all.drags.extend(self.force_term(&drag, site, component));
                 }
             }
         }
-        (all, frictions)
+        all
     }
 
-    /// Returns the friction in a summand, if there is one.
-    fn friction(&mut self, summand: &Summand, site: Int, component: usize) -> Option<Coefficient> {
+    /// Takes the friction out of a summand, if there is one.
+    fn friction(
+        &mut self,
+        summand: &mut Summand,
+        site: Int,
+        component: usize,
+    ) -> Option<Coefficient> {
         let Summand { root, sum, value } = *summand;
-        let velocities: Vec<(Symbol, bool)> = self
-            .slots_of(value)
-            .into_iter()
-            .filter_map(|(symbol, array, of)| match array {
-                SlotArray::Velocity(at) => Some((symbol, *at == site && of == component)),
-                _ => None,
-            })
-            .collect();
-        let (own, is_own) = *velocities.iter().min_by_key(|velocity| velocity.1)?;
-        let slope = self.arena.diff(value, own);
-        let text = self.text(own);
-        let mistake = if is_own {
-            let varies = self.varies(sum, slope);
-            varies.map(|read| {
-                format!("the friction of the velocity `{text}` depends on {read}: {WORKS}")
-            })
-        } else {
-            Some(format!(
-                "this force depends on the velocity `{text}`, which is not that of its own component: {WORKS}"
-            ))
+        let is_own = |array: &SlotArray, of| {
+            matches!(array, SlotArray::Velocity(at) if *at == site) && of == component
         };
-        if let Some(mistake) = mistake {
-            let at = self.place(sum);
-            self.errors.push(at, mistake);
+        let slots = self.slots_of(value).into_iter();
+        let mut own = slots.filter(|slot| is_own(slot.1, slot.2)).map(|s| s.0);
+        let own = own.next()?;
+        let slope = self.arena.diff(value, own);
+        if self.varies(sum, slope, &[]).is_some() {
             return None;
         }
+        let rest = [(own, self.arena.constant(0.0))].into_iter().collect();
+        summand.value = self.arena.substitute(value, &rest);
         let value = self.arena.scale(-1.0, slope);
         Some(Coefficient {
             root,
@@ -76,20 +79,40 @@ impl Terms<'_> {
         })
     }
 
-    /// Returns the name of a time, coordinate or velocity that a number or a condition around it
-    /// depends on.
-    pub(super) fn varies(&mut self, sum: Option<SumId>, number: Expr) -> Option<String> {
-        let conditions = self.scene.heads(sum).filter_map(|head| match head {
-            Head::If(condition) => Some(numbers(condition)),
-            Head::For { .. } => None,
+    /// Splits a summand into its terms without velocities and those with velocities.
+    fn by_velocities(&mut self, summand: &Summand) -> [Summand; 2] {
+        let (constant, terms) = match self.arena.node(summand.value) {
+            Node::Sum(constant, terms) => (constant.get(), terms.clone()),
+            _ => (0.0, vec![(summand.value, crate::algebra::Bits::new(1.0))]),
+        };
+        let terms: Vec<(f64, Expr)> = terms.iter().map(|&(e, c)| (c.get(), e)).collect();
+        let (with, without): (Vec<_>, Vec<_>) = terms.into_iter().partition(|&(_, term)| {
+            let slots = self.slots_of(term);
+            slots.iter().any(|s| matches!(s.1, SlotArray::Velocity(_)))
         });
-        let read: Vec<Expr> = conditions.flatten().chain([number]).collect();
+        [(constant, without), (0.0, with)].map(|(constant, terms)| Summand {
+            value: self.arena.sum(constant, &terms),
+            ..*summand
+        })
+    }
+
+    /// Returns the name of a time, coordinate or velocity that a number or a condition around it
+    /// depends on, beside some slots.
+    pub(super) fn varies(
+        &mut self,
+        sum: Option<SumId>,
+        number: Expr,
+        beside: &[Symbol],
+    ) -> Option<String> {
+        let conditions = self.scene.heads(sum).flat_map(Head::numbers);
+        let read: Vec<Expr> = conditions.chain([number]).collect();
         read.into_iter().find_map(|expr| {
             if self.arena.contains(expr, self.scene.time) {
                 return Some("`t`".to_owned());
             }
             let slots = self.slots_of(expr);
-            let found = slots.iter().find(|slot| slot.1.moves())?;
+            let mut slots = slots.iter().filter(|slot| !beside.contains(&slot.0));
+            let found = slots.find(|slot| slot.1.moves())?;
             let text = self.text(found.0);
             Some(if found.1.is_computed() {
                 text

@@ -8,6 +8,7 @@
 
 mod forces;
 mod gather;
+mod h1;
 mod inner;
 mod kinetic;
 mod share;
@@ -26,8 +27,10 @@ use crate::catalogue::{Nodes, Rule};
 use crate::errors::Errors;
 use crate::model::Meaning;
 use crate::model::scene::{Int, Processes, Scene, SlotArray, SumId};
+use forces::Forces;
 pub(crate) use gather::{Gather, Read};
 pub(crate) use inner::InnerTotals;
+pub(crate) use kinetic::{Kinetic, KineticTerm};
 use share::share;
 pub(crate) use slopes::slopes;
 pub(crate) use streams::Pair;
@@ -50,12 +53,16 @@ pub(crate) struct Derived {
     pub(crate) inner: InnerTotals,
     /// The summands of the Lagrangian.
     pub(crate) lagrangian: Vec<Summand>,
-    pub(crate) masses: Vec<Coefficient>,
+    pub(crate) kinetic: Kinetic,
     /// The friction ν of the forces −ν v.
     pub(crate) frictions: Vec<Coefficient>,
+    /// The terms of forces that depend on velocities in another way.
+    pub(crate) drags: Vec<Term>,
+    /// The terms of all H₁ in the impulses, and in the displacements.
+    pub(crate) h1: [Vec<Term>; 2],
     /// The momenta of symmetries.
     pub(crate) momenta: Vec<SceneMomentum>,
-    /// The terms of potentials, noises and forces.
+    /// The terms of potentials, γ and forces.
     pub(crate) terms: Vec<Term>,
     /// The terms of streams with their sites, those of most nodes first, each as a loop over nodes
     /// computes it.
@@ -108,11 +115,15 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     let read = scene.clone();
     let mut terms = Terms::new(scene, arena, &mut errors);
     let (summands, slopes) = terms.lagrangian();
-    let masses = kinetic::masses(&mut terms, &summands);
+    let kinetic = kinetic::kinetic(&mut terms, &summands);
     let all = summands.iter().chain(&slopes);
     let at_rest: Vec<Summand> = all.map(|s| terms.at_rest(s)).collect();
-    let noises = terms.noises();
-    let (forces, frictions) = terms.forces();
+    let [noises, h1] = terms.noises();
+    let Forces {
+        terms: forces,
+        frictions,
+        drags,
+    } = terms.forces();
     let momenta = terms.momenta();
     let mut list = Vec::new();
     for (summands, is_noise) in [(at_rest, false), (noises, true)] {
@@ -120,14 +131,17 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         list.extend(all);
     }
     list.extend(forces);
+    let h1 = terms.h1(&h1);
     let mut derived = Derived {
         step: terms.scene.symbols.declare(Meaning::StepSize),
         roots: terms.roots,
         totals: terms.totals,
         inner: terms.inner,
         lagrangian: summands,
-        masses,
+        kinetic,
         frictions,
+        drags,
+        h1,
         momenta,
         terms: list,
         listed: terms.listed,
@@ -138,12 +152,16 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         node: Gather::default(),
     };
     errors.finish(())?;
-    symmetry::check(&read, arena, &mut derived.momenta)?;
+    symmetry::check(&read, arena, &mut derived)?;
     for term in &mut derived.terms {
         term.slopes.clone_from(&term.gradient);
     }
-    let gradients = derived.terms.iter_mut().flat_map(|t| &mut t.gradient);
-    arena.stabilise(Purpose::Step, gradients.flatten().collect());
+    let [kicks, shifts] = &mut derived.h1;
+    let mut all = [&mut derived.terms, &mut derived.drags, kicks, shifts];
+    let gradients = all.iter_mut().flat_map(|terms| terms.iter_mut());
+    let gradients = gradients.flat_map(|t| t.gradient.iter_mut().flatten());
+    let slopes = gradients.chain(derived.kinetic.derivatives_mut());
+    arena.stabilise(Purpose::Step, slopes.collect());
     let totals = derived.totals.iter_mut().flat_map(|t| &mut t.summands);
     let momenta = derived.momenta.iter_mut().flat_map(|m| &mut m.summands);
     let values = derived
@@ -154,7 +172,9 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
         .map(|s| &mut s.value);
     arena.stabilise(Purpose::Values, values.collect());
     let step = arena.symbol(derived.step);
-    for term in &mut derived.terms {
+    let [kicks, shifts] = &mut derived.h1;
+    let all = [&mut derived.terms, &mut derived.drags, kicks, shifts];
+    for term in all.into_iter().flatten() {
         term.impulses.clone_from(&term.gradient);
         let impulses = term.impulses.iter_mut().flatten();
         let mut impulses: Vec<&mut Expr> = impulses.collect();
@@ -213,10 +233,11 @@ impl<'a> Terms<'a> {
         (found, slopes)
     }
 
-    /// Returns the summands of all noises, each times its increment.
-    fn noises(&mut self) -> Vec<Summand> {
-        let mut found = Vec::new();
+    /// Returns the summands of all γ and of all H₁, each times its increment.
+    fn noises(&mut self) -> [Vec<Summand>; 2] {
+        let mut both = [Vec::new(), Vec::new()];
         for noise in self.scene.noises.clone() {
+            let mut found = Vec::new();
             match noise.processes {
                 Processes::Listed(gammas) => {
                     let mut products = Vec::new();
@@ -244,8 +265,9 @@ impl<'a> Terms<'a> {
                     found.extend(slopes);
                 }
             }
+            both[usize::from(noise.is_h1)].extend(found);
         }
-        found
+        both
     }
 
     /// Adds the summands of a function: those outside of its loops, and those of each loop; and

@@ -12,17 +12,30 @@
 
 use std::collections::HashMap;
 
-use super::{Derived, Term};
+use super::{Derived, Kinetic, Term};
 use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::Meaning;
 use crate::model::domain;
 use crate::model::scene::{Comparison, Condition, Head, Row, Slot, SlotArray};
 
+const EXPLICIT: &str =
+    "use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them";
 const SUMS: &str = "`midpoint` bounds the derivatives of impulses, and sums that enter formulas have no bounds yet: use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them";
 
 /// Returns the scene of bounds with the owner of its expressions, or the reason why there is none.
 pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena), String> {
+    if matches!(derived.kinetic, Kinetic::Sites { .. }) {
+        return Err(format!(
+            "`midpoint` is for scenes with the kinetic energy `0.5 * m * v[i] * v[i]` of each component, and this one has another: {EXPLICIT}"
+        ));
+    }
+    if let Some(drag) = derived.drags.first() {
+        let function = &derived.roots[drag.root].function;
+        return Err(format!(
+            "`midpoint` is for scenes whose forces depend on velocities by a friction `-nu * v[i]` of each component of their site alone, with constants, and `{function}` depends on them in another way: {EXPLICIT}"
+        ));
+    }
     if !derived.totals.is_empty() || !derived.inner.before.is_empty() {
         return Err(SUMS.to_owned());
     }

@@ -1,6 +1,5 @@
 //! The loops whose instances can be made ahead and executed by consecutive nodes.
 
-use super::kinetic::numbers;
 use super::{Derived, Term};
 use crate::algebra::Arena;
 use crate::model::scene::{Array, Comparison, Condition, Counter, Head, Int, IntNode, Scene, Step};
@@ -69,8 +68,7 @@ impl Scene {
     fn is_stream(&self, term: &Term) -> bool {
         let loops: Vec<_> = self.loops(term).collect();
         let mut heads = self.heads(term.sum);
-        let has_cut_off =
-            heads.any(|head| matches!(head, Head::If(condition) if !numbers(condition).is_empty()));
+        let has_cut_off = heads.any(|head| !head.numbers().is_empty());
         let is_free =
             |bound: &Int| !self.reads(*bound, &|node| matches!(node, IntNode::Counter(_)));
         let moves = |site: &Int| {

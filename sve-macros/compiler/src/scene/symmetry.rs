@@ -3,6 +3,7 @@
 //! Input: the tree of sums with the generators ξ, which are functions of the own site. Output: the
 //! momenta, or an error that names each term which is not invariant. The kinetic energy ½ Σ m v² is
 //! invariant only if ξ is affine in q and does not depend on time, so all steps conserve the momenta.
+//! With another kinetic energy or an H₁, ξ of another form is an error.
 //!
 //! The test is made in copies of the scene and the arena, so that steps do not depend on it.
 
@@ -11,7 +12,7 @@ mod change;
 use change::{Along, Change, Frame};
 use proc_macro2::Span;
 
-use super::{Summand, Terms};
+use super::{Derived, Kinetic, Summand, Terms};
 use crate::algebra::{Arena, Expr, Notation, Symbol, Vanishing};
 use crate::errors::Errors;
 use crate::model::scene::{
@@ -45,18 +46,22 @@ struct Broken {
 type Invariant = (String, Expr, Option<SumId>);
 
 /// Checks the symmetries of a scene, and adds the evidence to their momenta.
-pub(super) fn check(
-    scene: &Scene,
-    arena: &Arena,
-    momenta: &mut [SceneMomentum],
-) -> syn::Result<()> {
+pub(super) fn check(scene: &Scene, arena: &Arena, derived: &mut Derived) -> syn::Result<()> {
     let mut errors = Errors::new();
-    for (symmetry, momentum) in scene.symmetries.iter().zip(momenta) {
+    let has_masses = matches!(derived.kinetic, Kinetic::Masses(_));
+    let is_explicit = has_masses && derived.h1.iter().all(Vec::is_empty);
+    for (symmetry, momentum) in scene.symmetries.iter().zip(&mut derived.momenta) {
         let mut change = Change::new(scene.clone(), arena.clone(), symmetry);
         if symmetry.components.iter().all(Option::is_none) {
             errors.push(symmetry.at, moves_nothing(&symmetry.name));
         } else if let Some((at, mistake)) = change.nonlocal(symmetry) {
             errors.push(at, mistake);
+        } else if !is_explicit && !change.is_affine(symmetry) {
+            let message = format!(
+                "the generator `{}` depends on time, or is not affine in the coordinates of its site: with `#[h1]`, or a kinetic energy that is no sum of `0.5 * m * v[i] * v[i]`, steps conserve the momenta of affine generators alone, such as translations and rotations",
+                symmetry.name
+            );
+            errors.push(symmetry.at, message);
         } else {
             change.check_functions(symmetry, &mut errors);
             change.check_work(symmetry, &mut errors);
@@ -76,7 +81,10 @@ pub(crate) fn moves_nothing(name: &str) -> String {
 /// Returns the Lagrangian and the noises, each with its name in messages.
 fn functions(scene: &Scene) -> Vec<Invariant> {
     let mut functions = vec![("the Lagrangian".to_owned(), scene.lagrangian, None)];
-    for SceneNoise { name, processes } in &scene.noises {
+    for SceneNoise {
+        name, processes, ..
+    } in &scene.noises
+    {
         match processes {
             Processes::Listed(list) => {
                 let names = (0..).map(|at| match list.len() {
@@ -135,13 +143,13 @@ impl Change {
         for &root in symmetry.components.iter().flatten() {
             let own = SlotArray::Configuration(self.scene.site_of(root)?);
             let sums = self.scene.sums.iter().enumerate();
-            let within = sums.filter(|(at, _)| {
-                let mut around = self.scene.around(Some(SumId(*at)));
-                around.any(|sum| sum == root)
-            });
+            let within = sums.filter(|(at, _)| self.is_within(SumId(*at), root));
             for (_, sum) in within {
                 let conditions = sum.head.numbers().into_iter();
-                if let Some(read) = conditions.flat_map(|e| self.moving(e)).next() {
+                let mut reads = conditions.flat_map(|e| self.arena.symbols_of(e));
+                if let Some(read) =
+                    reads.find(|&read| self.is_moving(read) || read == self.scene.time)
+                {
                     return Some((
                         sum.at,
                         format!(
@@ -152,7 +160,8 @@ impl Change {
                 }
                 let is_other =
                     |&read: &Symbol| self.scene.slot(read).is_none_or(|slot| slot.array != own);
-                if let Some(read) = self.moving(sum.summand).into_iter().find(is_other) {
+                let mut reads = self.arena.symbols_of(sum.summand);
+                if let Some(read) = reads.find(|read| self.is_moving(*read) && is_other(read)) {
                     return Some((
                         sum.at,
                         format!(
@@ -166,10 +175,35 @@ impl Change {
         None
     }
 
-    /// Returns the reads in a number that may differ from step to step.
-    fn moving(&self, number: Expr) -> Vec<Symbol> {
-        let moves = |read: &Symbol| self.scene.slot(*read).is_some_and(|s| s.array.moves());
-        self.arena.symbols_of(number).filter(moves).collect()
+    fn is_within(&self, sum: SumId, root: SumId) -> bool {
+        let mut around = self.scene.around(Some(sum));
+        around.any(|around| around == root)
+    }
+
+    /// Returns whether a read may differ from step to step.
+    fn is_moving(&self, read: Symbol) -> bool {
+        self.scene.slot(read).is_some_and(|slot| slot.array.moves())
+    }
+
+    /// Returns whether a generator that reads its own site is affine in it and does not depend on
+    /// time.
+    fn is_affine(&mut self, symmetry: &SiteField) -> bool {
+        let roots = symmetry.components.iter().flatten();
+        let sums = (self.scene.sums.iter().enumerate())
+            .filter(|(at, _)| roots.clone().any(|&root| self.is_within(SumId(*at), root)));
+        let summands: Vec<Expr> = sums.map(|(_, sum)| sum.summand).collect();
+        summands.into_iter().all(|summand| {
+            let reads: Vec<Symbol> = self.arena.symbols_of(summand).collect();
+            let varies = |&read: &Symbol| self.is_moving(read) || self.sum_of(read).is_some();
+            let variables: Vec<Symbol> = reads.iter().copied().filter(varies).collect();
+            let mut seconds = Vec::new();
+            for &first in &variables {
+                let slope = self.arena.diff(summand, first);
+                seconds.extend(variables.iter().map(|&v| self.arena.diff(slope, v)));
+            }
+            let zeros = self.arena.zeros(&seconds);
+            !reads.contains(&self.scene.time) && zeros.into_iter().all(|is_zero| is_zero)
+        })
     }
 
     /// Checks that the Lagrangian and the noises are invariant.
@@ -229,6 +263,30 @@ impl Change {
             );
             errors.push(symmetry.at, message);
         }
+    }
+
+    /// Returns the work that a force does in an instance of its loop.
+    fn power(&mut self, force: &SiteField, frame: &Frame) -> Option<Expr> {
+        let mut products = Vec::new();
+        for (component, sum) in force.components.iter().enumerate() {
+            let Some(sum) = *sum else { continue };
+            let site = self.scene.site_of(sum)?;
+            let site = self.scene.integers.replaced(site, &frame.by);
+            let value = self.value(self.scene.sums[sum.0].summand, frame);
+            let field = self.field(component, site, frame, None);
+            products.push((1.0, self.arena.mul(value, field)));
+        }
+        Some(self.arena.sum(0.0, &products))
+    }
+
+    /// Returns the work that a force does.
+    fn total_power(&mut self, force: &SiteField) -> Option<Expr> {
+        let first = force.components.iter().flatten().next()?;
+        let head = self.scene.sums[first.0].head.clone();
+        self.total(&head, &Frame::default(), |x, frame| {
+            x.power(force, frame)
+                .unwrap_or_else(|| x.arena.constant(0.0))
+        })
     }
 
     /// Appends the terms of a number, times `weight`, that change along the generator.

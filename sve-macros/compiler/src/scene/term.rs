@@ -44,15 +44,35 @@ impl Terms<'_> {
 
     /// Returns a term with its derivatives; `None` if it does not depend on the configuration.
     pub(super) fn term(&mut self, summand: &Summand, is_noise: bool) -> Option<Term> {
+        self.slopes(summand, is_noise, |array| match array {
+            SlotArray::Configuration(site) => Some(*site),
+            _ => None,
+        })
+    }
+
+    /// Returns the terms of an H₁ in the impulses, `−∂H₁/∂q`, and in the displacements, `∂H₁/∂p`.
+    pub(super) fn h1_terms(&mut self, summand: &Summand) -> [Option<Term>; 2] {
+        let value = self.arena.scale(-1.0, summand.value);
+        let kick = self.term(&Summand { value, ..*summand }, true);
+        let shift = self.slopes(summand, true, |array| match array {
+            SlotArray::Momentum(site) => Some(*site),
+            _ => None,
+        });
+        [kick, shift]
+    }
+
+    /// Returns a term with its derivatives by the rows that `site_of` accepts.
+    fn slopes(
+        &mut self,
+        summand: &Summand,
+        is_noise: bool,
+        site_of: impl Fn(&SlotArray) -> Option<Int>,
+    ) -> Option<Term> {
         let Summand { root, sum, value } = *summand;
-        let coordinates: Vec<(Symbol, Int, usize)> = self
-            .slots_of(value)
-            .into_iter()
-            .filter_map(|(symbol, array, component)| match array {
-                SlotArray::Configuration(site) => Some((symbol, *site, component)),
-                _ => None,
-            })
-            .collect();
+        let slots = self.slots_of(value).into_iter();
+        let slots = slots
+            .filter_map(|(symbol, array, component)| Some((symbol, site_of(array)?, component)));
+        let coordinates: Vec<(Symbol, Int, usize)> = slots.collect();
         let mut sites: Vec<Int> = Vec::new();
         for &(_, site, _) in &coordinates {
             if !sites.contains(&site) {

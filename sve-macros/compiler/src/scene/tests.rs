@@ -2,7 +2,7 @@
 
 use proc_macro2::Span;
 
-use super::{Derived, Read, derive, share};
+use super::{Derived, Kinetic, Read, derive, share};
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::model::scene::{
     Array, Head, IntNode, Integers, Row, Scene, Slot, SlotArray, Sum, SumId,
@@ -112,8 +112,11 @@ fn impulse_of_an_inner_node_is_that_of_its_two_springs() {
 #[test]
 fn mass_of_a_site_is_the_second_derivative() {
     let (b, derived) = chain();
-    let [mass] = derived.masses.as_slice() else {
-        panic!("{}", derived.masses.len());
+    let Kinetic::Masses(masses) = &derived.kinetic else {
+        panic!("masses");
+    };
+    let [mass] = masses.as_slice() else {
+        panic!("{}", masses.len());
     };
     assert_eq!(b.arena.constant_value(mass.value), Some(1.0));
     assert_eq!(derived.scene.integers.text(mass.site), "i");

@@ -65,12 +65,14 @@ impl Terms<'_> {
         symbol
     }
 
-    /// Checks that the summands of a sum that enters a formula do not read velocities.
+    /// Checks that the summands of a sum that enters a formula do not read velocities or momenta.
     pub(super) fn check_rest(&mut self, summands: &[Summand]) {
         for Summand { sum, value, .. } in summands {
             let slots = self.slots_of(*value);
-            if slots.iter().any(|s| matches!(s.1, SlotArray::Velocity(_))) {
-                let message = "this sum of velocities enters another formula: velocities stand in the kinetic energy `0.5 * m * v[i] * v[i]` and in friction `-nu * v[i]` alone";
+            let is_of_motion =
+                |array| matches!(array, &SlotArray::Velocity(_) | &SlotArray::Momentum(_));
+            if slots.iter().any(|s| is_of_motion(s.1)) {
+                let message = "this sum of velocities or momenta enters another formula: a term reads them where it is added, as `l += 0.5 * self.m[i] * v[i] * v[i]` in the kinetic energy, or `f -= self.nu * (v[i] - v[j])` in a force";
                 self.errors.push(self.place(*sum), message);
             }
         }

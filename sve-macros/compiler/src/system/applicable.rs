@@ -65,11 +65,22 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
 pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
     const RULES: [&str; 4] = ["initial_point", "endpoint", "midpoint", "stormer_verlet"];
     let mut errors = Errors::new();
+    let has_h1 = block.noises.iter().any(|f| f.role == FunctionRole::H1);
     for listed in &block.arguments.rules {
         let (rule, name) = (listed.rule, listed.rule.name());
         if !RULES.contains(&rule.attribute_name) {
             let message = format!(
                 "`{name}` is not for scenes, systems whose coordinates are slices: use `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, or a composition of them"
+            );
+            errors.push(listed.place, message);
+        } else if has_h1 && rule.attribute_name != "stormer_verlet" {
+            let what = if crate::scene::is_implicit(rule) {
+                "equations that join the momenta of all sites"
+            } else {
+                "a correction with products of all noises"
+            };
+            let message = format!(
+                "`{name}` with `#[h1]` has {what}, which scenes do not have: use `stormer_verlet`, or a composition of it"
             );
             errors.push(listed.place, message);
         }
@@ -82,17 +93,20 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
             errors.push(place, message);
         }
     }
-    let h1 = block
+    let tangent = block
         .noises
         .iter()
-        .filter(|f| f.role != FunctionRole::Gamma);
+        .filter(|f| f.role == FunctionRole::TangentH1);
     for symmetry in &block.symmetries {
         check_name(symmetry, block, &mut errors);
     }
-    for function in h1.chain(&block.constraints) {
+    for function in tangent.chain(&block.constraints) {
+        let attribute = match function.role {
+            FunctionRole::TangentH1 => "h1(tangent)",
+            role => role.attribute(),
+        };
         let message = format!(
-            "`#[{}]` is not for scenes, systems whose coordinates are slices: their functions are `lagrangian`, `#[gamma]`, `#[force]`, `#[symmetry]` and helpers",
-            function.role.attribute()
+            "`#[{attribute}]` is not for scenes, systems whose coordinates are slices: their functions are `lagrangian`, `#[gamma]`, `#[h1]`, `#[force]`, `#[symmetry]` and helpers"
         );
         errors.push(function.name.span(), message);
     }

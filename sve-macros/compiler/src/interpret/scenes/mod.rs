@@ -163,9 +163,12 @@ impl Lowering<'_> {
             let what = match self.symbols.meaning(symbol) {
                 Meaning::Partial => "of a sum or of a variable that a loop changes",
                 Meaning::Slot(slot)
-                    if matches!(self.scene.slots[*slot].array, SlotArray::Velocity(_)) =>
+                    if matches!(
+                        self.scene.slots[*slot].array,
+                        SlotArray::Velocity(_) | SlotArray::Momentum(_)
+                    ) =>
                 {
-                    "of a velocity"
+                    "of a velocity or momentum"
                 }
                 _ => continue,
             };

@@ -36,8 +36,7 @@ impl Lowering<'_> {
         let result = self.run_scene(function, time);
         let lagrangian = self.scalar_result(function, &result);
         let mut noises = Vec::new();
-        // other noises are refused by their role
-        for function in block.noises.iter().filter(|f| f.role == Role::Gamma) {
+        for function in &block.noises {
             let result = self.run_scene(function, time);
             if let Some(processes) = self.processes(function, result) {
                 noises.push((function, processes));
@@ -59,7 +58,11 @@ impl Lowering<'_> {
                 Found::Each(sum) => Processes::Each(self.placed_root(sum, &mut sums)?),
             };
             let name = function.name.to_string();
-            placed.push(SceneNoise { name, processes });
+            placed.push(SceneNoise {
+                name,
+                is_h1: function.role != Role::Gamma,
+                processes,
+            });
         }
         let forces = self.placed_on_sites(forces, &mut sums)?;
         let symmetries = self.placed_on_sites(symmetries, &mut sums)?;
@@ -103,7 +106,11 @@ impl Lowering<'_> {
 
     /// Executes a function with rows as its arguments.
     fn run_scene(&mut self, function: &RoleFunction, time: Symbol) -> Value {
-        let rows: [fn(Int) -> SlotArray; 2] = [SlotArray::Configuration, SlotArray::Velocity];
+        let second = match function.role {
+            Role::H1 => SlotArray::Momentum,
+            _ => SlotArray::Velocity,
+        };
+        let rows: [fn(Int) -> SlotArray; 2] = [SlotArray::Configuration, second];
         self.executed(function, |this| {
             let mut arguments = function.arguments.iter();
             if function.is_timed
@@ -147,7 +154,7 @@ impl Lowering<'_> {
         Value::Stream(Stream::new(from, to, item).row())
     }
 
-    /// Returns the γ of each process.
+    /// Returns the noise of each process.
     fn processes(&mut self, function: &RoleFunction, value: Value) -> Option<Found> {
         let name = function.name.to_string();
         if let Some(entry) = entry_of_vec(&function.output) {

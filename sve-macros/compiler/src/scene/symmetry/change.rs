@@ -1,8 +1,8 @@
 //! The change of a number of a scene along a generator.
 //!
 //! A read of a site changes by the entry of the generator at the index of the read: by its formula
-//! with this index in the place of its counter. A velocity changes by Dξ v + `ξ_t`. The change of a
-//! sum is the sum of the changes of its summands.
+//! with this index in the place of its counter. A velocity changes by Dξ v + `ξ_t`, a momentum by
+//! −(Dξ)ᵀ p. The change of a sum is the sum of the changes of its summands.
 //!
 //! A sum whose summand does not vanish is a symbol. Two sums with the same bounds and the same
 //! summand, up to the name of the counter and to factors that do not depend on it, are multiples of
@@ -24,12 +24,14 @@ pub(super) enum Along {
     Generator,
     /// The motion: sites move with their velocities, and the time passes.
     Motion,
+    /// A component of a site, of which alone the number is a function.
+    Component(usize),
 }
 
 /// Where a number stands: integers in the place of counters, and the number of loops around it.
 #[derive(Clone, Default)]
 pub(super) struct Frame {
-    by: HashMap<Counter, Int>,
+    pub(super) by: HashMap<Counter, Int>,
     depth: usize,
 }
 
@@ -92,30 +94,6 @@ impl Change {
         evidence.is_some()
     }
 
-    /// Returns the work that a force does in an instance of its loop.
-    pub(super) fn power(&mut self, force: &SiteField, frame: &Frame) -> Option<Expr> {
-        let mut products = Vec::new();
-        for (component, sum) in force.components.iter().enumerate() {
-            let Some(sum) = *sum else { continue };
-            let site = self.scene.site_of(sum)?;
-            let site = self.scene.integers.replaced(site, &frame.by);
-            let value = self.value(self.scene.sums[sum.0].summand, frame);
-            let field = self.field(component, site, frame, None);
-            products.push((1.0, self.arena.mul(value, field)));
-        }
-        Some(self.arena.sum(0.0, &products))
-    }
-
-    /// Returns the work that a force does.
-    pub(super) fn total_power(&mut self, force: &SiteField) -> Option<Expr> {
-        let first = force.components.iter().flatten().next()?;
-        let head = self.scene.sums[first.0].head.clone();
-        self.total(&head, &Frame::default(), |x, frame| {
-            x.power(force, frame)
-                .unwrap_or_else(|| x.arena.constant(0.0))
-        })
-    }
-
     /// Returns the terms of a sum.
     pub(super) fn terms(&mut self, number: Expr) -> Vec<(f64, Expr)> {
         let one = self.arena.constant(1.0);
@@ -142,7 +120,8 @@ impl Change {
         symbols.any(|symbol| self.meanings.contains_key(&symbol))
     }
 
-    fn sum_of(&self, symbol: Symbol) -> Option<SumId> {
+    /// Returns the sum of a symbol.
+    pub(super) fn sum_of(&self, symbol: Symbol) -> Option<SumId> {
         match self.scene.symbols.meaning(symbol) {
             Meaning::Sum(sum) => Some(SumId(*sum)),
             _ => None,
@@ -158,11 +137,16 @@ impl Change {
             return (along == Along::Motion).then(|| self.arena.constant(1.0));
         }
         let Slot { array, component } = self.scene.slot(symbol)?.clone();
-        let (SlotArray::Configuration(site) | SlotArray::Velocity(site)) = array else {
+        let (SlotArray::Configuration(site)
+        | SlotArray::Velocity(site)
+        | SlotArray::Momentum(site)) = array
+        else {
             return None;
         };
         let at = self.scene.integers.replaced(site, &frame.by);
         Some(match (array, along) {
+            (_, Along::Component(of)) => self.arena.constant(f64::from(u8::from(of == component))),
+            (SlotArray::Momentum(_), _) => self.momentum(component, at, frame),
             (SlotArray::Configuration(_), Along::Generator) => {
                 self.field(component, at, frame, None)
             }
@@ -174,8 +158,29 @@ impl Change {
         })
     }
 
+    /// Returns the change of a component of a momentum, −(Dξ)ᵀ p.
+    fn momentum(&mut self, component: usize, at: Int, frame: &Frame) -> Expr {
+        let parts = (0..self.generator.len()).map(|of| {
+            let slope = self.field(of, at, frame, Some(Along::Component(component)));
+            let array = SlotArray::Momentum(at);
+            let p = self.read(Slot {
+                array,
+                component: of,
+            });
+            (-1.0, self.arena.mul(p, slope))
+        });
+        let parts: Vec<(f64, Expr)> = parts.collect();
+        self.arena.sum(0.0, &parts)
+    }
+
     /// Returns a component of the generator at a site, or its change.
-    fn field(&mut self, component: usize, at: Int, frame: &Frame, along: Option<Along>) -> Expr {
+    pub(super) fn field(
+        &mut self,
+        component: usize,
+        at: Int,
+        frame: &Frame,
+        along: Option<Along>,
+    ) -> Expr {
         let sum = self.generator[component].map(|sum| self.scene.sums[sum.0].clone());
         let Some(Sum {
             head: Head::For { counter, from, .. },
@@ -201,7 +206,7 @@ impl Change {
     }
 
     /// Returns a number at its place.
-    fn value(&mut self, number: Expr, frame: &Frame) -> Expr {
+    pub(super) fn value(&mut self, number: Expr, frame: &Frame) -> Expr {
         let symbols: Vec<Symbol> = self.arena.symbols_of(number).collect();
         let mut by = HashMap::new();
         for symbol in symbols {
@@ -221,6 +226,7 @@ impl Change {
         let array = match slot.array {
             SlotArray::Configuration(at) => SlotArray::Configuration(integers.replaced(at, by)),
             SlotArray::Velocity(at) => SlotArray::Velocity(integers.replaced(at, by)),
+            SlotArray::Momentum(at) => SlotArray::Momentum(integers.replaced(at, by)),
             SlotArray::Number(number) => SlotArray::Number(integers.replaced(number, by)),
             SlotArray::Field(access) => SlotArray::Field(integers.replaced_in(access, by)),
             SlotArray::Rounded(number) => SlotArray::Rounded(self.value(number, frame)),
@@ -254,7 +260,7 @@ impl Change {
     }
 
     /// Returns the sum of a summand over the rounds of a loop; `None` if the head is no loop.
-    fn total(
+    pub(super) fn total(
         &mut self,
         head: &Head,
         frame: &Frame,
@@ -366,7 +372,11 @@ impl Change {
                 _ => {}
             }
             match self.scene.slot(symbol).map(|slot| slot.array.clone()) {
-                Some(SlotArray::Configuration(at) | SlotArray::Velocity(at)) => integers.push(at),
+                Some(
+                    SlotArray::Configuration(at)
+                    | SlotArray::Velocity(at)
+                    | SlotArray::Momentum(at),
+                ) => integers.push(at),
                 Some(SlotArray::Number(number)) => integers.push(number),
                 Some(SlotArray::Field(access)) => {
                     integers.push(self.scene.integers.integer(IntNode::Field(access)));

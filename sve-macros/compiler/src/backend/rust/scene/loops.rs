@@ -6,11 +6,12 @@ use syn::Type;
 
 use super::super::function::Formulas;
 use super::super::{attributes, ident, verbatim};
+use super::kinetic::kinetic;
 use super::nodes::{contribution, node};
 use super::tables::tables;
 use super::walk::{Action, Leaf, Walk};
 use crate::model::scene::{Head, SumId};
-use crate::scene::{Coefficient, Derived, Root, Summand};
+use crate::scene::{Coefficient, Derived, Kinetic, Root, Summand, Term};
 
 /// `is_implicit` is true if a rule of the block joins all sites.
 pub(super) fn scene(
@@ -25,13 +26,17 @@ pub(super) fn scene(
     let impulses = contributions(derived, "Impulses", self_ty, formulas);
     let loops = Loops { derived, formulas };
     let instances = loops.instances();
-    let masses = loops.components("masses", &derived.masses);
+    let kinetic = match &derived.kinetic {
+        Kinetic::Masses(masses) => loops.components("masses", masses),
+        Kinetic::Sites { terms, is_affine } => kinetic(derived, terms, *is_affine, formulas),
+    };
     let has_forces = !derived.scene.forces.is_empty();
     let forces = has_forces.then(|| {
         let frictions = loops.components("frictions", &derived.frictions);
-        [frictions, loops.forces()]
+        let forces = loops.forces();
+        quote!(#frictions #forces)
     });
-    let forces = forces.into_iter().flatten();
+    let in_drifts = loops.in_drifts();
     let (totals, lagrangian) = (loops.totals(), loops.lagrangian());
     let processes = loops.processes();
     let midpoint = is_implicit.then(|| {
@@ -51,8 +56,9 @@ pub(super) fn scene(
             type Row = [f64; #size];
             #tables
             #instances
-            #masses
-            #(#forces)*
+            #kinetic
+            #forces
+            #in_drifts
             #midpoint
             #totals
             #lagrangian
@@ -93,7 +99,7 @@ pub(super) struct Loops<'a> {
 
 impl Loops<'_> {
     /// The loops of a root around summands.
-    fn loops(&self, root: usize, leaves: Vec<Leaf>) -> TokenStream {
+    pub(super) fn loops(&self, root: usize, leaves: Vec<Leaf>) -> TokenStream {
         let Root { sum, function, .. } = &self.derived.roots[root];
         Walk::new(self.derived, self.formulas, function, leaves).root(*sum)
     }
@@ -127,7 +133,7 @@ impl Loops<'_> {
     }
 
     /// The number of the first process of a function that returns a `Vec`.
-    fn offset(&self, each: usize) -> TokenStream {
+    pub(super) fn offset(&self, each: usize) -> TokenStream {
         let (count, name) = (self.count(each), format_ident!("offset_{each}"));
         quote!(let #name: i64 = { #count };)
     }
@@ -171,21 +177,7 @@ impl Loops<'_> {
 
     fn nest(&self) -> TokenStream {
         let private = self.formulas.private;
-        let body = self.by_root(
-            |_| true,
-            |term| {
-                let term = &self.derived.terms[term];
-                let receivers: Vec<usize> = term.receivers(self.formulas.arena).collect();
-                let impulses = receivers.iter().flat_map(|&site| &term.impulses[site]);
-                let conditions = receivers.iter().filter_map(|&at| term.conditions.get(at));
-                Leaf {
-                    sum: term.sum,
-                    values: impulses.copied().collect(),
-                    conditions: conditions.flatten().copied().collect(),
-                    action: Action::AddRows(receivers.iter().map(|&at| term.sites[at]).collect()),
-                }
-            },
-        );
+        let body = self.by_root(|_| true, |term| self.impulses(&self.derived.terms[term]));
         quote! {
             #[inline(always)]
             fn nest(
@@ -201,6 +193,19 @@ impl Loops<'_> {
                 let to = &mut to[..n];
                 #body
             }
+        }
+    }
+
+    /// The impulses of a term, added to its sites.
+    pub(super) fn impulses(&self, term: &Term) -> Leaf {
+        let receivers: Vec<usize> = term.receivers(self.formulas.arena).collect();
+        let impulses = receivers.iter().flat_map(|&site| &term.impulses[site]);
+        let conditions = receivers.iter().filter_map(|&at| term.conditions.get(at));
+        Leaf {
+            sum: term.sum,
+            values: impulses.copied().collect(),
+            conditions: conditions.flatten().copied().collect(),
+            action: Action::AddRows(receivers.iter().map(|&at| term.sites[at]).collect()),
         }
     }
 

@@ -1,5 +1,7 @@
 //! The implementations of a scene.
 
+mod drags;
+mod kinetic;
 mod loops;
 mod momenta;
 mod nodes;

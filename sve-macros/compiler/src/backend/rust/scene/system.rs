@@ -16,7 +16,7 @@ use crate::explain::SceneTexts;
 use crate::model::Meaning;
 use crate::model::scene::Row;
 use crate::program::Operations;
-use crate::scene::{Derived, is_implicit};
+use crate::scene::{Derived, Kinetic, is_implicit};
 use crate::syntax::parse::Annotated;
 
 /// What the implementations share.
@@ -52,6 +52,16 @@ impl Context<'_> {
         let functions = functions.map(|function| &function.name);
         let constants = self.derived.scene.constants.iter();
         let constants = constants.map(|(path, value)| constant_check(path, *value));
+        let is_quadratic = match self.derived.kinetic {
+            Kinetic::Masses(_) => true,
+            Kinetic::Sites { is_affine, .. } => is_affine,
+        };
+        let quadratic = is_quadratic.then(|| {
+            quote! {
+                #attributes
+                impl #private::QuadraticKineticEnergy for #self_ty {}
+            }
+        });
         quote! {
             #attributes
             const _: () = { #(let _ = <#self_ty>::#functions;)* };
@@ -78,8 +88,7 @@ impl Context<'_> {
             }
             #attributes
             impl #private::Separable for #self_ty {}
-            #attributes
-            impl #private::QuadraticKineticEnergy for #self_ty {}
+            #quadratic
         }
     }
 
@@ -154,10 +163,10 @@ impl Context<'_> {
             }
             _ => quote!(#private::Plan::OF_STATE),
         };
-        let strong = if is_noisy {
-            quote!(One)
-        } else {
-            quote!(Deterministic)
+        let strong = match self.derived.pair(self.formulas.arena) {
+            _ if !is_noisy => quote!(Deterministic),
+            None => quote!(One),
+            Some([a, b]) => quote!(Half { pair: (#a, #b) }),
         };
         let weak_order = if is_noisy { 1 } else { order };
         let node = self.formulas.operations(&self.derived.node.impulse);

@@ -7,6 +7,7 @@
 
 mod computed;
 mod integers;
+mod kinetic;
 mod rows;
 
 use proc_macro2::{Ident, Literal, TokenStream};
@@ -40,6 +41,8 @@ pub(super) enum Action {
     AddValue,
     /// The sites and columns of a term are shown to a visitor `to`.
     Visit(usize),
+    /// The site and columns of a term of the kinetic energy are shown to a visitor `to`.
+    VisitKinetic(usize),
 }
 
 /// Prints the loops of a root.
@@ -259,6 +262,7 @@ impl<'a> Walk<'a> {
             }
             Action::AddValue => code.extend(quote!(value += #(#values)*;)),
             &Action::Visit(term) => self.visit(term, code),
+            &Action::VisitKinetic(term) => self.visit_kinetic(term, code),
         }
     }
 

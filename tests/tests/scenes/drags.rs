@@ -1,0 +1,333 @@
+//! Forces that depend on velocities of any site: pairwise friction, a magnetic force, drag that is
+//! not linear.
+
+use sve_runtime::prelude::*;
+
+use crate::common::spread;
+
+/// Friction along the lines between all pairs of bodies, as in dissipative particle dynamics.
+mod pairs {
+    use sve_runtime::prelude::*;
+    both! {
+        explicit struct { m: Vec<f64>, gamma: f64, sigma: f64 }
+        [[f64; 2]] 8
+        |self, q, v| {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * self.m[i] * (v[i][0] * v[i][0] + v[i][1] * v[i][1]);
+                for j in 0..i {
+                    let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
+                    l -= (-(x * x + y * y)).exp();
+                }
+            }
+            l
+        }
+        gamma {
+            fn push(&self, q: &[[f64; 2]]) -> Vec<f64> { q.iter().map(|q| self.sigma * (q[0] - q[1] * q[0])).collect() }
+        } or {
+            fn push(&self, q: [[f64; 2]; 8]) -> [f64; 8] { q.map(|q| self.sigma * (q[0] - q[1] * q[0])) }
+        }
+        force {
+            fn drag(&self, t: f64, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
+                (0..q.len())
+                    .map(|i| {
+                        let mut f = [0.1 * (t + q[i][1]).sin(), -0.2 * v[i][1]];
+                        for j in 0..q.len() {
+                            if j == i {
+                                continue;
+                            }
+                            let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
+                            let r2 = x * x + y * y;
+                            let along = x * (v[i][0] - v[j][0]) + y * (v[i][1] - v[j][1]);
+                            let w = self.gamma * (-r2).exp() / (r2 + 0.1) * along;
+                            f[0] -= w * x;
+                            f[1] -= w * y;
+                        }
+                        f
+                    })
+                    .collect()
+            }
+        } or {
+            fn drag(&self, t: f64, q: [[f64; 2]; 8], v: [[f64; 2]; 8]) -> [[f64; 2]; 8] {
+                let mut all = [[0.0; 2]; 8];
+                for i in 0..8 {
+                    let mut f = [0.1 * (t + q[i][1]).sin(), -0.2 * v[i][1]];
+                    for j in 0..8 {
+                        if j == i {
+                            continue;
+                        }
+                        let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
+                        let r2 = x * x + y * y;
+                        let along = x * (v[i][0] - v[j][0]) + y * (v[i][1] - v[j][1]);
+                        let w = self.gamma * (-r2).exp() / (r2 + 0.1) * along;
+                        f[0] -= w * x;
+                        f[1] -= w * y;
+                    }
+                    all[i] = f;
+                }
+                all
+            }
+        }
+    }
+}
+
+/// Relativistic bodies in a magnetic field that depends on the place and the time, with a drag that
+/// is not linear and a friction.
+mod magnetic {
+    use sve_runtime::prelude::*;
+    both! {
+        explicit struct { b: Vec<f64>, k: f64, nu: f64 }
+        [[f64; 2]] 6
+        |self, q, v| {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l -= (1.0 - v[i][0] * v[i][0] - v[i][1] * v[i][1]).sqrt();
+                l -= 0.5 * (q[i][0] - q[(i + 1) % q.len()][1]).powi(2);
+            }
+            l
+        }
+        force {
+            fn field(&self, t: f64, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
+                (0..q.len())
+                    .map(|i| {
+                        let b = self.b[i] * (q[i][0] + t).cos();
+                        let speed = (v[i][0] * v[i][0] + v[i][1] * v[i][1] + 0.01).sqrt();
+                        [
+                            b * v[i][1] - self.k * speed * v[i][0] - self.nu * v[i][0],
+                            -b * v[i][0] - self.k * speed * v[i][1] - self.nu * v[i][1] + q[i][0].sin(),
+                        ]
+                    })
+                    .collect()
+            }
+        } or {
+            fn field(&self, t: f64, q: [[f64; 2]; 6], v: [[f64; 2]; 6]) -> [[f64; 2]; 6] {
+                let mut all = [[0.0; 2]; 6];
+                for i in 0..6 {
+                    let b = self.b[i] * (q[i][0] + t).cos();
+                    let speed = (v[i][0] * v[i][0] + v[i][1] * v[i][1] + 0.01).sqrt();
+                    all[i] = [
+                        b * v[i][1] - self.k * speed * v[i][0] - self.nu * v[i][0],
+                        -b * v[i][0] - self.k * speed * v[i][1] - self.nu * v[i][1] + q[i][0].sin(),
+                    ];
+                }
+                all
+            }
+        }
+    }
+}
+
+/// A chain that drags its neighbours, in a wind of the mean of all places.
+mod wind {
+    use sve_runtime::prelude::*;
+    both! {
+        explicit struct { mu: f64, wind: f64 }
+        [f64] 11
+        |self, q, v| {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * v[i] * v[i] - 0.3 * q[i].powi(4);
+            }
+            l
+        }
+        force {
+            fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+                let mean = q.iter().sum::<f64>() / 11.0;
+                (0..q.len())
+                    .map(|i| {
+                        let mut f = -0.1 * (v[i] - self.wind * mean.sin()).powi(3);
+                        if i > 0 {
+                            f -= self.mu * (v[i] - v[i - 1]);
+                        }
+                        if i + 1 < q.len() {
+                            f -= self.mu * (v[i] - v[i + 1]);
+                        }
+                        f
+                    })
+                    .collect()
+            }
+        } or {
+            fn drag(&self, q: [f64; 11], v: [f64; 11]) -> [f64; 11] {
+                let mean = q.iter().sum::<f64>() / 11.0;
+                let mut all = [0.0; 11];
+                for i in 0..11 {
+                    let mut f = -0.1 * (v[i] - self.wind * mean.sin()).powi(3);
+                    if i > 0 {
+                        f -= self.mu * (v[i] - v[i - 1]);
+                    }
+                    if i + 1 < 11 {
+                        f -= self.mu * (v[i] - v[i + 1]);
+                    }
+                    all[i] = f;
+                }
+                all
+            }
+        }
+    }
+}
+
+fn rows<const N: usize>(seed: u64) -> [[f64; 2]; N] {
+    let x = spread(2 * N, seed);
+    std::array::from_fn(|i| [x[2 * i], x[2 * i + 1]])
+}
+
+#[test]
+fn forces_of_velocities_are_those_of_unrolled_systems() {
+    let m: Vec<f64> = spread(8, 3).iter().map(|x| 2.0 + x).collect();
+    let dw: [f64; 8] = std::array::from_fn(|i| 0.2 * spread(8, 4)[i]);
+    compare!(
+        explicit pairs {
+            m: m.clone(),
+            gamma: 0.7,
+            sigma: 0.3
+        },
+        rows::<8>(1),
+        rows::<8>(2),
+        dw
+    );
+    compare!(
+        explicit magnetic {
+            b: spread(6, 9),
+            k: 0.4,
+            nu: 0.3
+        },
+        rows::<6>(5),
+        rows::<6>(6),
+        []
+    );
+    let numbers = |seed| -> [f64; 11] { spread(11, seed).try_into().expect("eleven") };
+    compare!(explicit wind { mu: 0.5, wind: 0.8 }, numbers(1), numbers(2), []);
+}
+
+/// Friction between neighbours in a ring of any length.
+struct Ring {
+    mu: f64,
+}
+
+#[variational(initial_point, endpoint, stormer_verlet)]
+impl Ring {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let n = q.len();
+        (0..n)
+            .map(|i| 0.5 * v[i] * v[i] - 0.5 * (q[(i + 1) % n] - q[i]).powi(2))
+            .sum()
+    }
+    #[force]
+    fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+        let n = q.len();
+        (0..n)
+            .map(|i| self.mu * (v[(i + 1) % n] + v[(i + n - 1) % n] - 2.0 * v[i]))
+            .collect()
+    }
+}
+
+/// Pairwise friction keeps the total momentum and takes energy, in blocks of steps as in single
+/// ones, which have the same bits.
+#[test]
+fn pairwise_friction_keeps_the_momentum() {
+    let n = 1000;
+    let ring = Integrator::new(Ring { mu: 0.4 }, StormerVerlet);
+    let start = State::new(spread(n, 1), spread(n, 2));
+    let total: f64 = start.p.iter().sum();
+    let before = ring.system().hamiltonian(&start).expect("an energy");
+    let mut path = ring.trajectory(start.clone(), 0.1, NoNoise);
+    let end = path.advance(100).expect("steps").clone();
+    let mut single = ring.trajectory(start, 0.1, NoNoise);
+    for _ in 0..100 {
+        single.advance(1).expect("a step");
+    }
+    assert_eq!(&end, single.advance(0).expect("the state"));
+    let change = end.p.iter().sum::<f64>() - total;
+    assert!(change.abs() < 1e-11, "{change}");
+    let after = ring.system().hamiltonian(&end).expect("an energy");
+    assert!(after < 0.2 * before, "{before} {after}");
+}
+
+/// A wave of the wave number k decays by (1 + hν/2)⁻¹ (1 − hν/2) in a step of Störmer and Verlet,
+/// with ν = 4 μ sin²(k/2), if nothing else acts.
+#[test]
+fn a_wave_decays_as_one_with_its_friction_does() {
+    struct Free {
+        mu: f64,
+    }
+    #[variational(stormer_verlet)]
+    impl Free {
+        fn lagrangian(&self, _q: &[f64], v: &[f64]) -> f64 {
+            v.iter().map(|v| 0.5 * v * v).sum()
+        }
+        #[force]
+        fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+            let n = q.len();
+            (0..n)
+                .map(|i| self.mu * (v[(i + 1) % n] + v[(i + n - 1) % n] - 2.0 * v[i]))
+                .collect()
+        }
+    }
+    let (n, h, steps, wave, mu) = (64, 0.1, 50, 5.0, 0.8);
+    let k = wave * std::f64::consts::TAU / n as f64;
+    let p: Vec<f64> = (0..n).map(|i| (k * f64::from(i)).cos()).collect();
+    let free = Integrator::new(Free { mu }, StormerVerlet);
+    let mut path = free.trajectory(State::new(vec![0.0; 64], p.clone()), h, NoNoise);
+    let end = path.advance(steps).expect("steps");
+    let half = 0.5 * h * 4.0 * mu * (0.5 * k).sin().powi(2);
+    let factor = ((1.0 - half) / (1.0 + half)).powi(steps as i32);
+    for (p, start) in end.p.iter().zip(&p) {
+        assert!((p - factor * start).abs() < 1e-14, "{p} {}", factor * start);
+    }
+}
+
+/// If the iteration before a drift does not contract, the error names a step size at which it does,
+/// and the endpoint rule makes the step.
+#[test]
+fn strong_forces_of_velocities_name_a_step_size() {
+    let start = State::new(spread(30, 1), spread(30, 2));
+    for h in [1.0, -3.0] {
+        let ring = Integrator::new(Ring { mu: 20.0 }, StormerVerlet);
+        let mut state = start.clone();
+        let error = ring.step(&mut state, h, &[]).expect_err("a strong force");
+        assert_eq!(state, start);
+        // the first ratios may be smaller than the later ones
+        let (mut short, mut error) = (h, Err(error));
+        for _ in 0..4 {
+            let Err(StepError::Contraction { wanted, .. }) = error else {
+                break;
+            };
+            assert!(wanted > 0.0 && wanted < f64::abs(short), "{wanted}");
+            short = wanted * h.signum();
+            error = ring.step(&mut state, short, &[]);
+        }
+        assert_eq!(error, Ok(()), "{short}");
+        assert!(short.abs() > 1e-3, "{short}");
+        let explicit = Integrator::new(Ring { mu: 20.0 }, Endpoint);
+        explicit.step(&mut state, h, &[]).expect("an explicit step");
+    }
+}
+
+#[test]
+fn an_index_of_a_velocity_is_checked() {
+    struct Ahead;
+    #[variational(endpoint)]
+    impl Ahead {
+        fn lagrangian(&self, _q: &[f64], v: &[f64]) -> f64 {
+            v.iter().map(|v| 0.5 * v * v).sum()
+        }
+        #[force]
+        fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+            (0..q.len()).map(|i| v[i + 1] - v[i]).collect()
+        }
+    }
+    let start = State::new(vec![0.0; 3], vec![1.0; 3]);
+    let mut state = start.clone();
+    let error = Integrator::new(Ahead, Endpoint).step(&mut state, 0.1, &[]);
+    let error = error.expect_err("an index");
+    let StepError::Index {
+        text,
+        index: 3,
+        length: 3,
+        ..
+    } = &error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!(&**text, "`v[i + 1]` in `drag`");
+    assert_eq!(state, start);
+}
