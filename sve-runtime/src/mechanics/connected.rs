@@ -91,21 +91,22 @@ fn singular_mass<const N: usize>(
     }
 }
 
-/// Returns the velocity of the momentum `p` that is connected with the reference velocity. `at`
-/// evaluates ∂L/∂v less a momentum at a velocity.
+/// Returns the velocity of the momentum `p` that is connected with the velocity `near`, or with a
+/// reference velocity if L is not defined there. `at` evaluates ∂L/∂v less a momentum at a velocity.
 ///
 /// # Errors
 /// [`SolveError::SingularMass`] if the mass matrix is singular at all reference velocities;
 /// [`SolveError::NonFinite`] if L is not defined at any; [`SolveError::NoVelocity`].
 pub(crate) fn connected_velocity<const N: usize>(
     p: &[f64; N],
+    near: &[f64; N],
     at: impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
 ) -> Result<[f64; N], SolveError> {
     let Reference {
         mut v,
         p: from,
         mut sign,
-    } = reference(p, &at)?;
+    } = reference(p, near, &at)?;
     let newton = Newton::default();
     let (mut here, mut stride) = (0.0, 1.0);
     for _ in 0..MAX_STRIDES {
@@ -146,10 +147,11 @@ struct Reference<const N: usize> {
     sign: DeterminantSign,
 }
 
-/// Finds a velocity at which L is defined and its mass matrix is regular: rest, otherwise the
+/// Finds a velocity at which L is defined and its mass matrix is regular: `near`, otherwise rest, the
 /// momentum or a diagonal direction times a power of two.
 fn reference<const N: usize>(
     p: &[f64; N],
+    near: &[f64; N],
     at: &impl Fn(&[f64; N], &[f64; N]) -> Evaluation<N>,
 ) -> Result<Reference<N>, SolveError> {
     let mut undefined = SolveError::NonFinite;
@@ -160,7 +162,7 @@ fn reference<const N: usize>(
         let along = p.map(|p| scale * p);
         [along, [scale; N], [-scale; N]]
     });
-    for v in [[0.0; N]].into_iter().chain(candidates) {
+    for v in [*near, [0.0; N]].into_iter().chain(candidates) {
         let point = at(&v, &[0.0; N]);
         let is_defined = point.residual.iter().all(|x| x.is_finite())
             && point.jacobian.as_flattened().iter().all(|x| x.is_finite());

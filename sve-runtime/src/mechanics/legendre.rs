@@ -195,7 +195,7 @@ where
     {
         return Err(SolveError::NonFinite);
     }
-    connected_velocity(p, |v, target| {
+    connected_velocity(p, &[0.0; N], |v, target| {
         momentum_equation::<S, Q, N, M>(system, state, v, target)
     })
 }

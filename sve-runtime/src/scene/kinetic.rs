@@ -144,11 +144,11 @@ impl Sites {
         &self,
         scene: &S,
         site: usize,
-        p: S::Row,
+        [p, near]: [S::Row; 2],
         damping: S::Row,
     ) -> Result<S::Row, SolveError> {
         let is_affine = S::KINETIC == KineticForm::Affine;
-        match p.velocity(&damping, is_affine, |v| self.jet(scene, site, v)) {
+        match p.velocity(&near, &damping, is_affine, |v| self.jet(scene, site, v)) {
             Err(SolveError::NonFinite) => Ok(S::Row::NAN),
             found => found,
         }
@@ -164,7 +164,8 @@ impl Sites {
     }
 
     /// Writes the velocities of the momenta `p + impulses`, with friction over the time `damped`, in
-    /// a step of the time and length `times`.
+    /// a step of the time and length `times`. They are connected with those in `v`: zeros, or those of
+    /// other impulses.
     ///
     /// # Errors
     /// The error of a site for which no velocity has the momentum.
@@ -183,7 +184,7 @@ impl Sites {
                 let of_site = &self.frictions[site * S::Row::LENGTH..];
                 damping.add_scaled(damped, of_site);
             }
-            let found = self.velocity(scene, site, p, damping);
+            let found = self.velocity(scene, site, [p, *v], damping);
             *v = found.map_err(|error| site_error(error, site, times, q[site], p))?;
         }
         Ok(())
@@ -201,7 +202,7 @@ impl Sites {
         p: &mut [S::Row],
     ) -> Result<(), StepError> {
         for (site, (q, p)) in q.iter().zip(p).enumerate() {
-            let v = self.velocity(scene, site, *p, S::Row::ZERO);
+            let v = self.velocity(scene, site, [*p, S::Row::ZERO], S::Row::ZERO);
             *p = v.map_err(|error| site_error(error, site, [t, 0.0], *q, *p))?;
         }
         Ok(())

@@ -34,13 +34,14 @@ pub trait Row: Sealed + Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Adds a multiple of some numbers.
     fn add_scaled(&mut self, factor: f64, numbers: &[f64]);
     /// Returns the velocity with this momentum, for a kinetic energy with the derivatives `jet` and
-    /// with `damping` on the diagonal of ∂²T/∂v².
+    /// with `damping` on the diagonal of ∂²T/∂v²: the one that is connected with `near`.
     ///
     /// # Errors
     /// As the inverse Legendre transform of a system.
     #[doc(hidden)]
     fn velocity(
         &self,
+        near: &Self,
         damping: &Self,
         is_affine: bool,
         jet: impl Fn(&Self) -> KineticJet<Self>,
@@ -93,6 +94,7 @@ impl<const D: usize> Row for [f64; D] {
 
     fn velocity(
         &self,
+        near: &Self,
         damping: &Self,
         is_affine: bool,
         jet: impl Fn(&Self) -> KineticJet<Self>,
@@ -112,7 +114,7 @@ impl<const D: usize> Row for [f64; D] {
         if !self.iter().all(|p| p.is_finite()) {
             return Err(SolveError::NonFinite);
         }
-        connected_velocity(self, |v, target| {
+        connected_velocity(self, near, |v, target| {
             let jet = damped(v);
             Evaluation {
                 residual: from_fn(|i| jet.dv[i] - target[i] + jet.undefined),
