@@ -101,8 +101,8 @@ impl Kernel for Step<'_> {
         }
         let (guess, farthest) = (largest(&hand.d), largest(q));
         // distances over boxes around the displacements
-        let stretch = |x: &[f64; 2]| (x[1] - x[0]).abs();
-        let stretches = hand.nodes[0].array_windows().map(stretch);
+        let stretch = |x: &[f64]| (x[1] - x[0]).abs();
+        let stretches = hand.nodes[0].windows(2).map(stretch);
         let stretch = stretches.fold(0.0, f64::max) + 1.5 * guess;
         let upper = 0.25 * h * h * 4.0 * (1.0 + 3.0 * BETA * stretch * stretch);
         let (middle, half) = (1.0 + 0.5 * upper, 0.5 * upper);

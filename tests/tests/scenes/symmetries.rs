@@ -187,7 +187,7 @@ impl Short {
 
     #[symmetry]
     fn phase(&self, _q: &[f64]) -> Vec<f64> {
-        self.charge.to_vec()
+        self.charge.clone()
     }
 
     #[symmetry]

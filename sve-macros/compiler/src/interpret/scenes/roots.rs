@@ -195,10 +195,12 @@ impl Lowering<'_> {
     fn collected(&mut self, function: &RoleFunction, value: Value) -> Option<(Stream, Span)> {
         let last = function.item.block.stmts.last();
         let at = last.map_or(name_span(function), Spanned::span);
-        match value {
-            Value::Poison => None,
-            Value::Stream(stream) if stream.filter.is_none() => Some((stream, at)),
-            other => {
+        // a field is one once it is cloned
+        let stream = self.stream(&value);
+        match (value, stream) {
+            (Value::Poison, _) => None,
+            (_, Some(stream)) if stream.filter.is_none() => Some((stream, at)),
+            (other, _) => {
                 let message = format!(
                     "expected a `Vec` made by `collect`, `q.iter().map(|x| …).collect()`, found {}",
                     other.kind()
