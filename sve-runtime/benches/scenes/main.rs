@@ -135,7 +135,9 @@ impl<'a, S: Scene> Path<'a, S> {
             p: &mut self.p,
         };
         let (scene, shears) = (self.scene, &self.shears);
-        let made = self.prepared.step(scene, shears, &mut state, [0.0, H], &[]);
+        let made = self
+            .prepared
+            .step(scene, shears, &mut state, [0.0, H], &[], false);
         assert_eq!(made, Ok(()));
     }
 }

@@ -219,7 +219,9 @@ where
     ///
     /// # Errors
     /// A [`StepError`] if an input is not finite, `h` is zero, or the step fails; `state` is then
-    /// unchanged.
+    /// unchanged. A step of a system of any length may already have moved sites in place when a
+    /// number is not finite: it moves them back, and each number is then restored to rounding errors
+    /// of the largest number that was added to it.
     #[inline]
     pub fn step(
         &self,

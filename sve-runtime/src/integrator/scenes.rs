@@ -114,27 +114,7 @@ where
         h: f64,
         dw: &[f64],
     ) -> Result<(), StepError> {
-        let t = state.t;
-        if !t.is_finite() {
-            let (what, value) = ("t".to_owned(), t);
-            return Err(StepError::NonFiniteInput { what, value, t });
-        }
-        if !is_next_time(t, t + h) {
-            return Err(StepError::Time { t, h, end: t + h });
-        }
-        let n = sites(state)?;
-        let mut phase = Phase {
-            q: Q::rows_mut(&mut state.q),
-            p: Q::rows_mut(&mut state.p),
-        };
-        let scene = walker.system;
-        cache.with(scene, n, t, |kept| {
-            let (tables, shears) = kept.for_steps(walker, h);
-            check_length("dw", dw.len(), tables.processes(), t)?;
-            tables.step(scene, shears, &mut phase, [t, h], dw)
-        })??;
-        state.t = t + h;
-        Ok(())
+        step(walker, cache, state, h, dw, false)
     }
 
     fn next_step(
@@ -145,7 +125,8 @@ where
         h: f64,
         dw: &[f64],
     ) -> Result<(), StepError> {
-        Self::step(walker, cache, &(), state, h, dw)
+        // the state before a step of a trajectory that fails is its last one
+        step(walker, cache, state, h, dw, true)
     }
 
     fn next_steps(
@@ -182,6 +163,44 @@ where
         let n = state.q.len();
         cache.with(walker.system, n, state.t, |kept| kept.prepared.processes())
     }
+}
+
+/// Makes a step. If it fails, the state is unchanged if `is_exact`, and otherwise restored as by
+/// [`Prepared::step`].
+fn step<S, R, Q>(
+    walker: Walker<'_, S, R>,
+    cache: &Tables,
+    state: &mut State<Vec<Q>>,
+    h: f64,
+    dw: &[f64],
+    is_exact: bool,
+) -> Result<(), StepError>
+where
+    S: AnySystem<Configuration = Vec<Q>> + Scene<Row = Q::Row>,
+    R: Rule<S, Increments = [f64]>,
+    Q: Site,
+{
+    let t = state.t;
+    if !t.is_finite() {
+        let (what, value) = ("t".to_owned(), t);
+        return Err(StepError::NonFiniteInput { what, value, t });
+    }
+    if !is_next_time(t, t + h) {
+        return Err(StepError::Time { t, h, end: t + h });
+    }
+    let n = sites(state)?;
+    let mut phase = Phase {
+        q: Q::rows_mut(&mut state.q),
+        p: Q::rows_mut(&mut state.p),
+    };
+    let scene = walker.system;
+    cache.with(scene, n, t, |kept| {
+        let (tables, shears) = kept.for_steps(walker, h);
+        check_length("dw", dw.len(), tables.processes(), t)?;
+        tables.step(scene, shears, &mut phase, [t, h], dw, is_exact)
+    })??;
+    state.t = t + h;
+    Ok(())
 }
 
 /// Returns the number of sites.

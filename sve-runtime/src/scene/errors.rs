@@ -1,5 +1,6 @@
 //! Errors of steps of scenes: the checks that find them, and the names of numbers in them.
 
+use super::sweep::Place;
 use super::{IndexError, Phase, Row, Scene};
 use crate::error::StepError;
 
@@ -58,25 +59,20 @@ pub(super) fn index_error(error: IndexError, t: f64) -> StepError {
     }
 }
 
-/// Returns the error of a step whose result is not finite.
+/// Returns the error of a step with a number that is not finite, from the restored state.
 #[cold]
 pub(super) fn not_finite<R: Row>(
-    before: &[Vec<f64>; 2],
     state: &Phase<'_, R>,
+    place: Place,
     [t, h]: [f64; 2],
     dw: &[f64],
 ) -> StepError {
-    let [before_q, before_p] = before;
-    if let Some(error) = input_error::<R>([before_q, before_p], dw, t) {
-        return error;
-    }
     let [q, p] = [&*state.q, &*state.p].map(R::numbers);
-    let result = (find("q", q, R::LENGTH)).or_else(|| find("p", p, R::LENGTH));
-    StepError::NonFiniteCoordinate {
+    input_error::<R>([q, p], dw, t).unwrap_or_else(|| StepError::NonFiniteCoordinate {
         t,
         h,
-        what: result.map_or_else(String::new, |(what, _)| what),
-    }
+        what: name(place.array, place.component, R::LENGTH),
+    })
 }
 
 /// Returns the error of a step whose start or increments are not finite.

@@ -49,6 +49,7 @@ where
                     of_nests,
                     of_batch,
                     dw: of_increments,
+                    ..
                 },
             mut sink,
             ..
@@ -57,7 +58,7 @@ where
         let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
         let has_nests = !segments.nests.is_empty();
         let mut visit = Visit::<S, W>::new(scene, segments, kick, [of_batch, of_increments]);
-        for (piece, bases) in segments.pieces() {
+        for (piece, bases) in segments.pieces::<S>() {
             let sums = &mut of_piece[..piece.length as usize];
             let nodes = sink.nodes(piece.ready(), factors);
             let batch = visit.add(nodes, piece, bases, sums);

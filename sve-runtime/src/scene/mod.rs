@@ -9,8 +9,11 @@
 //! | `pieces.rs` | consecutive nodes with contributions of the same pairs |
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
+//! | `additions.rs` | impulses that are added to momenta, with tests of the results |
 //! | `drift.rs` | the motion of sites with their velocities |
-//! | `shear.rs` | steps that are lists of drifts and kicks, in place |
+//! | `steps.rs` | steps that are lists of drifts and kicks, in place |
+//! | `single.rs` | a single step, and the way back if it fails |
+//! | `shear.rs` | tables for such steps, and blocks of steps |
 //! | `midpoint.rs` | steps of the midpoint rule, whose equations join all sites |
 //! | `work.rs` | its arrays |
 //! | `gather.rs` | sweeps whose sums are used piece by piece |
@@ -31,6 +34,7 @@
 //! Where the nodes of consecutive instances are consecutive, the derivatives are computed from
 //! slices; any other loop is made as the user wrote it.
 
+mod additions;
 mod chebyshev;
 mod drag;
 mod drift;
@@ -49,7 +53,9 @@ mod relax;
 mod rows;
 mod segments;
 mod shear;
+mod single;
 mod spectrum;
+mod steps;
 mod streams;
 mod sweep;
 mod work;

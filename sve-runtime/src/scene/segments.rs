@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use super::indices::{Run, Runs};
 use super::pieces::{Bases, Batch, NONE, PairStreams, Piece};
-use super::{IndexError, Instances, Scene, Stop};
+use super::{IndexError, Instances, Pair, Scene, Stop};
 
 /// Nodes of a piece, at most, and of a tile of a drift: the arrays of a tile stay in the first
 /// cache.
@@ -272,24 +272,44 @@ impl Segments {
 
     /// Returns the pieces with the bases of their streams.
     #[inline(always)]
-    pub(super) fn pieces(&self) -> impl Iterator<Item = (&Piece, Bases<'_>)> {
-        let [rows, columns, increments] = self.places();
-        let width = increments.end;
-        self.pieces.iter().enumerate().map(
+    pub(super) fn pieces<S: Scene>(&self) -> impl Iterator<Item = (&Piece, Bases<'_>)> {
+        let bases = self.bases.chunks_exact(const { width(S::PAIRS) });
+        self.pieces.iter().zip(bases).map(
             #[inline(always)]
-            move |(at, piece)| {
-                let bases = &self.bases[at * width..][..width];
-                let [rows, columns, increments] = [&rows, &columns, &increments];
+            |(piece, bases)| {
+                let [rows, columns, _] = const { counts(S::PAIRS) };
+                let (pairs, bases) = bases.split_at(S::PAIRS.len());
+                let (rows, bases) = bases.split_at(rows);
+                let (columns, increments) = bases.split_at(columns);
                 let bases = Bases {
-                    pairs: &bases[..rows.start],
-                    rows: &bases[rows.clone()],
-                    columns: &bases[columns.clone()],
-                    increments: &bases[increments.clone()],
+                    pairs,
+                    rows,
+                    columns,
+                    increments,
                 };
                 (piece, bases)
             },
         )
     }
+}
+
+/// Returns the numbers of rows, columns and increments that all pairs read.
+const fn counts(pairs: &[Pair]) -> [usize; 3] {
+    let (mut counts, mut at) = ([0; 3], 0);
+    while at < pairs.len() {
+        counts[0] += pairs[at].rows.len();
+        counts[1] += pairs[at].columns.len();
+        counts[2] += pairs[at].reads_increment as usize;
+        at += 1;
+    }
+    counts
+}
+
+/// Returns the number of bases of a piece; 1 without pairs, where there are no pieces.
+const fn width(pairs: &[Pair]) -> usize {
+    let [rows, columns, increments] = counts(pairs);
+    let width = pairs.len() + rows + columns + increments;
+    if width == 0 { 1 } else { width }
 }
 
 /// Returns whether each pair of a loop contributes to a node at most once, so that the loop is a

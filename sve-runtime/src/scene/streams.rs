@@ -4,8 +4,6 @@
 //! arguments of the function with the loop and are cut to one length, so that the loop has no
 //! bounds to check, and the compiler knows that the written slice overlaps no other.
 
-use core::array::from_fn;
-
 use super::Row;
 use super::pieces::PairStreams;
 
@@ -104,11 +102,23 @@ fn add_times<
 ) {
     let m = to.len();
     let own = &streams.q[streams.node..][..m];
-    let rows: [&[R]; ROWS] = from_fn(|k| &streams.q[streams.rows[k] as usize..][..m]);
-    let columns: [&[f64]; COLUMNS] =
-        from_fn(|k| &streams.fields[streams.columns[k] as usize..][..m]);
-    let increments: [&[f64]; INCREMENTS] =
-        from_fn(|k| &streams.dw[streams.increments[k] as usize..][..m]);
+    // Loops over indices: where a function of an array is not inlined, or a slice may be the one of
+    // the start, the bounds are checked for each node, which is then no part of a vector.
+    let mut rows = [own; ROWS];
+    let mut columns: [&[f64]; COLUMNS] = [&[]; COLUMNS];
+    let mut increments: [&[f64]; INCREMENTS] = [&[]; INCREMENTS];
+    #[allow(clippy::needless_range_loop)]
+    {
+        for k in 0..ROWS {
+            rows[k] = &streams.q[streams.rows[k] as usize..][..m];
+        }
+        for k in 0..COLUMNS {
+            columns[k] = &streams.fields[streams.columns[k] as usize..][..m];
+        }
+        for k in 0..INCREMENTS {
+            increments[k] = &streams.dw[streams.increments[k] as usize..][..m];
+        }
+    }
     for at in 0..m {
         let impulse = impulse(&At {
             own,

@@ -5,7 +5,8 @@
 
 use core::marker::PhantomData;
 
-use super::drift::{Drift, are_finite, drift};
+use super::additions::{keep, move_all, move_to_nodes, test};
+use super::drift::Drift;
 use super::pieces::{Bases, Batch, Piece};
 use super::segments::{BATCH, Segments, TILE};
 use super::streams::Impulse;
@@ -20,6 +21,34 @@ pub(super) struct Kick<'a> {
     pub(super) dw: &'a [f64],
 }
 
+/// A number that is not finite. The tile in which it is has its old values, unless a loop is made
+/// as it is written or there is friction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) array: &'static str,
+    pub(super) component: usize,
+    /// The nodes below this one have moved.
+    pub(super) moved: usize,
+    /// The pieces before this one have their impulses.
+    pub(super) pieces: usize,
+}
+
+impl Place {
+    #[cold]
+    pub(super) fn new(
+        (array, component): (&'static str, usize),
+        moved: usize,
+        pieces: usize,
+    ) -> Self {
+        Self {
+            array,
+            component,
+            moved,
+            pieces,
+        }
+    }
+}
+
 /// Arrays that a sweep needs, of the components of rows.
 #[derive(Clone, Debug)]
 pub(super) struct Buffers {
@@ -31,6 +60,8 @@ pub(super) struct Buffers {
     pub(super) dw: Vec<f64>,
     /// Impulses of all loops, if one of them is made as it is written: zeros between sweeps.
     pub(super) of_nests: Vec<f64>,
+    /// The momenta of a piece before its impulses, until these are tested.
+    pub(super) kept: Vec<f64>,
 }
 
 impl Buffers {
@@ -41,12 +72,21 @@ impl Buffers {
             of_nests: vec![0.0; of_nests * R::LENGTH],
             of_batch: vec![0.0; BATCH * (1 + segments.rows().len()) * R::LENGTH],
             dw: vec![0.0; BATCH * segments.increments().len()],
+            kept: vec![0.0; TILE * R::LENGTH],
         }
     }
 
     /// Returns the number of numbers.
     pub(super) fn len(&self) -> usize {
-        self.of_piece.len() + self.of_nests.len() + self.of_batch.len() + self.dw.len()
+        let Self {
+            of_piece,
+            of_batch,
+            dw,
+            of_nests,
+            kept,
+        } = self;
+        let arrays = [of_piece, of_batch, dw, of_nests, kept];
+        arrays.iter().map(|array| array.len()).sum()
     }
 }
 
@@ -62,97 +102,130 @@ pub(super) struct Sweep<'a, S: Contributions<W>, W, const TWICE: bool> {
     pub(super) buffers: &'a mut Buffers,
     /// Whether numbers are tested as long as they are in the first cache.
     pub(super) is_tested: bool,
+    /// The pieces that get their contributions: the first ones.
+    pub(super) pieces: usize,
 }
 
 impl<S, W, const TWICE: bool> Kernel for Sweep<'_, S, W, TWICE>
 where
     S: Scene + Contributions<W>,
 {
-    /// Whether all numbers are finite, as far as they were tested.
-    type Output = Result<bool, IndexError>;
+    /// A number that is not finite, if numbers are tested.
+    type Output = Result<Option<Place>, IndexError>;
 
     #[inline(always)]
-    fn run(self) -> Self::Output {
-        let Self {
-            scene,
-            segments,
-            drift: motion,
-            kick,
-            q,
-            p,
-            buffers:
-                Buffers {
-                    of_piece,
-                    of_nests,
-                    of_batch,
-                    dw: of_increments,
-                },
-            is_tested,
-        } = self;
-        let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
-        let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
-        let mut visit = Visit::<S, W>::new(scene, segments, kick, [of_batch, of_increments]);
-        let Kick { h, t, dw } = kick;
-        let n = q.len();
-        let mut is_finite = true;
+    fn run(mut self) -> Self::Output {
         let mut moved = 0;
+        let gathered = self.gathered(&mut moved);
+        if self.segments.nests.is_empty() {
+            return Ok(gathered.err());
+        }
+        let result = match gathered {
+            Ok(()) => self.nests(moved),
+            Err(place) => Ok(Some(place)),
+        };
+        if !matches!(result, Ok(None)) {
+            self.buffers.of_nests.fill(0.0);
+        }
+        result
+    }
+}
+
+impl<S, W, const TWICE: bool> Sweep<'_, S, W, TWICE>
+where
+    S: Scene + Contributions<W>,
+{
+    /// Moves the sites and adds the contributions of gathered loops.
+    #[inline(always)]
+    fn gathered(&mut self, moved: &mut usize) -> Result<(), Place> {
+        let (n, segments, is_tested) = (self.q.len(), self.segments, self.is_tested);
         let has_nests = !segments.nests.is_empty();
-        for (piece, bases) in segments.pieces() {
-            if let Some(motion) = &motion
-                && moved < piece.ready()
+        for (number, (piece, bases)) in segments.pieces::<S>().enumerate().take(self.pieces) {
+            if let Some(drift) = &self.drift
+                && *moved < piece.ready()
             {
-                let tiles = moved..piece.ready().next_multiple_of(TILE).min(n);
-                moved = tiles.end;
-                is_finite &= drift::<NumbersOf<S, W>>(q, p, tiles, motion, is_tested);
+                let nodes = *moved..piece.ready().next_multiple_of(TILE).min(n);
+                let result = drift.nodes(self.q, self.p, nodes.clone(), is_tested);
+                result.map_err(|at| Place::new(at, *moved, number))?;
+                *moved = nodes.end;
             }
-            let nodes = piece.nodes();
-            if !piece.has_others && piece.batch.is_none() {
-                let streams = streams(q, nodes.start, segments, bases, dw);
-                let node = &visit.node;
-                if has_nests {
-                    let to = &mut of_nests[nodes.clone()];
-                    CountsOf::<S, W>::add::<false, _>(&streams, to, node);
-                } else {
-                    CountsOf::<S, W>::add::<TWICE, _>(&streams, &mut p[nodes.clone()], node);
-                }
-                if is_tested && !has_nests {
-                    is_finite &= are_finite(NumbersOf::<S, W>::numbers(&p[nodes]));
-                }
-                continue;
-            }
-            // The impulse of a node is added as one number: two kicks in one have the bits of two.
-            let sum = &mut of_piece[..nodes.len()];
-            let batch = visit.add(q, piece, bases, sum);
-            let to = if has_nests { &mut *of_nests } else { &mut *p };
-            let is_twice = TWICE && !has_nests;
-            if let Some(batch) = batch {
-                is_finite &= move_to_nodes(&batch.nodes, to, sum, is_twice, is_tested);
-                continue;
-            }
-            let to = &mut to[nodes];
-            if is_twice {
-                move_all::<true, _>(to, sum);
+            let result = if TWICE && !has_nests {
+                self.piece::<true>(piece, bases)
             } else {
-                move_all::<false, _>(to, sum);
+                self.piece::<false>(piece, bases)
+            };
+            result.map_err(|component| Place::new(("p", component), *moved, number))?;
+        }
+        if let Some(drift) = &self.drift {
+            let result = drift.nodes(self.q, self.p, *moved..n, is_tested);
+            result.map_err(|at| Place::new(at, *moved, self.pieces))?;
+        }
+        Ok(())
+    }
+
+    /// Adds the contributions of gathered loops to the nodes of a piece.
+    ///
+    /// # Errors
+    /// The number of a component that is not finite, if numbers are tested. The piece is then
+    /// unchanged.
+    #[inline(always)]
+    fn piece<const TO_P_TWICE: bool>(
+        &mut self,
+        piece: &Piece,
+        bases: Bases<'_>,
+    ) -> Result<(), usize> {
+        let (segments, dw) = (self.segments, self.kick.dw);
+        let has_nests = !segments.nests.is_empty();
+        let Buffers {
+            of_piece,
+            of_batch,
+            dw: of_increments,
+            of_nests,
+            kept,
+        } = &mut *self.buffers;
+        let mut visit =
+            Visit::<S, W>::new(self.scene, segments, self.kick, [of_batch, of_increments]);
+        let q = &*self.q;
+        let to = if has_nests {
+            Row::rows_mut(of_nests)
+        } else {
+            &mut *self.p
+        };
+        let is_tested = self.is_tested && !has_nests;
+        let nodes = piece.nodes();
+        let first = nodes.start * NumbersOf::<S, W>::LENGTH;
+        if !piece.has_others && piece.batch.is_none() {
+            let streams = streams(q, nodes.start, segments, bases, dw);
+            let (to, kept) = (&mut to[nodes], Row::rows_mut(kept));
+            keep(to, kept, is_tested);
+            CountsOf::<S, W>::add::<TO_P_TWICE, _>(&streams, to, &visit.node);
+            return test(to, kept, is_tested).map_err(|component| first + component);
+        }
+        // The impulse of a node is added as one number: two kicks in one have the bits of two.
+        let sum = &mut NumbersOf::<S, W>::rows_mut(of_piece)[..nodes.len()];
+        if let Some(batch) = visit.add(q, piece, bases, sum) {
+            return move_to_nodes::<TO_P_TWICE, _>(&batch.nodes, to, sum, is_tested);
+        }
+        let moved = move_all::<TO_P_TWICE, _>(&mut to[nodes], sum, is_tested);
+        moved.map_err(|component| first + component)
+    }
+
+    /// Adds the contributions of all loops, some of them made as they are written.
+    #[inline(always)]
+    fn nests(&mut self, moved: usize) -> Result<Option<Place>, IndexError> {
+        let (Kick { h, t, dw }, q) = (self.kick, &*self.q);
+        let of_nests = NumbersOf::<S, W>::rows_mut(&mut self.buffers.of_nests);
+        for &number in &self.segments.nests {
+            Contributions::<W>::nest(self.scene, number, h, t, dw, q, of_nests)?;
+        }
+        let tiles = self.p.chunks_mut(TILE).zip(of_nests.chunks_mut(TILE));
+        for (number, (p, sum)) in tiles.enumerate() {
+            if let Err(at) = move_all::<TWICE, _>(p, sum, self.is_tested) {
+                let at = number * TILE * NumbersOf::<S, W>::LENGTH + at;
+                return Ok(Some(Place::new(("p", at), moved, self.pieces)));
             }
-            if is_tested {
-                is_finite &= are_finite(NumbersOf::<S, W>::numbers(to));
-            }
         }
-        if let Some(motion) = &motion {
-            is_finite &= drift::<NumbersOf<S, W>>(q, p, moved..n, motion, is_tested);
-        }
-        if !has_nests {
-            return Ok(is_finite);
-        }
-        for &number in &segments.nests {
-            if let Err(error) = Contributions::<W>::nest(scene, number, h, t, dw, q, of_nests) {
-                of_nests.fill(NumbersOf::<S, W>::ZERO);
-                return Err(error);
-            }
-        }
-        is_finite &= move_to::<TWICE, _>(p, of_nests, is_tested);
-        Ok(is_finite)
+        Ok(None)
     }
 }
 
@@ -267,53 +340,5 @@ fn streams<'a, R>(
         columns: bases.columns,
         dw,
         increments: bases.increments,
-    }
-}
-
-/// Adds impulses to listed nodes, and leaves zeros. Returns whether the results are finite, if they
-/// are tested.
-#[inline(always)]
-fn move_to_nodes<R: Row>(
-    nodes: &[u32],
-    to: &mut [R],
-    sum: &mut [R],
-    is_twice: bool,
-    is_tested: bool,
-) -> bool {
-    let mut is_finite = true;
-    for (&node, sum) in nodes.iter().zip(sum) {
-        let to = &mut to[node as usize];
-        to.add(*sum);
-        if is_twice {
-            to.add(*sum);
-        }
-        *sum = R::ZERO;
-        is_finite &= !is_tested || are_finite(R::numbers(core::slice::from_ref(to)));
-    }
-    is_finite
-}
-
-/// Adds all impulses to the momenta, and leaves zeros. Returns whether the momenta are finite, if
-/// they are tested.
-#[inline(always)]
-fn move_to<const TWICE: bool, R: Row>(p: &mut [R], sum: &mut [R], is_tested: bool) -> bool {
-    let mut is_finite = true;
-    for (p, sum) in p.chunks_mut(TILE).zip(sum.chunks_mut(TILE)) {
-        move_all::<TWICE, _>(p, sum);
-        is_finite &= !is_tested || are_finite(R::numbers(p));
-    }
-    is_finite
-}
-
-/// Adds impulses once or twice, and leaves zeros.
-#[inline(always)]
-fn move_all<const TWICE: bool, R: Row>(to: &mut [R], sum: &mut [R]) {
-    let (to, sum) = (R::numbers_mut(to), R::numbers_mut(sum));
-    for (to, sum) in to.iter_mut().zip(sum) {
-        *to += *sum;
-        if TWICE {
-            *to += *sum;
-        }
-        *sum = 0.0;
     }
 }

@@ -35,7 +35,7 @@ fn an_overflow_is_found_at_its_step_and_the_state_before_it_restored() {
             for step in 0..made {
                 let (q, p) = (&mut q, &mut p);
                 let time = [step as f64 * H, H];
-                let result = prepared.step(&chain, shears, &mut Phase { q, p }, time, &[]);
+                let result = prepared.step(&chain, shears, &mut Phase { q, p }, time, &[], true);
                 assert_eq!(result, Ok(()));
             }
             assert_eq!(end, [q.clone(), p.clone()]);
@@ -44,7 +44,7 @@ fn an_overflow_is_found_at_its_step_and_the_state_before_it_restored() {
                 q: &mut q,
                 p: &mut p,
             };
-            let result = prepared.step(&chain, shears, &mut state, time, &[]);
+            let result = prepared.step(&chain, shears, &mut state, time, &[], true);
             assert_eq!(result, Err(error.clone()));
             assert_eq!(end, [q, p]);
             assert!(
@@ -115,7 +115,7 @@ fn step<S: Scene>(scene: &S, n: usize) -> Result<(), StepError> {
         p: &mut p,
     };
     let dw = vec![0.0; prepared.processes()];
-    let result = prepared.step(scene, &VERLET, &mut state, [0.0, H], &dw);
+    let result = prepared.step(scene, &VERLET, &mut state, [0.0, H], &dw, true);
     if result.is_err() {
         for (end, start) in [q, p].iter().zip(&start) {
             assert_eq!(S::Row::numbers(end), S::Row::numbers(start));
@@ -207,7 +207,7 @@ fn a_failed_nest_leaves_no_impulse_behind() {
             q: &mut q,
             p: &mut p,
         };
-        let result = prepared.step(ring, &VERLET, &mut state, [0.0, H], &dw);
+        let result = prepared.step(ring, &VERLET, &mut state, [0.0, H], &dw, true);
         (result, [q, p])
     };
     let failed = made(&ring, &mut prepared);

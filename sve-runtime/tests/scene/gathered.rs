@@ -68,7 +68,7 @@ fn single<S: Scene>(scene: &S, shears: &[Shear], q: &[S::Row], steps: u64) -> [V
         let dw = numbers(prepared.processes(), 3 + step);
         let (q, p) = (&mut q, &mut p);
         let time = [step as f64 * H, H];
-        let made = prepared.step(scene, shears, &mut Phase { q, p }, time, &dw);
+        let made = prepared.step(scene, shears, &mut Phase { q, p }, time, &dw, false);
         assert_eq!(made, Ok(()));
     }
     [q, p]
@@ -95,7 +95,7 @@ pub(super) fn advance<S: Scene>(
     }
     while made < steps {
         let time = [made as f64 * H, H];
-        if let Err(error) = prepared.step(scene, shears, &mut state, time, &[]) {
+        if let Err(error) = prepared.step(scene, shears, &mut state, time, &[], true) {
             return (made, Err(error));
         }
         made += 1;
@@ -152,7 +152,7 @@ fn check<S: Scene, W: Scene<Row = S::Row>>(scene: &S, as_written: &W, q: &[S::Ro
         at: 0.0,
     }];
     let dw = vec![0.0; prepared.processes()];
-    let made = prepared.step(scene, &shears, &mut state, [t, 1.0], &dw);
+    let made = prepared.step(scene, &shears, &mut state, [t, 1.0], &dw, false);
     assert_eq!(made, Ok(()));
     let v = start.clone();
     let count = n * S::Row::LENGTH;

@@ -4,3 +4,4 @@ mod failures;
 mod gathered;
 mod integrators;
 mod scenes;
+mod undo;
