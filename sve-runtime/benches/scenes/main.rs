@@ -199,8 +199,8 @@ fn chain(n: usize, is_asked: &dyn Fn(&str) -> bool) {
             ),
             (
                 "single steps, endpoint",
-                n as f64,
-                Box::new(|| single.step()),
+                units,
+                Box::new(|| (0..count).for_each(|_| single.step())),
             ),
         ],
     );
@@ -242,8 +242,8 @@ fn lattice(sides: [usize; 3], is_asked: &dyn Fn(&str) -> bool) {
                 ),
                 (
                     "single steps, endpoint",
-                    n as f64,
-                    Box::new(|| single.step()),
+                    units,
+                    Box::new(|| (0..count).for_each(|_| single.step())),
                 ),
             ],
         );

@@ -220,8 +220,8 @@ where
     /// # Errors
     /// A [`StepError`] if an input is not finite, `h` is zero, or the step fails; `state` is then
     /// unchanged. A step of a system of any length may already have moved sites in place when a
-    /// number is not finite: it moves them back, and each number is then restored to rounding errors
-    /// of the largest number that was added to it.
+    /// number is not finite. It moves them back: each momentum is then restored to rounding errors
+    /// of the largest impulse that was added to it, and each place to the motion with that error.
     #[inline]
     pub fn step(
         &self,

@@ -1,32 +1,11 @@
 //! Impulses that are added to momenta, with tests of the results.
 
 use super::Row;
-use super::drift::{all_finite, are_finite};
+use super::drift::all_finite;
 
-/// Keeps rows, if they are tested.
-#[inline(always)]
-pub(super) fn keep<R: Row>(rows: &[R], kept: &mut [R], is_tested: bool) {
-    if is_tested {
-        kept[..rows.len()].copy_from_slice(rows);
-    }
-}
-
-/// Tests rows.
-///
-/// # Errors
-/// The number of the first component that is not finite. The rows have then their kept values.
-#[inline(always)]
-pub(super) fn test<R: Row>(rows: &mut [R], kept: &[R], is_tested: bool) -> Result<(), usize> {
-    if !is_tested || are_finite(R::numbers(rows)) {
-        return Ok(());
-    }
-    let component = first_not_finite(R::numbers(rows));
-    rows.copy_from_slice(&kept[..rows.len()]);
-    Err(component)
-}
-
+/// Returns the number of the first component that is not finite.
 #[cold]
-fn first_not_finite(numbers: &[f64]) -> usize {
+pub(super) fn first_not_finite(numbers: &[f64]) -> usize {
     let found = numbers.iter().position(|x| !x.is_finite());
     found.unwrap_or_default()
 }

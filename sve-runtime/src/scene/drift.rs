@@ -135,8 +135,14 @@ pub(super) fn are_finite(numbers: &[f64]) -> bool {
     all_finite(numbers.iter().copied())
 }
 
-#[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
 #[inline(always)]
 pub(super) fn all_finite(numbers: impl Iterator<Item = f64>) -> bool {
-    numbers.fold(0, |bits, x| bits | (x - x).to_bits()) == 0
+    numbers.fold(0, |bits, x| bits | not_finite(x)) == 0
+}
+
+/// Returns zero if a number is finite.
+#[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
+#[inline(always)]
+pub(super) fn not_finite(x: f64) -> u64 {
+    (x - x).to_bits()
 }

@@ -5,6 +5,7 @@
 //! bounds to check, and the compiler knows that the written slice overlaps no other.
 
 use super::Row;
+use super::drift::not_finite;
 use super::pieces::PairStreams;
 
 /// What the impulse of a node reads.
@@ -84,10 +85,11 @@ pub fn add<R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS: us
     to: &mut [R],
     impulse: impl Fn(&At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
 ) {
-    add_times::<false, R, ROWS, COLUMNS, INCREMENTS>(streams, to, impulse);
+    add_times::<false, R, ROWS, COLUMNS, INCREMENTS>(streams, to, &mut [], impulse);
 }
 
-/// Adds as [`add`], or adds each impulse twice, one addition after the other.
+/// Adds as [`add`], or adds each impulse twice, one addition after the other. If `kept` is as long
+/// as `to`, it gets the old rows, and the sums are tested: returns whether all are finite.
 #[inline(always)]
 fn add_times<
     const TWICE: bool,
@@ -98,8 +100,9 @@ fn add_times<
 >(
     streams: &Streams<'_, R>,
     to: &mut [R],
+    kept: &mut [R],
     impulse: impl Fn(&At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
-) {
+) -> bool {
     let m = to.len();
     let own = &streams.q[streams.node..][..m];
     // Loops over indices: where a function of an array is not inlined, or a slice may be the one of
@@ -119,18 +122,39 @@ fn add_times<
             increments[k] = &streams.dw[streams.increments[k] as usize..][..m];
         }
     }
-    for at in 0..m {
-        let impulse = impulse(&At {
-            own,
-            rows: &rows,
-            columns: &columns,
-            increments: &increments,
-            place: at,
-        });
-        to[at].add(impulse);
-        if TWICE {
-            to[at].add(impulse);
+    let start = At {
+        own,
+        rows: &rows,
+        columns: &columns,
+        increments: &increments,
+        place: 0,
+    };
+    let is_tested = kept.len() == m;
+    let mut bits = 0;
+    // two loops, since a test within the loop is not always moved out of it
+    if is_tested {
+        for place in 0..m {
+            kept[place] = to[place];
+            let impulse = impulse(&At { place, ..start });
+            add_to::<TWICE, R>(&mut to[place], impulse);
+            for &x in R::numbers(&to[place..=place]) {
+                bits |= not_finite(x);
+            }
         }
+    } else {
+        for place in 0..m {
+            let impulse = impulse(&At { place, ..start });
+            add_to::<TWICE, R>(&mut to[place], impulse);
+        }
+    }
+    bits == 0
+}
+
+#[inline(always)]
+fn add_to<const TWICE: bool, R: Row>(row: &mut R, impulse: R) {
+    row.add(impulse);
+    if TWICE {
+        row.add(impulse);
     }
 }
 
@@ -143,13 +167,15 @@ pub trait Impulse<R> {
 
 /// Numbers of streams as a type.
 pub trait StreamCounts {
-    /// Adds the impulse at each place of the streams to `to`, once or twice.
+    /// Adds the impulse at each place of the streams to `to`, once or twice. If `kept` is as long as
+    /// `to`, it gets the old rows, and the sums are tested: returns whether all are finite.
     #[doc(hidden)]
     fn add<const TWICE: bool, R: Row>(
         streams: &Streams<'_, R>,
         to: &mut [R],
+        kept: &mut [R],
         impulse: &impl Impulse<R>,
-    );
+    ) -> bool;
 }
 
 /// Numbers of streams: of rows, of columns of fields, and of increments.
@@ -161,13 +187,15 @@ impl<const A: usize, const B: usize, const C: usize> StreamCounts for Counts<A, 
     fn add<const TWICE: bool, R: Row>(
         streams: &Streams<'_, R>,
         to: &mut [R],
+        kept: &mut [R],
         impulse: &impl Impulse<R>,
-    ) {
+    ) -> bool {
         add_times::<TWICE, R, A, B, C>(
             streams,
             to,
+            kept,
             #[inline(always)]
             |reads| impulse.at(reads),
-        );
+        )
     }
 }

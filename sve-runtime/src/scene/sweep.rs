@@ -5,7 +5,7 @@
 
 use core::marker::PhantomData;
 
-use super::additions::{keep, move_all, move_to_nodes, test};
+use super::additions::{first_not_finite, move_all, move_to_nodes};
 use super::drift::Drift;
 use super::pieces::{Bases, Batch, Piece};
 use super::segments::{BATCH, Segments, TILE};
@@ -196,10 +196,14 @@ where
         let first = nodes.start * NumbersOf::<S, W>::LENGTH;
         if !piece.has_others && piece.batch.is_none() {
             let streams = streams(q, nodes.start, segments, bases, dw);
-            let (to, kept) = (&mut to[nodes], Row::rows_mut(kept));
-            keep(to, kept, is_tested);
-            CountsOf::<S, W>::add::<TO_P_TWICE, _>(&streams, to, &visit.node);
-            return test(to, kept, is_tested).map_err(|component| first + component);
+            let length = if is_tested { nodes.len() } else { 0 };
+            let (to, kept) = (&mut to[nodes], &mut Row::rows_mut(kept)[..length]);
+            if CountsOf::<S, W>::add::<TO_P_TWICE, _>(&streams, to, kept, &visit.node) {
+                return Ok(());
+            }
+            let component = first + first_not_finite(Row::numbers(to));
+            to.copy_from_slice(kept);
+            return Err(component);
         }
         // The impulse of a node is added as one number: two kicks in one have the bits of two.
         let sum = &mut NumbersOf::<S, W>::rows_mut(of_piece)[..nodes.len()];
@@ -276,7 +280,7 @@ impl<'a, S: Scene + Contributions<W>, W> Visit<'a, S, W> {
         };
         let mut first = 0;
         if piece.is_full {
-            CountsOf::<S, W>::add::<false, _>(&streams, sum, &self.node);
+            CountsOf::<S, W>::add::<false, _>(&streams, sum, &mut [], &self.node);
             first = S::NODE_PAIRS;
         }
         for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
