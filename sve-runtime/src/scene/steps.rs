@@ -141,9 +141,8 @@ impl<S: Scene> Kernel for Steps<'_, S> {
                     self.prepared
                         .set_increments(part, self.increments.of_step());
                 }
-                Some(StepShear::Kick { .. }) => {}
                 None if is_step_over => return Ok((made, end)),
-                None => {}
+                Some(StepShear::Kick { .. }) | None => {}
             }
         }
     }
