@@ -24,27 +24,25 @@ pub(super) struct Chebyshev {
     /// The weight that the next update depends on; `None` before the first one.
     rho: Option<f64>,
     is_plain: bool,
+    /// The largest ratio of successive errors, after several updates.
+    contraction: f64,
 }
 
 impl Chebyshev {
     /// Returns the iteration for eigenvalues from `lower` to `upper`, which are positive.
     pub(super) fn new([lower, upper]: [f64; 2], is_symmetric: bool) -> Self {
-        Self {
+        let [a, b] = [lower, upper].map(f64::sqrt);
+        let mut iteration = Self {
             middle: 0.5 * (lower + upper),
             half: 0.5 * (upper - lower),
             rho: None,
-            is_plain: !is_symmetric,
+            is_plain: false,
+            contraction: (b - a) / (b + a),
+        };
+        if !is_symmetric {
+            iteration.make_plain();
         }
-    }
-
-    /// Returns the largest ratio of successive errors, after several updates.
-    fn contraction(&self) -> f64 {
-        let (a, b) = (self.middle - self.half, self.middle + self.half);
-        if self.is_plain {
-            self.half / self.middle
-        } else {
-            (b.sqrt() - a.sqrt()) / (b.sqrt() + a.sqrt())
-        }
+        iteration
     }
 
     /// Returns a bound of the eigenvalues of the Jacobian without its unit matrix.
@@ -55,14 +53,14 @@ impl Chebyshev {
 
     /// Returns the number of updates that reduce an error to `part` of it.
     pub(super) fn updates(&self, part: f64) -> f64 {
-        (part.ln() / self.contraction().ln()).max(1.0)
+        (part.ln() / self.contraction.ln()).max(1.0)
     }
 
     /// Returns whether the error of the displacements after the update `change` is below rounding
     /// errors. `size` is the sum of the largest f p₀ and the largest f I/2, and `farthest` the
     /// largest place.
     pub(super) fn is_solved(&self, change: f64, size: f64, farthest: f64) -> bool {
-        let ratio = self.contraction().max(RATIO);
+        let ratio = self.contraction.max(RATIO);
         let error = change * ratio / (1.0 - ratio);
         // its error changes the impulse by the slope
         let of_impulse = size / self.slope();
@@ -72,6 +70,7 @@ impl Chebyshev {
 
     /// Continues with the weights of Richardson's iteration. Returns whether the weights were others.
     pub(super) fn make_plain(&mut self) -> bool {
+        self.contraction = self.half / self.middle;
         !core::mem::replace(&mut self.is_plain, true)
     }
 
@@ -126,6 +125,6 @@ mod tests {
             assert_eq!([alpha, beta], [1.0, 0.0]);
             error -= alpha * 1.5 * error;
         }
-        assert!((error.abs() - iteration.contraction().powi(5)).abs() < 1e-15);
+        assert!((error.abs() - iteration.contraction.powi(5)).abs() < 1e-15);
     }
 }

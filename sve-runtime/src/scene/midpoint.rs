@@ -263,9 +263,9 @@ impl<R: Row> MidpointStep<'_, R> {
             }
             if change < smallest {
                 (smallest, stalled) = (change, 0);
-            } else {
-                stalled += 1;
+                continue;
             }
+            stalled += 1;
             // the updates of Chebyshev's iteration become smaller on average
             if f64::from(stalled) < STALLED.max(iteration.updates(0.1)) {
                 continue;

@@ -77,33 +77,33 @@ fn update_tile(
     [alpha, beta]: [f64; 2],
     most: &mut Most,
 ) {
-    // in registers, since all their indices are constants once the loop is unrolled
-    let Most {
-        mut changes,
-        e: mut sizes,
-    } = *most;
     let (others, other) = other.as_chunks_mut::<PARTS>();
     let (freshes, fresh) = fresh.as_chunks_mut::<PARTS>();
     let [(es, e), (cs, centres), (impulses, impulse)] =
         [e, centres, impulse].map(|x| x.as_chunks::<PARTS>());
-    for (at, (other, fresh)) in others.iter_mut().zip(freshes).enumerate() {
-        let (e, c, impulse) = (&es[at], &cs[at], &impulses[at]);
-        let factor = factors.chunk(at);
-        for k in 0..PARTS {
-            let residual = e[k] - factor[k] * (0.5 * impulse[k]);
-            let change = beta * (e[k] - other[k]) - alpha * residual;
-            let new = e[k] + change;
-            (other[k], fresh[k]) = (new, c[k] + 0.5 * new);
-            keep_larger(&mut changes[k], change);
-            keep_larger(&mut sizes[k], new);
-        }
-    }
-    *most = Most { changes, e: sizes };
+    let updated = |e: f64, other: f64, of_impulse: f64| {
+        let change = beta * (e - other) - alpha * (e - of_impulse);
+        [change, e + change]
+    };
     let first = others.len() * PARTS;
+    if first > 0 {
+        // in registers, since all their indices are constants once the loop is unrolled
+        let mut parts = *most;
+        for (at, (other, fresh)) in others.iter_mut().zip(freshes).enumerate() {
+            let (e, c, impulse) = (&es[at], &cs[at], &impulses[at]);
+            let factor = factors.chunk(at);
+            for k in 0..PARTS {
+                let [change, new] = updated(e[k], other[k], factor[k] * (0.5 * impulse[k]));
+                (other[k], fresh[k]) = (new, c[k] + 0.5 * new);
+                keep_larger(&mut parts.changes[k], change);
+                keep_larger(&mut parts.e[k], new);
+            }
+        }
+        *most = parts;
+    }
     for k in 0..other.len() {
-        let residual = e[k] - factors.of(first + k) * (0.5 * impulse[k]);
-        let change = beta * (e[k] - other[k]) - alpha * residual;
-        let new = e[k] + change;
+        let of_impulse = factors.of(first + k) * (0.5 * impulse[k]);
+        let [change, new] = updated(e[k], other[k], of_impulse);
         (other[k], fresh[k]) = (new, centres[k] + 0.5 * new);
         keep_larger(&mut most.changes[k], change);
         keep_larger(&mut most.e[k], new);

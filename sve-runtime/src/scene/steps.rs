@@ -7,7 +7,7 @@ use super::kinetic::KineticForm;
 use super::midpoint::MidpointStep;
 use super::shear::{Phase, Prepared};
 use super::sweep::{Kick, Place, Sweep};
-use super::{Impulses, Row, Scene};
+use super::{Row, Scene};
 use crate::error::StepError;
 use crate::lanes::dispatch::Kernel;
 use crate::rule::StepShear;
@@ -184,7 +184,7 @@ impl<S: Scene> Steps<'_, S> {
             of_kick: dw,
             ..
         } = &mut *self.prepared;
-        let sweep = Sweep::<S, Impulses, TWICE> {
+        let sweep = Sweep::<S, TWICE> {
             scene: self.scene,
             segments,
             drift: motion.map(|(h, friction)| Drift {

@@ -10,7 +10,7 @@ use super::drift::Drift;
 use super::pieces::{Bases, Batch, Piece};
 use super::segments::{BATCH, Segments, TILE};
 use super::streams::Impulse;
-use super::{Contributions, IndexError, Reads, Row, Scene, StreamCounts, Streams};
+use super::{Contributions, Impulses, IndexError, Reads, Row, Scene, StreamCounts, Streams};
 use crate::lanes::dispatch::Kernel;
 
 /// The impulse over the time `h` at the time `t`.
@@ -90,15 +90,15 @@ impl Buffers {
     }
 }
 
-/// A drift, if there is one, and then the contributions `W` of all loops, added `TWICE` or once to
-/// `p`.
-pub(super) struct Sweep<'a, S: Contributions<W>, W, const TWICE: bool> {
+/// A drift, if there is one, and then the impulses of all loops, added `TWICE` or once to the
+/// momenta.
+pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
     pub(super) scene: &'a S,
     pub(super) segments: &'a Segments,
     pub(super) drift: Option<Drift<'a>>,
     pub(super) kick: Kick<'a>,
-    pub(super) q: &'a mut [S::Numbers],
-    pub(super) p: &'a mut [S::Numbers],
+    pub(super) q: &'a mut [S::Row],
+    pub(super) p: &'a mut [S::Row],
     pub(super) buffers: &'a mut Buffers,
     /// Whether numbers are tested as long as they are in the first cache.
     pub(super) is_tested: bool,
@@ -106,10 +106,7 @@ pub(super) struct Sweep<'a, S: Contributions<W>, W, const TWICE: bool> {
     pub(super) pieces: usize,
 }
 
-impl<S, W, const TWICE: bool> Kernel for Sweep<'_, S, W, TWICE>
-where
-    S: Scene + Contributions<W>,
-{
+impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
     /// A number that is not finite, if numbers are tested.
     type Output = Result<Option<Place>, IndexError>;
 
@@ -131,10 +128,7 @@ where
     }
 }
 
-impl<S, W, const TWICE: bool> Sweep<'_, S, W, TWICE>
-where
-    S: Scene + Contributions<W>,
-{
+impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
     /// Moves the sites and adds the contributions of gathered loops.
     #[inline(always)]
     fn gathered(&mut self, moved: &mut usize) -> Result<(), Place> {
@@ -184,7 +178,7 @@ where
             kept,
         } = &mut *self.buffers;
         let mut visit =
-            Visit::<S, W>::new(self.scene, segments, self.kick, [of_batch, of_increments]);
+            Visit::<S, Impulses>::new(self.scene, segments, self.kick, [of_batch, of_increments]);
         let q = &*self.q;
         let to = if has_nests {
             Row::rows_mut(of_nests)
@@ -193,12 +187,12 @@ where
         };
         let is_tested = self.is_tested && !has_nests;
         let nodes = piece.nodes();
-        let first = nodes.start * NumbersOf::<S, W>::LENGTH;
+        let first = nodes.start * S::Row::LENGTH;
         if !piece.has_others && piece.batch.is_none() {
             let streams = streams(q, nodes.start, segments, bases, dw);
             let length = if is_tested { nodes.len() } else { 0 };
             let (to, kept) = (&mut to[nodes], &mut Row::rows_mut(kept)[..length]);
-            if CountsOf::<S, W>::add::<TO_P_TWICE, _>(&streams, to, kept, &visit.node) {
+            if CountsOf::<S, Impulses>::add::<TO_P_TWICE, _>(&streams, to, kept, &visit.node) {
                 return Ok(());
             }
             let component = first + first_not_finite(Row::numbers(to));
@@ -206,7 +200,7 @@ where
             return Err(component);
         }
         // The impulse of a node is added as one number: two kicks in one have the bits of two.
-        let sum = &mut NumbersOf::<S, W>::rows_mut(of_piece)[..nodes.len()];
+        let sum = &mut S::Row::rows_mut(of_piece)[..nodes.len()];
         if let Some(batch) = visit.add(q, piece, bases, sum) {
             return move_to_nodes::<TO_P_TWICE, _>(&batch.nodes, to, sum, is_tested);
         }
@@ -218,14 +212,14 @@ where
     #[inline(always)]
     fn nests(&mut self, moved: usize) -> Result<Option<Place>, IndexError> {
         let (Kick { h, t, dw }, q) = (self.kick, &*self.q);
-        let of_nests = NumbersOf::<S, W>::rows_mut(&mut self.buffers.of_nests);
+        let of_nests = S::Row::rows_mut(&mut self.buffers.of_nests);
         for &number in &self.segments.nests {
-            Contributions::<W>::nest(self.scene, number, h, t, dw, q, of_nests)?;
+            Contributions::<Impulses>::nest(self.scene, number, h, t, dw, q, of_nests)?;
         }
         let tiles = self.p.chunks_mut(TILE).zip(of_nests.chunks_mut(TILE));
         for (number, (p, sum)) in tiles.enumerate() {
             if let Err(at) = move_all::<TWICE, _>(p, sum, self.is_tested) {
-                let at = number * TILE * NumbersOf::<S, W>::LENGTH + at;
+                let at = number * TILE * S::Row::LENGTH + at;
                 return Ok(Some(Place::new(("p", at), moved, self.pieces)));
             }
         }

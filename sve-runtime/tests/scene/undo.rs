@@ -203,6 +203,8 @@ fn an_overflow_on_the_way_back_gives_the_largest_number() {
         Shear::Drift {
             h,
             friction: [0.0; 2],
+            parts: [0.0; 2],
+            at: [0.0; 2],
         },
         Shear::Kick {
             h,

@@ -263,7 +263,7 @@ fn a_wave_decays_as_one_with_its_friction_does() {
         }
     }
     let (n, h, steps, wave, mu) = (64, 0.1, 50, 5.0, 0.8);
-    let k = wave * std::f64::consts::TAU / n as f64;
+    let k = wave * std::f64::consts::TAU / f64::from(n);
     let p: Vec<f64> = (0..n).map(|i| (k * f64::from(i)).cos()).collect();
     let free = Integrator::new(Free { mu }, StormerVerlet);
     let mut path = free.trajectory(State::new(vec![0.0; 64], p.clone()), h, NoNoise);
