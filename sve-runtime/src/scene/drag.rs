@@ -20,7 +20,7 @@ use super::errors::index_error;
 use super::kinetic::Sites;
 use super::masses::InverseMasses;
 use super::shear::Phase;
-use super::{Row, Scene};
+use super::{InDrift, Row, Scene};
 use crate::error::StepError;
 use crate::gauss::convergence::{Course, Verdict};
 
@@ -145,7 +145,7 @@ impl Drags {
             *p = momentum - after * velocities.friction(at) * v;
         }
         if S::HAS_DRAGS && after != 0.0 || S::HAS_H1 && motion.parts[1] != 0.0 {
-            self.impulses_at(step, q, 1)?;
+            self.compute(step, q, 1, &IMPULSES)?;
             let kicked = S::Row::numbers_mut(p).iter_mut();
             for (p, impulse) in kicked.zip(&self.new) {
                 *p += impulse;
@@ -181,7 +181,7 @@ impl Drags {
             if is_solved {
                 return Ok(());
             }
-            self.impulses_at(step, q, 0)?;
+            self.compute(step, q, 0, &IMPULSES)?;
             let change = change::<S::Row>([&self.impulses, &self.new], S::Row::numbers(p));
             core::mem::swap(&mut self.impulses, &mut self.new);
             let has_friction = before != 0.0 && velocities.has_friction();
@@ -197,7 +197,7 @@ impl Drags {
     ) -> Result<(), StepError> {
         let Motion { h, parts, .. } = step.motion;
         if S::HAS_H1 && parts[0] != 0.0 {
-            self.shifts_at(step, q, 0)?;
+            self.compute(step, q, 0, &[InDrift::Shifts])?;
             core::mem::swap(&mut self.shifts[0], &mut self.new);
         }
         let moved = S::Row::numbers_mut(q).iter_mut();
@@ -212,7 +212,7 @@ impl Drags {
         self.impulses.extend_from_slice(S::Row::numbers(q));
         let (mut progress, mut is_solved) = (Progress::new(step.motion), false);
         while !is_solved {
-            self.shifts_at(step, q, 1)?;
+            self.compute(step, q, 1, &[InDrift::Shifts])?;
             let change = change::<S::Row>([&self.shifts[1], &self.new], &self.impulses);
             core::mem::swap(&mut self.shifts[1], &mut self.new);
             let moved = S::Row::numbers_mut(q).iter_mut();
@@ -224,71 +224,47 @@ impl Drags {
         Ok(())
     }
 
-    /// Writes the increments and totals of a side of the drift to `dw`, and zeros to `new`.
-    fn prepare<S: Scene>(
+    /// Computes the sum of some parts on a side of the drift, in `new`.
+    fn compute<S: Scene>(
         &mut self,
         step: DriftOf<'_, S>,
         q: &[S::Row],
         side: usize,
+        sum: &[InDrift],
     ) -> Result<(), StepError> {
         let Motion {
-            parts, at, start, ..
+            forced,
+            parts,
+            at,
+            start,
+            ..
         } = step.motion;
+        let (h, t) = (forced[side], at[side]);
+        let index = |error| index_error(error, start);
         self.dw.clear();
         self.dw.extend(step.dw.iter().map(|dw| parts[side] * dw));
         if S::TOTALS > 0 {
             self.dw.resize(step.dw.len() + S::TOTALS, 0.0);
-            let summed = step.scene.totals(at[side], q, &mut self.dw);
-            summed.map_err(|error| index_error(error, start))?;
+            step.scene.totals(t, q, &mut self.dw).map_err(index)?;
         }
         self.new.clear();
         self.new.resize(self.v.len(), 0.0);
-        Ok(())
-    }
-
-    /// Computes the impulses of drags and H₁ on a side of the drift.
-    fn impulses_at<S: Scene>(
-        &mut self,
-        step: DriftOf<'_, S>,
-        q: &[S::Row],
-        side: usize,
-    ) -> Result<(), StepError> {
-        self.prepare(step, q, side)?;
-        let Motion {
-            forced, at, start, ..
-        } = step.motion;
-        let (h, t) = (forced[side], at[side]);
         let to = S::Row::rows_mut(&mut self.new);
-        if S::HAS_DRAGS {
-            let v = &*S::Row::rows_mut(&mut self.v);
-            let added = step.scene.drags(h, t, &self.dw, q, v, to);
-            added.map_err(|error| index_error(error, start))?;
-        }
-        if S::HAS_H1 {
-            let p = &*S::Row::rows_mut(&mut self.p);
-            let added = step.scene.h1_kicks(h, t, &self.dw, q, p, to);
-            added.map_err(|error| index_error(error, start))?;
+        for &part in sum {
+            let of = match part {
+                InDrift::Drags => &mut self.v,
+                InDrift::Kicks | InDrift::Shifts => &mut self.p,
+            };
+            let of = S::Row::rows_mut(of);
+            let added = step.scene.in_drift(part, h, t, &self.dw, q, of, to);
+            added.map_err(index)?;
         }
         Ok(())
-    }
-
-    /// Computes the displacements by H₁ on a side of the drift.
-    fn shifts_at<S: Scene>(
-        &mut self,
-        step: DriftOf<'_, S>,
-        q: &[S::Row],
-        side: usize,
-    ) -> Result<(), StepError> {
-        self.prepare(step, q, side)?;
-        let Motion {
-            forced, at, start, ..
-        } = step.motion;
-        let to = S::Row::rows_mut(&mut self.new);
-        let p = &*S::Row::rows_mut(&mut self.p);
-        let added = (step.scene).h1_shifts(forced[side], at[side], &self.dw, q, p, to);
-        added.map_err(|error| index_error(error, start))
     }
 }
+
+/// The impulses in a drift.
+const IMPULSES: [InDrift; 2] = [InDrift::Drags, InDrift::Kicks];
 
 /// What a drift reads beside the state.
 #[derive(Debug)]

@@ -213,60 +213,26 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// True if forces depend on velocities in another way than friction.
     const HAS_DRAGS: bool = false;
 
-    /// Adds the impulses of these forces over the time `h`. `dw` ends with the totals.
-    ///
-    /// # Errors
-    /// An index that is out of range.
-    #[allow(clippy::too_many_arguments)] // those of a nest, and the velocities
-    fn drags(
-        &self,
-        h: f64,
-        t: f64,
-        dw: &[f64],
-        q: &[Self::Row],
-        v: &[Self::Row],
-        to: &mut [Self::Row],
-    ) -> Result<(), IndexError> {
-        let _ = (h, t, dw, q, v, to);
-        Ok(())
-    }
-
     /// True if there are noises H₁.
     const HAS_H1: bool = false;
 
-    /// Adds the impulses −Σ ΔW ∂H₁/∂q.
+    /// Adds a part of a drift at all sites. `of` has velocities for drags and momenta for H₁, and `dw`
+    /// ends with the totals.
     ///
     /// # Errors
     /// An index that is out of range.
-    #[allow(clippy::too_many_arguments)] // as `drags`
-    fn h1_kicks(
+    #[allow(clippy::too_many_arguments)] // those of a nest, and another array
+    fn in_drift(
         &self,
+        part: InDrift,
         h: f64,
         t: f64,
         dw: &[f64],
         q: &[Self::Row],
-        p: &[Self::Row],
+        of: &[Self::Row],
         to: &mut [Self::Row],
     ) -> Result<(), IndexError> {
-        let _ = (h, t, dw, q, p, to);
-        Ok(())
-    }
-
-    /// Adds the displacements Σ ΔW ∂H₁/∂p.
-    ///
-    /// # Errors
-    /// An index that is out of range.
-    #[allow(clippy::too_many_arguments)] // as `drags`
-    fn h1_shifts(
-        &self,
-        h: f64,
-        t: f64,
-        dw: &[f64],
-        q: &[Self::Row],
-        p: &[Self::Row],
-        to: &mut [Self::Row],
-    ) -> Result<(), IndexError> {
-        let _ = (h, t, dw, q, p, to);
+        let _ = (part, h, t, dw, q, of, to);
         Ok(())
     }
 
@@ -303,6 +269,17 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// # Errors
     /// An index that is out of range.
     fn processes(&self, n: usize) -> Result<usize, IndexError>;
+}
+
+/// A part of a drift that reads velocities or momenta.
+#[derive(Clone, Copy, Debug)]
+pub enum InDrift {
+    /// The impulses of drags over the time `h`.
+    Drags,
+    /// The impulses −Σ ΔW ∂H₁/∂q.
+    Kicks,
+    /// The displacements Σ ΔW ∂H₁/∂p.
+    Shifts,
 }
 
 /// An outermost loop.

@@ -9,27 +9,54 @@ use super::loops::Loops;
 use crate::scene::Term;
 
 impl Loops<'_> {
-    /// The impulses of forces of velocities, and the impulses and displacements of all H₁, as far as
-    /// there are any.
+    /// The parts of drifts, as far as there are any: the impulses of forces of velocities, and the
+    /// impulses and displacements of all H₁.
     pub(super) fn in_drifts(&self) -> TokenStream {
+        let private = self.formulas.private;
         let drags = &self.derived.drags;
         let [kicks, shifts] = &self.derived.h1;
-        let drags = (!drags.is_empty()).then(|| {
-            let drags = self.added("drags", "v", drags);
-            quote!(const HAS_DRAGS: bool = true; #drags)
-        });
-        let h1 = (!kicks.is_empty() || !shifts.is_empty()).then(|| {
-            let kicks = self.added("h1_kicks", "p", kicks);
-            let shifts = self.added("h1_shifts", "p", shifts);
-            quote!(const HAS_H1: bool = true; #kicks #shifts)
-        });
-        quote!(#drags #h1)
+        let parts = [
+            ("Drags", "v", drags),
+            ("Kicks", "p", kicks),
+            ("Shifts", "p", shifts),
+        ];
+        let parts = parts.into_iter().filter(|part| !part.2.is_empty());
+        let arms: Vec<_> = parts.map(|part| self.added(part)).collect();
+        if arms.is_empty() {
+            return TokenStream::new();
+        }
+        let has_drags = !drags.is_empty();
+        let has_h1 = !kicks.is_empty() || !shifts.is_empty();
+        quote! {
+            const HAS_DRAGS: bool = #has_drags;
+            const HAS_H1: bool = #has_h1;
+            fn in_drift(
+                &self,
+                part: #private::scene::InDrift,
+                h: f64,
+                time: f64,
+                dw: &[f64],
+                q: &[Self::Row],
+                of: &[Self::Row],
+                to: &mut [Self::Row],
+            ) -> ::core::result::Result<(), #private::scene::IndexError> {
+                let n = q.len();
+                let (to, of) = (&mut to[..n], &of[..n]);
+                match part {
+                    #(#arms)*
+                    // a part that the scene does not have
+                    #[allow(unreachable_patterns)]
+                    _ => {}
+                }
+                ::core::result::Result::Ok(())
+            }
+        }
     }
 
-    /// A function that adds the values of terms to sites. It reads velocities or momenta, `of`.
-    fn added(&self, name: &str, of: &str, terms: &[Term]) -> TokenStream {
+    /// An arm that adds the values of terms to sites. It reads velocities or momenta, `of`.
+    fn added(&self, (part, of, terms): (&str, &str, &Vec<Term>)) -> TokenStream {
         let private = self.formulas.private;
-        let (name, of) = (ident(name), ident(of));
+        let (part, of) = (ident(part), ident(of));
         let loops = (0..self.derived.roots.len()).map(|root| {
             let of_root: Vec<&Term> = terms.iter().filter(|term| term.root == root).collect();
             let each = of_root.iter().find_map(|term| term.increment);
@@ -39,19 +66,9 @@ impl Loops<'_> {
             quote!(#offset #loops)
         });
         quote! {
-            fn #name(
-                &self,
-                h: f64,
-                time: f64,
-                dw: &[f64],
-                q: &[Self::Row],
-                #of: &[Self::Row],
-                to: &mut [Self::Row],
-            ) -> ::core::result::Result<(), #private::scene::IndexError> {
-                let n = q.len();
-                let (to, #of) = (&mut to[..n], &#of[..n]);
+            #private::scene::InDrift::#part => {
+                let #of = of;
                 #({ #loops })*
-                ::core::result::Result::Ok(())
             }
         }
     }
