@@ -22,6 +22,7 @@
 //! | `symmetries.rs` | the momenta of symmetries |
 //! | `conserved.rs` | steps conserve them, and what breaks a symmetry moves its momentum |
 //! | `hard_steps.rs` | midpoint steps that fail, and solutions far from the first guess |
+//! | `restored.rs` | explicit steps that fail where they cannot be made backwards |
 //! | `failures.rs` | indices out of range and fields of wrong lengths |
 //! | `output.rs` | saved states, files and snapshots |
 
@@ -41,6 +42,7 @@ mod kinetic;
 mod lattices;
 mod midpoint;
 mod output;
+mod restored;
 mod rough;
 mod shapes;
 mod symmetric;

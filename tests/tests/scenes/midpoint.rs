@@ -337,3 +337,50 @@ fn trajectories_are_repeated_steps() {
     check(Midpoint);
     check(Composed::new(Midpoint, KahanLi8));
 }
+
+/// Springs between the sites from `from` to `to`; the others are free.
+struct Partly {
+    from: usize,
+    to: usize,
+    nu: f64,
+}
+
+#[variational(midpoint)]
+impl Partly {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
+        for i in self.from + 1..self.to {
+            l -= 0.5 * (q[i] - q[i - 1]).powi(2);
+        }
+        l
+    }
+
+    #[force]
+    fn friction(&self, _q: &[f64], v: &[f64]) -> Vec<f64> {
+        v.iter().map(|v| -self.nu * v).collect()
+    }
+}
+
+/// Sites without terms, before and behind those with terms, move as alone: p₁ = r p₀ with
+/// r = (1 − hν/2)/(1 + hν/2), and q₁ = q₀ + h (p₀ + p₁)/2.
+#[test]
+fn sites_without_terms_move_alone() {
+    let (n, h) = (3000, 0.25);
+    for [from, to] in [[0, 0], [5, 40], [1100, 2500], [0, 2999]] {
+        for nu in [0.0, 0.5] {
+            let integrator = Integrator::new(Partly { from, to, nu }, Midpoint);
+            let mut state = State::new(spread(n, 3), spread(n, 4));
+            for _ in 0..3 {
+                let before = state.clone();
+                integrator.step(&mut state, h, &[]).expect("a step");
+                let ratio = (1.0 - 0.5 * h * nu) / (1.0 + 0.5 * h * nu);
+                for i in (0..from).chain(to..n) {
+                    let p = ratio * before.p[i];
+                    let q = before.q[i] + 0.5 * h * (before.p[i] + p);
+                    let error = (state.p[i] - p).abs().max((state.q[i] - q).abs());
+                    assert!(error < 1e-15, "{from} {to} {nu} {i}: {error:e}");
+                }
+            }
+        }
+    }
+}
