@@ -89,7 +89,7 @@ pub enum StepError {
     /// the iteration over its sites.
     #[error(
         "the forces of velocities or the `#[h1]` in the step from t = {t} with h = {h:e} are too strong for its iteration, whose changes have the ratio {ratio:.3}: \
-         take h below about {wanted:e}, the rule `endpoint`, whose forces of velocities are explicit, or truncated increments (`Truncated`)"
+         take h below about {wanted:.1e}; without `#[h1]`, the rule `endpoint` has explicit forces of velocities; with it, truncated increments (`Truncated`) bound the noise"
     )]
     Contraction {
         /// Time at the start of the step.

@@ -168,7 +168,7 @@ impl Drags {
         } = step;
         let (before, times) = (motion.forced[0], [motion.at[0], motion.h]);
         let has_impulses = S::HAS_DRAGS && before != 0.0 || S::HAS_H1 && motion.parts[0] != 0.0;
-        let (mut progress, mut is_solved) = (Progress::new(motion), !has_impulses);
+        let (mut progress, mut is_solved) = (Progress::new::<S>(motion), !has_impulses);
         loop {
             let momenta = [q, p, &*S::Row::rows_mut(&mut self.impulses)];
             let v = S::Row::rows_mut(&mut self.v);
@@ -210,7 +210,7 @@ impl Drags {
         // without the displacement that depends on the end
         self.impulses.clear();
         self.impulses.extend_from_slice(S::Row::numbers(q));
-        let (mut progress, mut is_solved) = (Progress::new(step.motion), false);
+        let (mut progress, mut is_solved) = (Progress::new::<S>(step.motion), false);
         while !is_solved {
             self.compute(step, q, 1, &[InDrift::Shifts])?;
             let change = change::<S::Row>([&self.shifts[1], &self.new], &self.impulses);
@@ -289,14 +289,16 @@ struct Progress {
     course: Course,
     last: f64,
     motion: Motion,
+    has_h1: bool,
 }
 
 impl Progress {
-    fn new(motion: Motion) -> Self {
+    fn new<S: Scene>(motion: Motion) -> Self {
         Self {
             course: Course::new(),
             last: f64::INFINITY,
             motion,
+            has_h1: S::HAS_H1,
         }
     }
 
@@ -318,11 +320,14 @@ impl Progress {
         let Motion { h, start, .. } = self.motion;
         // x or, with friction of the same strength, x/(1 + x), with x in proportion to h
         let damped = if is_damped { (1.0 - ratio).abs() } else { 1.0 };
+        let part = FACTOR / ratio * damped.min(1.0);
+        // increments are in proportion to the square root of h
+        let part = if self.has_h1 { part * part } else { part };
         StepError::Contraction {
             t: start,
             h,
             ratio,
-            wanted: h.abs() * (FACTOR / ratio * damped.min(1.0)).min(0.5),
+            wanted: h.abs() * part.min(0.5),
         }
     }
 }

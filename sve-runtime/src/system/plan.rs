@@ -4,7 +4,9 @@
 use core::fmt;
 
 /// The method by which a block of equations is solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+///
+/// A kind is larger than another one if it is more demanding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum BlockKind {
     /// Each equation has one unknown, whose coefficient depends on parameters only: straight-line
@@ -14,6 +16,9 @@ pub enum BlockKind {
     Linear,
     /// Newton's method with the analytic Jacobian.
     Newton,
+    /// A fixed-point iteration for the velocities of all sites of a scene, which forces of velocities
+    /// or an H₁ join.
+    FixedPoint,
     /// Chebyshev's iteration for the displacements of all sites of a scene, with bounds of the
     /// spectrum.
     Chebyshev,
@@ -25,7 +30,8 @@ impl fmt::Display for BlockKind {
             Self::Explicit => "explicit",
             Self::Linear => "linear",
             Self::Newton => "Newton",
-            Self::Chebyshev => "Chebyshev",
+            Self::FixedPoint => "fixed-point iteration",
+            Self::Chebyshev => "Chebyshev's iteration",
         })
     }
 }
@@ -239,16 +245,8 @@ impl Plan {
 
     /// Returns the most demanding kind of block in the step.
     pub fn kind(&self) -> BlockKind {
-        let has = |kind| self.blocks.iter().any(|b| b.kind == kind);
-        if has(BlockKind::Chebyshev) {
-            BlockKind::Chebyshev
-        } else if has(BlockKind::Newton) {
-            BlockKind::Newton
-        } else if has(BlockKind::Linear) {
-            BlockKind::Linear
-        } else {
-            BlockKind::Explicit
-        }
+        let kinds = self.blocks.iter().map(|block| block.kind);
+        kinds.max().unwrap_or(BlockKind::Explicit)
     }
 
     /// Returns the operations of a step in which each Newton block takes so many iterations.
@@ -358,8 +356,8 @@ impl fmt::Display for Structure<'_> {
             1 => writeln!(f, "1 Wiener process")?,
             m => writeln!(f, "{m} Wiener processes")?,
         }
-        if plan.kind() == BlockKind::Chebyshev {
-            write!(f, "  Chebyshev's iteration, an unknown for each coordinate")?;
+        if k > 0 && n == Plan::OF_STATE {
+            write!(f, "  {}, an unknown for each coordinate", plan.kind())?;
         } else {
             write!(f, "  {}, {k} unknown{}", plan.kind(), plural(k))?;
         }

@@ -1,6 +1,7 @@
 //! Forces that depend on velocities of any site: pairwise friction, a magnetic force, drag that is
 //! not linear.
 
+use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
 
 use crate::common::spread;
@@ -299,6 +300,8 @@ fn strong_forces_of_velocities_name_a_step_size() {
         assert!(short.abs() > 1e-3, "{short}");
         let explicit = Integrator::new(Ring { mu: 20.0 }, Endpoint);
         explicit.step(&mut state, h, &[]).expect("an explicit step");
+        let kinds = [ring.plan().kind(), explicit.plan().kind()];
+        assert_eq!(kinds, [BlockKind::FixedPoint, BlockKind::Explicit]);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Noises that move positions, `#[h1]`: of each site, and of neighbours.
 
-use sve_runtime::plan::StrongOrder;
+use sve_runtime::plan::{BlockKind, StrongOrder};
 use sve_runtime::prelude::*;
 
 use crate::common::spread;
@@ -186,6 +186,7 @@ fn plans_tell_whether_h1_commute() {
     };
     let plan = Integrator::new(kubo, StormerVerlet).plan();
     assert_eq!(plan.strong_order, StrongOrder::One);
+    assert_eq!(plan.kind(), BlockKind::FixedPoint, "{plan}");
     let (k, sigma, nu) = (0.7, [0.3; 3], 0.4);
     let plan = Integrator::new(bodies::scene::System { k, sigma, nu }, StormerVerlet).plan();
     assert_eq!(
@@ -270,8 +271,15 @@ fn large_increments_are_refused() {
     let error = stretch
         .step(&mut state, 0.1, &[0.1, 3.0, 0.0])
         .expect_err("a large increment");
-    assert!(matches!(error, StepError::Contraction { .. }), "{error}");
+    let StepError::Contraction { wanted, .. } = error else {
+        panic!("{error}");
+    };
     assert_eq!(state, start);
+    // increments are in proportion to the square root of the step size
+    let scale = (wanted / 0.1).sqrt();
+    let shorter = [0.1, 3.0, 0.0].map(|dw| scale * dw);
+    let mut moved = start.clone();
+    stretch.step(&mut moved, wanted, &shorter).expect("a step");
     let error = stretch
         .step(&mut state, 0.1, &[0.1, f64::NAN, 0.0])
         .expect_err("no number");

@@ -2,6 +2,7 @@
 //! matrices, and terms that are linear in the velocity.
 
 use sve_runtime::nalgebra::Vector3;
+use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
 
 use crate::common::{assert_same, spread};
@@ -274,6 +275,7 @@ fn stormer_verlet_is_symmetric_and_of_order_two() {
     };
     let start = State::new(vectors(5, 1.0).to_vec(), vectors(6, 0.5).to_vec());
     let bodies = Integrator::new(&system, StormerVerlet);
+    assert_eq!(bodies.plan().kind(), BlockKind::Newton);
     let mut state = start.clone();
     bodies.step(&mut state, 0.1, &[]).expect("a step");
     bodies.step(&mut state, -0.1, &[]).expect("a step back");

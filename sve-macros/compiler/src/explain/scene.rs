@@ -147,8 +147,35 @@ impl SceneTexts {
         lines.map(String::as_str).collect::<Vec<_>>().join("\n")
     }
 
+    /// Returns whether the velocities of drifts are momenta divided by masses.
+    fn is_plain(&self) -> bool {
+        self.has_masses && self.in_drifts.iter().all(Vec::is_empty)
+    }
+
     fn has_h1(&self) -> bool {
         self.in_drifts[1..].iter().any(|lines| !lines.is_empty())
+    }
+
+    /// Returns what a step solves: the kinds of blocks, and their unknowns.
+    pub(crate) fn blocks(
+        &self,
+        rule: Rule,
+        kinetic: &Kinetic,
+    ) -> Vec<(&'static str, &'static str)> {
+        if is_implicit(rule) {
+            return vec![("Chebyshev", "q₁ − q₀")];
+        }
+        let of_site = match kinetic {
+            Kinetic::Masses(_) => None,
+            Kinetic::Sites { is_affine, .. } => Some(if *is_affine { "Linear" } else { "Newton" }),
+        };
+        let has_drags = !self.in_drifts[0].is_empty();
+        let acts_before = !matches!(rule.nodes, Nodes::One { c } if c == 1.0);
+        let is_joined = has_drags && acts_before || self.has_h1();
+        let mut blocks = Vec::new();
+        blocks.extend(of_site.map(|kind| (kind, "the velocity of each site")));
+        blocks.extend(is_joined.then_some(("FixedPoint", "the velocities of all sites")));
+        blocks
     }
 
     /// Returns the discrete action and the step of a rule.
@@ -185,7 +212,9 @@ impl SceneTexts {
         step.extend(start.map(|part| kick(part, "q₀")));
         step.extend(self.drift(start, end));
         step.extend(end.map(|part| kick(part, "q₁")));
-        step.push("all in place".to_owned());
+        if self.is_plain() {
+            step.push("all in place".to_owned());
+        }
         self.push_impulses(&mut step);
         [action, step.join("\n")]
     }
@@ -243,7 +272,7 @@ impl SceneTexts {
     fn drift(&self, start: Option<&str>, end: Option<&str>) -> Vec<String> {
         let [drags, kicks, shifts] = &self.in_drifts;
         let has_friction = !self.friction.is_empty();
-        if self.has_masses && drags.is_empty() && !self.has_h1() {
+        if self.is_plain() {
             let damped = |part: Option<&str>, how: [&str; 2]| {
                 let part = part.filter(|_| has_friction);
                 part.map(|part| format!("friction: p {} (1 {} {part}h N M⁻¹)", how[0], how[1]))

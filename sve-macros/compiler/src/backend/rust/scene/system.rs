@@ -10,7 +10,7 @@ use twox_hash::XxHash64;
 use super::super::function::Formulas;
 use super::super::plan::operations;
 use super::super::system::constant_check;
-use super::super::{attributes, documented, number, rule_type, verbatim};
+use super::super::{attributes, documented, ident, number, rule_type, verbatim};
 use crate::catalogue::{Nodes, Rule};
 use crate::explain::SceneTexts;
 use crate::model::Meaning;
@@ -171,11 +171,13 @@ impl Context<'_> {
         let weak_order = if is_noisy { 1 } else { order };
         let node = self.formulas.operations(&self.derived.node.impulse);
         let [none, step] = [Operations::default(), node].map(|count| operations(private, &count));
-        let blocks = is_implicit(rule).then(|| {
+        let blocks = self.texts.blocks(rule, &self.derived.kinetic);
+        let blocks = blocks.into_iter().map(|(kind, unknowns)| {
+            let kind = ident(kind);
             quote! {
                 #private::Block {
-                    kind: #private::BlockKind::Chebyshev,
-                    unknowns: &["q₁ − q₀"],
+                    kind: #private::BlockKind::#kind,
+                    unknowns: &[#unknowns],
                     nonzeros: 0,
                     band: ::core::option::Option::None,
                 }
@@ -198,7 +200,7 @@ impl Context<'_> {
                 substeps: ::core::option::Option::None,
                 degrees_of_freedom: #private::Plan::OF_STATE,
                 noises: #noises,
-                blocks: &[#blocks],
+                blocks: &[#(#blocks),*],
                 deterministic_order: #order,
                 strong_order: #private::StrongOrder::#strong,
                 weak_order: #weak_order,
