@@ -44,6 +44,8 @@ pub(super) struct Segments {
     pub(super) batches: Vec<Batch>,
     /// For each pair.
     pub(super) streams: Vec<PairStreams>,
+    /// The numbers of rows, columns and increments that all pairs read.
+    pub(super) counts: [usize; 3],
     /// The columns of all terms.
     pub(super) columns: Vec<f64>,
     /// The loops that are made as they are written.
@@ -105,6 +107,7 @@ impl Segments {
             bases: Vec::new(),
             batches: Vec::new(),
             streams: streams::<S>(),
+            counts: counts(S::PAIRS),
             columns,
             nests,
             free: Vec::new(),
@@ -131,7 +134,9 @@ impl Segments {
             while node < end {
                 let to = end.min(node + length);
                 let bases = bases::<S>(runs, &here, &columns_at, node);
-                let read = bases[all.rows()].iter().filter(|&&base| base != NONE);
+                let read = bases[all.places()[0].clone()]
+                    .iter()
+                    .filter(|&&base| base != NONE);
                 let ready = read.fold(to, |ready, base| ready.max(base + (to - node)));
                 if length == 1 {
                     singles.push(Single { node, ready, bases });
@@ -147,29 +152,12 @@ impl Segments {
     }
 
     /// Returns the places of rows, columns and increments among the bases of a piece.
-    #[inline(always)]
     fn places(&self) -> [Range<usize>; 3] {
-        let last = self.streams.last();
         let mut end = self.streams.len();
-        [
-            last.map_or(0, |streams| streams.rows.end),
-            last.map_or(0, |streams| streams.columns.end),
-            last.map_or(0, |streams| streams.increments.end),
-        ]
-        .map(|length| {
+        self.counts.map(|length| {
             end += length;
             end - length..end
         })
-    }
-
-    /// Returns the places of rows among the bases of a piece.
-    pub(super) fn rows(&self) -> Range<usize> {
-        self.places()[0].clone()
-    }
-
-    /// Returns the places of increments among the bases of a piece.
-    pub(super) fn increments(&self) -> Range<usize> {
-        self.places()[2].clone()
     }
 
     fn push<S: Scene>(

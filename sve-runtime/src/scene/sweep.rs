@@ -67,11 +67,12 @@ pub(super) struct Buffers {
 impl Buffers {
     pub(super) fn new<R: Row>(segments: &Segments, n: usize) -> Self {
         let of_nests = if segments.nests.is_empty() { 0 } else { n };
+        let [rows, _, increments] = segments.counts;
         Self {
             of_piece: vec![0.0; TILE * R::LENGTH],
             of_nests: vec![0.0; of_nests * R::LENGTH],
-            of_batch: vec![0.0; BATCH * (1 + segments.rows().len()) * R::LENGTH],
-            dw: vec![0.0; BATCH * segments.increments().len()],
+            of_batch: vec![0.0; BATCH * (1 + rows) * R::LENGTH],
+            dw: vec![0.0; BATCH * increments],
             kept: vec![0.0; TILE * R::LENGTH],
         }
     }
