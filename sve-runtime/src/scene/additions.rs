@@ -10,7 +10,7 @@ pub(super) fn first_not_finite(numbers: &[f64]) -> usize {
     found.unwrap_or_default()
 }
 
-/// Adds impulses once or twice, and leaves zeros.
+/// Adds impulses once or twice.
 ///
 /// # Errors
 /// The number of a component whose sum is not finite, if sums are tested; nothing is then added.
@@ -29,13 +29,10 @@ pub(super) fn move_all<const TWICE: bool, R: Row>(
         for (sum, &to) in sum.iter_mut().zip(&*to) {
             *sum = added::<TWICE>(to, *sum);
         }
-        let component = first_not_finite(sum);
-        sum.fill(0.0);
-        return Err(component);
+        return Err(first_not_finite(sum));
     }
     for (to, sum) in to.iter_mut().zip(sum) {
         *to = added::<TWICE>(*to, *sum);
-        *sum = 0.0;
     }
     Ok(())
 }
@@ -60,7 +57,6 @@ pub(super) fn move_to_nodes<const TWICE: bool, R: Row>(
         let (mut row, mut of_node) = ([to[node as usize]], [sum[at]]);
         let moved = move_all::<TWICE, _>(&mut row, &mut of_node, true);
         if let Err(component) = moved {
-            sum.fill(R::ZERO);
             return Err(node as usize * R::LENGTH + component);
         }
     }

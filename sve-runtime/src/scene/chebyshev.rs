@@ -11,10 +11,6 @@
 /// signs, and this error has none.
 const PART: f64 = 1.0 / 16.0;
 
-/// Smallest ratio of successive updates that is relied on. With a smaller one a jump of the impulse
-/// would not be noticed, since one update would seem to be enough.
-const RATIO: f64 = 1e-3;
-
 /// The weights of the updates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chebyshev {
@@ -24,6 +20,7 @@ pub(super) struct Chebyshev {
     /// The weight that the next update depends on; `None` before the first one.
     rho: Option<f64>,
     is_plain: bool,
+    is_first: bool,
     /// The largest ratio of successive errors, after several updates.
     contraction: f64,
 }
@@ -37,6 +34,7 @@ impl Chebyshev {
             half: 0.5 * (upper - lower),
             rho: None,
             is_plain: false,
+            is_first: true,
             contraction: (b - a) / (b + a),
         };
         if !is_symmetric {
@@ -56,16 +54,24 @@ impl Chebyshev {
         (part.ln() / self.contraction.ln()).max(1.0)
     }
 
-    /// Returns whether the error of the displacements after the update `change` is below rounding
-    /// errors. `size` is the sum of the largest f p₀ and the largest f I/2, and `farthest` the
-    /// largest place.
+    /// Returns a bound of the error of the nodes after the update `change`.
+    pub(super) fn error(&self, change: f64) -> f64 {
+        let ratio = if self.is_first {
+            self.half / self.middle
+        } else {
+            self.contraction
+        };
+        change * ratio / (1.0 - ratio)
+    }
+
+    /// Returns whether the error of the nodes after the update `change` is below rounding errors:
+    /// those of the nodes, none of which is farther than `farthest`, or those of displacements of
+    /// `size`. A displacement is twice that of its node, and the impulse adds to it the slope times
+    /// the displacement.
     pub(super) fn is_solved(&self, change: f64, size: f64, farthest: f64) -> bool {
-        let ratio = self.contraction.max(RATIO);
-        let error = change * ratio / (1.0 - ratio);
-        // its error changes the impulse by the slope
-        let of_impulse = size / self.slope();
-        error <= PART * f64::EPSILON * farthest.max(size).min(of_impulse)
-            || change <= f64::EPSILON * size
+        let of_impulse = size / (2.0 * self.slope());
+        self.error(change) <= PART * f64::EPSILON * farthest.max(of_impulse)
+            || change <= f64::EPSILON * farthest
     }
 
     /// Continues with the weights of Richardson's iteration. Returns whether the weights were others.
@@ -74,11 +80,18 @@ impl Chebyshev {
         !core::mem::replace(&mut self.is_plain, true)
     }
 
+    /// Returns the weight α of Richardson's iteration. Its updates reduce the largest error, whether
+    /// the Jacobian is symmetric or not.
+    pub(super) fn plain_weight(&self) -> f64 {
+        1.0 / self.middle
+    }
+
     /// Returns α and β of the next update.
     pub(super) fn weights(&mut self) -> [f64; 2] {
+        self.is_first = self.rho.is_none();
         let Some(rho) = self.rho.filter(|_| !self.is_plain) else {
             self.rho = Some(self.half / self.middle);
-            return [1.0 / self.middle, 0.0];
+            return [self.plain_weight(), 0.0];
         };
         let alpha = 2.0 / (2.0 * self.middle - self.half * rho);
         let next = 0.5 * self.half * alpha;

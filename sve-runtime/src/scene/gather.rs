@@ -61,7 +61,7 @@ where
         for (piece, bases) in segments.pieces::<S>() {
             let sums = &mut of_piece[..piece.length as usize];
             let nodes = sink.nodes(piece.ready(), factors);
-            let batch = visit.add(nodes, piece, bases, sums);
+            let batch = visit.write(nodes, piece, bases, sums);
             match batch {
                 _ if has_nests => add(of_nests, piece.nodes(), batch.map(|b| &*b.nodes), sums),
                 None => sink.take(piece.nodes(), sums, factors),
@@ -72,9 +72,11 @@ where
                     }
                 }
             }
-            sums.fill(NumbersOf::<S, W>::ZERO);
         }
         if !has_nests {
+            if !segments.free.is_empty() {
+                of_piece.fill(NumbersOf::<S, W>::ZERO);
+            }
             for range in &segments.free {
                 let _ = sink.nodes(range.end, factors);
                 take_all(

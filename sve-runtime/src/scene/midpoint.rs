@@ -1,12 +1,13 @@
 //! Steps of the midpoint rule, whose equations join all sites.
 //!
-//! With the displacement d = q₁ − q₀, the impulse I at q₀ + d/2, masses M and friction N, a step is
+//! With the displacement d = q₁ − q₀, the impulse I at the node q₀ + d/2, masses M and friction N, a
+//! step is
 //!
 //! ```text
 //! d = f (p₀ + I/2),   f = h (M + h N/2)⁻¹,   p₁ = p₀ + I − N d
 //! ```
 //!
-//! Bounds of the derivatives of I over boxes around the motion give the spectrum of the equations.
+//! The iteration is one for the nodes, and its last update is one of the displacements. Bounds of the derivatives of I over boxes around the motion give the spectrum of the equations.
 //! If it is positive, the root in the boxes is unique; the weights of the iteration come from the
 //! same bounds. If the solution is outside of its boxes, boxes around it are tried. The state is
 //! written after all tests.
@@ -18,8 +19,8 @@ use super::chebyshev::Chebyshev;
 use super::errors::{index_error, input_error, name};
 use super::gather::Gather;
 use super::masses::InverseMasses;
-use super::passes::{Begin, Factors, Finish, WriteNodes, largest};
-use super::relax::{End, Most, Relax};
+use super::passes::{Begin, Factors, Finish, Largest};
+use super::relax::{End, Relax, Tests};
 use super::segments::Segments;
 use super::spectrum::{Bounds, Extremes, Spectrum, Worst};
 use super::sweep::{Buffers, Kick};
@@ -36,6 +37,9 @@ const STALLED: f64 = 3.0;
 
 /// Largest update, relative to the largest place or displacement, that can be a rounding error.
 const ROUNDING: f64 = 1e3 * f64::EPSILON;
+
+/// An update of this size relative to the same that is not smaller than the ones before is one.
+const SMALLEST: f64 = 4.0 * f64::EPSILON;
 
 /// Boxes that are tried, each around the solution for the boxes before it.
 const ROUNDS: u32 = 8;
@@ -66,39 +70,11 @@ pub fn midpoint<S>(scene: &S, mut step: MidpointStep<'_, S::Row>) -> Result<(), 
 where
     S: Scene + Contributions<Slopes>,
 {
-    step.work.begin(S::Row::numbers(step.q).len());
-    let factors = step.factors()?;
-    let guess = factors.pass(Begin {
-        centres: &mut step.work.centres,
-        q: S::Row::numbers(step.q),
-        p: S::Row::numbers(step.p),
-    });
-    let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
-    let (mut size, mut sweeps, mut change) = (guess, 0, 0.0);
-    // an iteration that leaves its boxes need not contract
-    for _ in 0..ROUNDS {
-        let iteration = step.iteration(scene, &factors, size, is_symmetric)?;
-        let iterated = step.iterate(scene, &factors, guess, iteration)?;
-        sweeps += iterated.sweeps;
-        change = iterated.change / iterated.size;
-        if step.end(scene, &factors, size, iterated.sweeps)? {
-            if !iterated.is_solved {
-                break;
-            }
-            factors.pass(Finish {
-                q: S::Row::numbers_mut(step.q),
-                p: S::Row::numbers_mut(step.p),
-                e: &step.work.e,
-                end: &step.work.other,
-            });
-            step.work.factors = Some((step.kick.h, factors));
-            return Ok(());
-        }
-        step.work.around.clear();
-        step.work.around.extend_from_slice(&step.work.e);
-        size = iterated.size;
+    let made = step.make(scene);
+    if made.is_err() {
+        step.work.forget();
     }
-    Err(step.not_contracting(&factors, sweeps, change))
+    made
 }
 
 /// The result of an iteration.
@@ -108,11 +84,53 @@ struct Iterated {
     sweeps: u32,
     /// The last update.
     change: f64,
-    /// A bound of the displacements.
-    size: f64,
+    /// The largest update of the displacements at the end. A larger one is a jump of the impulse.
+    last: f64,
 }
 
 impl<R: Row> MidpointStep<'_, R> {
+    fn make<S>(&mut self, scene: &S) -> Result<(), StepError>
+    where
+        S: Scene<Row = R> + Contributions<Slopes>,
+    {
+        self.work.begin(R::numbers(self.q).len());
+        let factors = self.factors()?;
+        let Work { centres, nodes, .. } = &mut *self.work;
+        let [mut size, places] = factors.pass(Begin {
+            centres: [centres, nodes],
+            q: R::numbers(self.q),
+            p: R::numbers(self.p),
+        });
+        let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
+        let (mut sweeps, mut change) = (0, 0.0);
+        // an iteration that leaves its boxes need not contract
+        for _ in 0..ROUNDS {
+            let iteration = self.iteration(scene, &factors, size, is_symmetric)?;
+            let iterated = self.iterate(scene, &factors, [size, places], iteration)?;
+            let end = self.end(scene, &factors, size, iteration.plain_weight())?;
+            sweeps += iterated.sweeps;
+            size = end.displacements.value();
+            change = iterated.change / size;
+            if end.are_in_boxes() {
+                if !iterated.is_solved {
+                    break;
+                }
+                if end.changes.value() <= iterated.last {
+                    dispatch(Finish {
+                        q: R::numbers_mut(self.q),
+                        p: R::numbers_mut(self.p),
+                        d: self.work.displacements(),
+                        end: &self.work.other,
+                    });
+                    self.work.factors = Some((self.kick.h, factors));
+                    return Ok(());
+                }
+            }
+            self.work.next_round();
+        }
+        Err(self.not_contracting(sweeps, change))
+    }
+
     /// Returns the factors of the displacements: those of the last step, if its length was the same.
     fn factors(&mut self) -> Result<Factors, StepError> {
         let h = self.kick.h;
@@ -185,7 +203,7 @@ impl<R: Row> MidpointStep<'_, R> {
                 written: 0,
                 q: R::numbers(self.q),
                 p: R::numbers(self.p),
-                e: around,
+                d: around,
                 largest: size,
                 to,
             },
@@ -195,8 +213,8 @@ impl<R: Row> MidpointStep<'_, R> {
         Ok(swept.to)
     }
 
-    /// Solves the equations, so that `work` has the displacements and, in the first half of `boxes`
-    /// after an even number of sweeps and else in the second one, their nodes.
+    /// Solves the equations for the nodes in `work`. No displacement there is larger than `size`, and
+    /// no place than `places`.
     ///
     /// # Errors
     /// An index that is out of range.
@@ -204,29 +222,20 @@ impl<R: Row> MidpointStep<'_, R> {
         &mut self,
         scene: &S,
         factors: &Factors,
-        guess: f64,
+        [mut size, places]: [f64; 2],
         mut iteration: Chebyshev,
     ) -> Result<Iterated, StepError>
     where
         S: Scene<Row = R>,
     {
-        let q = R::numbers(self.q);
-        let farthest = largest(q);
         let Work {
             centres,
-            e,
+            nodes,
             other,
-            boxes,
             ..
         } = &mut *self.work;
-        // a step that failed may have left numbers that are not finite
-        other.fill(0.0);
-        let (nodes, fresh) = boxes.split_at_mut(q.len());
-        dispatch(WriteNodes(nodes, centres, e));
-        let mut nodes = [nodes, fresh];
         let (mut smallest, mut stalled, mut sweeps) = (f64::INFINITY, 0u32, 0u32);
         loop {
-            let [nodes, fresh] = &mut nodes;
             let swept = factors.pass(Gather {
                 scene,
                 segments: self.segments,
@@ -234,26 +243,25 @@ impl<R: Row> MidpointStep<'_, R> {
                 buffers: &mut *self.buffers,
                 sink: Relax {
                     nodes: &*R::rows_mut(nodes),
-                    fresh,
-                    centres,
-                    e,
                     other,
+                    centres,
                     weights: iteration.weights(),
-                    most: Most::default(),
+                    largest: Largest::default(),
                 },
                 what: PhantomData::<Impulses>,
             });
             let swept = swept.map_err(|error| index_error(error, self.start))?;
-            let [change, impulse] = swept.most.values();
-            swap(nodes, fresh);
-            swap(e, other);
+            let change = swept.largest.value();
+            swap(nodes, other);
             sweeps += 1;
-            let size = guess + impulse;
+            size += 2.0 * change;
+            let farthest = places.max(size);
+            let last = 4.0 * iteration.error(change) + ROUNDING * farthest;
             let end = |is_solved| Iterated {
                 is_solved,
                 sweeps,
                 change,
-                size,
+                last,
             };
             if iteration.is_solved(change, size, farthest) {
                 return Ok(end(true));
@@ -265,21 +273,23 @@ impl<R: Row> MidpointStep<'_, R> {
                 (smallest, stalled) = (change, 0);
                 continue;
             }
+            if change <= SMALLEST * farthest {
+                return Ok(end(true));
+            }
             stalled += 1;
             // the updates of Chebyshev's iteration become smaller on average
             if f64::from(stalled) < STALLED.max(iteration.updates(0.1)) {
                 continue;
             }
             if !iteration.make_plain() {
-                return Ok(end(change <= ROUNDING * farthest.max(size)));
+                return Ok(end(change <= ROUNDING * farthest));
             }
             (smallest, stalled) = (f64::INFINITY, 0);
         }
     }
 
-    /// Computes the momenta at the end in `work.other`, after the last of so many sweeps. Returns
-    /// whether the boxes, around displacements of which none is larger than `size`, contain the
-    /// solution.
+    /// Computes the displacements with one more update, and the momenta at the end in `work.other`.
+    /// None of the displacements around which the boxes are is larger than `size`.
     ///
     /// # Errors
     /// An index that is out of range; an end in the boxes that is not finite.
@@ -288,20 +298,18 @@ impl<R: Row> MidpointStep<'_, R> {
         scene: &S,
         factors: &Factors,
         size: f64,
-        sweeps: u32,
-    ) -> Result<bool, StepError>
+        alpha: f64,
+    ) -> Result<Tests, StepError>
     where
         S: Scene<Row = R>,
     {
         let Work {
-            e,
+            nodes,
             other,
             boxes,
             around,
             ..
         } = &mut *self.work;
-        let (even, odd) = boxes.split_at_mut(e.len());
-        let nodes = if sweeps.is_multiple_of(2) { even } else { odd };
         let friction = (!self.rates.is_empty()).then_some((self.rates, self.masses));
         let swept = factors.pass(Gather {
             scene,
@@ -312,23 +320,21 @@ impl<R: Row> MidpointStep<'_, R> {
                 nodes: &*R::rows_mut(nodes),
                 q: R::numbers(self.q),
                 p: R::numbers(self.p),
-                e,
+                d: boxes,
                 to: other,
+                alpha,
                 around,
                 largest: size,
                 friction,
-                bits: 0,
-                is_in_boxes: true,
+                tests: Tests::default(),
             },
             what: PhantomData::<Impulses>,
         });
-        let End {
-            bits, is_in_boxes, ..
-        } = swept.map_err(|error| index_error(error, self.start))?;
-        if is_in_boxes && bits != 0 {
-            return Err(self.not_finite(factors));
+        let tests = swept.map_err(|error| index_error(error, self.start))?.tests;
+        if tests.are_in_boxes() && !tests.are_finite() {
+            return Err(self.not_finite());
         }
-        Ok(is_in_boxes)
+        Ok(tests)
     }
 
     /// Returns the error of a spectrum that is not accepted, with its bounds at a component.
@@ -344,10 +350,10 @@ impl<R: Row> MidpointStep<'_, R> {
     }
 
     #[cold]
-    fn not_contracting(&self, factors: &Factors, sweeps: u32, change: f64) -> StepError {
-        let is_finite = self.places(factors).all(f64::is_finite);
+    fn not_contracting(&self, sweeps: u32, change: f64) -> StepError {
+        let is_finite = self.places().all(f64::is_finite);
         if !is_finite {
-            return self.not_finite(factors);
+            return self.not_finite();
         }
         self.input_error().unwrap_or(StepError::NotContracting {
             t: self.start,
@@ -359,9 +365,9 @@ impl<R: Row> MidpointStep<'_, R> {
 
     /// Returns the error of an end that is not finite.
     #[cold]
-    fn not_finite(&self, factors: &Factors) -> StepError {
+    fn not_finite(&self) -> StepError {
         self.input_error().unwrap_or_else(|| {
-            let place = self.places(factors).position(|x| !x.is_finite());
+            let place = self.places().position(|x| !x.is_finite());
             let momentum = || self.work.other.iter().position(|x| !x.is_finite());
             let (array, at) = match place {
                 Some(at) => ("q", at),
@@ -376,10 +382,9 @@ impl<R: Row> MidpointStep<'_, R> {
     }
 
     /// Returns the places at the end.
-    fn places(&self, factors: &Factors) -> impl Iterator<Item = f64> {
-        let [q, p] = [&*self.q, &*self.p].map(R::numbers);
-        let place = move |at| q[at] + (factors.of(at) * p[at] + self.work.e[at]);
-        (0..q.len()).map(place)
+    fn places(&self) -> impl Iterator<Item = f64> {
+        let q = R::numbers(self.q).iter();
+        q.zip(self.work.displacements()).map(|(q, d)| q + d)
     }
 
     fn input_error(&self) -> Option<StepError> {

@@ -1,45 +1,28 @@
 //! What the sweeps of a midpoint step do with the impulses at the nodes.
 //!
-//! The displacement of a site is `d = f p₀ + e` with the part e of the impulse, `e = f I/2`. The
-//! iteration is one for e. The nodes `c + e/2`, with c = q₀ + f p₀/2, go into an array of their own,
-//! since other pieces read the old ones.
+//! The iteration is one for the nodes m = q₀ + d/2, whose equations are `m = c + f I(m)/4` with
+//! c = q₀ + f p₀/2. The new nodes go in the place of those before the last update, since other pieces
+//! read the old ones. The end makes one update more, of the displacements: these are as exact as the
+//! impulse, however small they are beside the places.
 
 use core::ops::Range;
 
 use super::Row;
 use super::gather::Sink;
-use super::passes::{Factor, PARTS, keep_larger, largest_part};
+use super::passes::{Factor, Largest};
 use super::spectrum::is_in_box;
 
-/// The updates Δ ← β Δ − α g of the displacements, where g is the residual.
+/// The updates Δ ← β Δ − α g of the nodes, where g is the residual.
 pub(super) struct Relax<'a, R> {
     /// The nodes at which the impulses are computed.
     pub(super) nodes: &'a [R],
-    /// The nodes after the update.
-    pub(super) fresh: &'a mut [f64],
-    /// The nodes of displacements without impulses.
-    pub(super) centres: &'a [f64],
-    /// The part e of each displacement.
-    pub(super) e: &'a [f64],
-    /// e before the last update; then e after this one.
+    /// The nodes before the last update; then those after this one.
     pub(super) other: &'a mut [f64],
+    /// The nodes c of displacements without impulses.
+    pub(super) centres: &'a [f64],
     /// α and β.
     pub(super) weights: [f64; 2],
-    pub(super) most: Most,
-}
-
-/// Partial maxima of the magnitudes of updates and of e.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Most {
-    changes: [u64; PARTS],
-    e: [u64; PARTS],
-}
-
-impl Most {
-    /// Returns the largest update and the largest e.
-    pub(super) fn values(&self) -> [f64; 2] {
-        [largest_part(&self.changes), largest_part(&self.e)]
-    }
+    pub(super) largest: Largest,
 }
 
 impl<R: Row> Sink<R> for Relax<'_, R> {
@@ -53,15 +36,14 @@ impl<R: Row> Sink<R> for Relax<'_, R> {
         let here = nodes.start * R::LENGTH..nodes.end * R::LENGTH;
         update_tile(
             &mut self.other[here.clone()],
-            &mut self.fresh[here.clone()],
             [
-                &self.e[here.clone()],
+                R::numbers(&self.nodes[nodes]),
                 &self.centres[here.clone()],
                 R::numbers(sums),
             ],
             factors.within(here),
             self.weights,
-            &mut self.most,
+            &mut self.largest,
         );
     }
 }
@@ -71,64 +53,55 @@ impl<R: Row> Sink<R> for Relax<'_, R> {
 #[inline(always)]
 fn update_tile(
     other: &mut [f64],
-    fresh: &mut [f64],
-    [e, centres, impulse]: [&[f64]; 3],
+    [nodes, centres, impulse]: [&[f64]; 3],
     factors: impl Factor,
     [alpha, beta]: [f64; 2],
-    most: &mut Most,
+    largest: &mut Largest,
 ) {
-    let (others, other) = other.as_chunks_mut::<PARTS>();
-    let (freshes, fresh) = fresh.as_chunks_mut::<PARTS>();
-    let [(es, e), (cs, centres), (impulses, impulse)] =
-        [e, centres, impulse].map(|x| x.as_chunks::<PARTS>());
-    let updated = |e: f64, other: f64, of_impulse: f64| {
-        let change = beta * (e - other) - alpha * (e - of_impulse);
-        [change, e + change]
-    };
-    let first = others.len() * PARTS;
-    if first > 0 {
-        // in registers, since all their indices are constants once the loop is unrolled
-        let mut parts = *most;
-        for (at, (other, fresh)) in others.iter_mut().zip(freshes).enumerate() {
-            let (e, c, impulse) = (&es[at], &cs[at], &impulses[at]);
-            let factor = factors.chunk(at);
-            for k in 0..PARTS {
-                let [change, new] = updated(e[k], other[k], factor[k] * (0.5 * impulse[k]));
-                (other[k], fresh[k]) = (new, c[k] + 0.5 * new);
-                keep_larger(&mut parts.changes[k], change);
-                keep_larger(&mut parts.e[k], new);
-            }
-        }
-        *most = parts;
+    let n = other.len();
+    let (nodes, centres, impulse) = (&nodes[..n], &centres[..n], &impulse[..n]);
+    let factors = factors.within(0..n);
+    let mut most = *largest;
+    for at in 0..n {
+        let residual = (nodes[at] - centres[at]) - (0.25 * factors.of(at)) * impulse[at];
+        let change = beta * (nodes[at] - other[at]) - alpha * residual;
+        other[at] = nodes[at] + change;
+        most.add(change);
     }
-    for k in 0..other.len() {
-        let of_impulse = factors.of(first + k) * (0.5 * impulse[k]);
-        let [change, new] = updated(e[k], other[k], of_impulse);
-        (other[k], fresh[k]) = (new, centres[k] + 0.5 * new);
-        keep_larger(&mut most.changes[k], change);
-        keep_larger(&mut most.e[k], new);
-    }
+    *largest = most;
 }
 
-/// The momenta at the end, with tests of the end.
+/// The displacements and the momenta at the end, with tests of the end.
 pub(super) struct End<'a, R> {
     pub(super) nodes: &'a [R],
     pub(super) q: &'a [f64],
     pub(super) p: &'a [f64],
-    pub(super) e: &'a [f64],
+    /// The displacements.
+    pub(super) d: &'a mut [f64],
     /// The momenta at the end.
     pub(super) to: &'a mut [f64],
-    /// e of the displacements around which the boxes are; zeros if it is empty.
+    /// The weight α of an update of the displacements.
+    pub(super) alpha: f64,
+    /// The displacements around which the boxes are; those without impulses if it is empty.
     pub(super) around: &'a [f64],
-    /// The largest displacement among these.
+    /// The largest of these.
     pub(super) largest: f64,
     /// The friction of each component divided by its mass, and the inverse masses; nothing without
     /// friction.
     pub(super) friction: Option<(&'a [f64], &'a super::masses::InverseMasses)>,
-    /// Zero if all numbers at the end are finite.
-    pub(super) bits: u64,
-    /// Whether the boxes contain the displacements.
-    pub(super) is_in_boxes: bool,
+    pub(super) tests: Tests,
+}
+
+/// What is known of the end.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Tests {
+    /// Zero if all numbers are finite.
+    bits: u64,
+    /// Zero if the boxes contain the displacements.
+    outside: u64,
+    pub(super) displacements: Largest,
+    /// The updates of the displacements.
+    pub(super) changes: Largest,
 }
 
 impl<R: Row> Sink<R> for End<'_, R> {
@@ -141,52 +114,76 @@ impl<R: Row> Sink<R> for End<'_, R> {
     fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor) {
         let here = nodes.start * R::LENGTH..nodes.end * R::LENGTH;
         let factors = factors.within(here.clone());
-        let [q, p, e] = [self.q, self.p, self.e].map(|x| &x[here.clone()]);
-        let to = &mut self.to[here.clone()];
-        let read = [q, p, e, R::numbers(sums)];
-        let (bits, is_in_boxes) = if self.around.is_empty() {
-            end_tile(to, read, factors, |_| 0.0, self.largest)
+        let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
+        let [d, to] = [&mut *self.d, &mut *self.to].map(|x| &mut x[here.clone()]);
+        // first, the displacements around which the boxes are
+        if self.around.is_empty() {
+            for at in 0..d.len() {
+                d[at] = factors.of(at) * p[at];
+            }
         } else {
-            let around = &self.around[here.clone()];
-            end_tile(to, read, factors, |at| around[at], self.largest)
-        };
-        self.bits |= bits;
-        self.is_in_boxes &= is_in_boxes;
+            d.copy_from_slice(&self.around[here.clone()]);
+        }
+        let read = [q, p, R::numbers(&self.nodes[nodes]), R::numbers(sums)];
+        end_tile(
+            [d, to],
+            read,
+            factors,
+            [self.alpha, self.largest],
+            &mut self.tests,
+        );
         if let Some((rates, masses)) = self.friction {
+            let [d, to] = [&mut *self.d, &mut *self.to].map(|x| &mut x[here.clone()]);
             let (first, rates) = (here.start, &rates[here]);
             for at in 0..to.len() {
-                let d = factors.of(at) * p[at] + e[at];
-                to[at] -= rates[at] / masses.of(first + at) * d;
+                to[at] -= rates[at] / masses.of(first + at) * d[at];
                 // the difference of two infinite numbers is NaN
                 #[allow(clippy::eq_op)]
                 let difference = to[at] - to[at];
-                self.bits |= difference.to_bits();
+                self.tests.bits |= difference.to_bits();
             }
         }
     }
 }
 
-/// Writes the momenta p₀ + I. Returns bits that are zero if the end is finite, and whether the boxes
-/// contain the displacements.
+/// Writes the displacements of some components, in the place of those around which the boxes are, and
+/// the momenta p₀ + I.
 #[inline(always)]
 #[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
 fn end_tile(
-    to: &mut [f64],
-    [q, p, e, impulse]: [&[f64]; 4],
+    [d, to]: [&mut [f64]; 2],
+    [q, p, m, impulse]: [&[f64]; 4],
     factors: impl Factor,
-    around: impl Fn(usize) -> f64,
-    largest: f64,
-) -> (u64, bool) {
+    [alpha, largest]: [f64; 2],
+    tests: &mut Tests,
+) {
     let n = to.len();
-    let (q, p, e, impulse) = (&q[..n], &p[..n], &e[..n], &impulse[..n]);
-    let (mut bits, mut outside) = (0, 0);
+    let (d, q, p, m, impulse) = (&mut d[..n], &q[..n], &p[..n], &m[..n], &impulse[..n]);
+    let factors = factors.within(0..n);
+    let mut tested = *tests;
     for at in 0..n {
-        let straight = factors.of(at) * p[at];
-        let d = straight + e[at];
-        let end = p[at] + impulse[at];
-        to[at] = end;
-        bits |= ((q[at] + d) - (q[at] + d)).to_bits() | (end - end).to_bits();
-        outside |= u64::from(!is_in_box(d, straight + around(at), largest));
+        let of_node = 2.0 * (m[at] - q[at]);
+        let change = alpha * (factors.of(at) * (p[at] + 0.5 * impulse[at]) - of_node);
+        let around = d[at];
+        d[at] = of_node + change;
+        to[at] = p[at] + impulse[at];
+        let end = q[at] + d[at];
+        tested.bits |= (end - end).to_bits() | (to[at] - to[at]).to_bits();
+        tested.outside |= u64::from(!is_in_box(d[at], around, largest));
+        tested.changes.add(change);
+        tested.displacements.add(d[at]);
     }
-    (bits, outside == 0)
+    *tests = tested;
+}
+
+impl Tests {
+    /// Returns whether all numbers are finite.
+    pub(super) fn are_finite(&self) -> bool {
+        self.bits == 0
+    }
+
+    /// Returns whether the boxes contain the displacements.
+    pub(super) fn are_in_boxes(&self) -> bool {
+        self.outside == 0
+    }
 }

@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use super::Row;
 use super::gather::Sink;
-use super::passes::{Factor, PARTS};
+use super::passes::Factor;
 use super::segments::TILE;
 
 /// The part of a displacement over which a box extends beyond both its ends.
@@ -32,8 +32,7 @@ pub(super) fn is_in_box(d: f64, of: f64, largest: f64) -> bool {
     (0.5 * d - 0.25 * of).abs() <= half_width(of, largest)
 }
 
-/// The bounds of the row sums of f K/4 at the nodes in boxes: from q₀ to q₀ + d/2 and beyond, for the
-/// displacements d = f p₀ + e.
+/// The bounds of the row sums of f K/4 at the nodes in boxes: from q₀ to q₀ + d/2 and beyond.
 pub(super) struct Spectrum<'a, N, U> {
     /// The middle and the half width of the box of each node.
     pub(super) boxes: &'a mut [N],
@@ -41,8 +40,8 @@ pub(super) struct Spectrum<'a, N, U> {
     pub(super) written: usize,
     pub(super) q: &'a [f64],
     pub(super) p: &'a [f64],
-    /// Zeros if it is empty.
-    pub(super) e: &'a [f64],
+    /// The displacements d; those without impulses, f p₀, if it is empty.
+    pub(super) d: &'a [f64],
     /// The largest displacement.
     pub(super) largest: f64,
     pub(super) to: U,
@@ -66,11 +65,11 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
             let boxes = N::numbers_mut(&mut self.boxes[tiles]);
             let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
             let (factors, largest) = (factors.within(here.clone()), self.largest);
-            if self.e.is_empty() {
-                write_boxes(boxes, size, [q, p], factors, |_| 0.0, largest);
+            if self.d.is_empty() {
+                write_boxes(boxes, size, q, |at| factors.of(at) * p[at], largest);
             } else {
-                let e = &self.e[here];
-                write_boxes(boxes, size, [q, p], factors, |at| e[at], largest);
+                let d = &self.d[here];
+                write_boxes(boxes, size, q, |at| d[at], largest);
             }
         }
         self.boxes
@@ -86,39 +85,39 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
 }
 
 #[inline(always)]
-fn write_boxes(
-    boxes: &mut [f64],
-    size: usize,
-    [q, p]: [&[f64]; 2],
-    factors: impl Factor,
-    e: impl Fn(usize) -> f64,
-    largest: f64,
-) {
+fn write_boxes(boxes: &mut [f64], size: usize, q: &[f64], d: impl Fn(usize) -> f64, largest: f64) {
     for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
         for k in 0..size {
             let at = site * size + k;
-            let d = factors.of(at) * p[at] + e(at);
+            let d = d(at);
             row[k] = q[at] + 0.25 * d;
             row[size + k] = half_width(d, largest);
         }
     }
 }
 
-/// The smallest and the largest bound, as partial extremes.
+/// The smallest and the largest bound, as integers in the order of the numbers, so that loops are made
+/// in vectors.
 #[derive(Clone, Copy)]
 pub(super) struct Extremes {
-    lower: [f64; PARTS],
-    minus_upper: [f64; PARTS],
+    lower: i64,
+    upper: i64,
     /// 0 if all bounds are finite.
-    bits: [u64; PARTS],
+    bits: u64,
+}
+
+/// Returns the bits of a number as an integer in the order of numbers, or a number of such an integer.
+#[inline(always)]
+fn ordered(bits: i64) -> i64 {
+    bits ^ ((bits >> 63) & i64::MAX)
 }
 
 impl Default for Extremes {
     fn default() -> Self {
         Self {
-            lower: [f64::INFINITY; PARTS],
-            minus_upper: [f64::INFINITY; PARTS],
-            bits: [0; PARTS],
+            lower: i64::MAX,
+            upper: i64::MIN,
+            bits: 0,
         }
     }
 }
@@ -127,53 +126,32 @@ impl Extremes {
     /// Returns the smallest and the largest bound; NaN if a bound is, zeros if there is none.
     pub(super) fn values(&self) -> [f64; 2] {
         // NaN may have a sign
-        if self.bits.iter().any(|bits| bits << 1 != 0) {
+        if self.bits << 1 != 0 {
             return [f64::NAN; 2];
         }
-        let smallest = |parts: &[f64; PARTS]| parts.iter().copied().fold(f64::INFINITY, f64::min);
-        let [lower, upper] = [smallest(&self.lower), -smallest(&self.minus_upper)];
-        if lower > upper {
-            [0.0; 2]
-        } else {
-            [lower, upper]
+        if self.lower > self.upper {
+            return [0.0; 2];
         }
-    }
-
-    #[inline(always)]
-    fn add(&mut self, part: usize, bound: f64) {
-        // the difference of two infinite numbers is NaN
-        #[allow(clippy::eq_op)]
-        let bits = (bound - bound).to_bits();
-        self.bits[part] |= bits;
-        self.lower[part] = smaller(self.lower[part], bound);
-        self.minus_upper[part] = smaller(self.minus_upper[part], -bound);
+        [self.lower, self.upper].map(|x| f64::from_bits(ordered(x).cast_unsigned()))
     }
 }
 
 impl Bounds for Extremes {
     #[inline(always)]
     fn take(&mut self, _: usize, size: usize, bounds: &[f64], factors: impl Factor) {
-        let Some(factor) = factors.of_all() else {
-            for (site, row) in bounds.chunks_exact(2 * size).enumerate() {
-                for (k, bound) in row.iter().enumerate() {
-                    let factor = factors.of(site * size + k % size);
-                    self.add(k % PARTS, 0.25 * factor * bound);
-                }
-            }
-            return;
-        };
-        // in registers, since all its indices are constants once the loop is unrolled
         let mut extremes = *self;
-        let (chunks, rest) = bounds.as_chunks::<PARTS>();
-        for chunk in chunks {
-            for (part, bound) in chunk.iter().enumerate() {
-                extremes.add(part, 0.25 * factor * bound);
-            }
+        let factors = factors.within(0..bounds.len() / 2);
+        for at in 0..bounds.len() {
+            let bound = 0.25 * factors.of(at / (2 * size) * size + at % size) * bounds[at];
+            // the difference of two infinite numbers is NaN
+            #[allow(clippy::eq_op)]
+            let bits = (bound - bound).to_bits();
+            extremes.bits |= bits;
+            let bound = ordered(bound.to_bits().cast_signed());
+            extremes.lower = extremes.lower.min(bound);
+            extremes.upper = extremes.upper.max(bound);
         }
         *self = extremes;
-        for (part, bound) in rest.iter().enumerate() {
-            self.add(part, 0.25 * factor * bound);
-        }
     }
 }
 
@@ -212,9 +190,4 @@ fn badness([a, b]: [f64; 2]) -> f64 {
     } else {
         upper
     }
-}
-
-#[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }

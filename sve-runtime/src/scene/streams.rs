@@ -85,19 +85,56 @@ pub fn add<R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS: us
     to: &mut [R],
     impulse: impl Fn(&At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
 ) {
-    add_times::<false, R, ROWS, COLUMNS, INCREMENTS>(streams, to, &mut [], impulse);
+    put::<Add, R, ROWS, COLUMNS, INCREMENTS>(streams, to, &mut [], impulse);
 }
 
-/// Adds as [`add`], or adds each impulse twice, one addition after the other. If `kept` is as long
-/// as `to`, it gets the old rows, and the sums are tested: returns whether all are finite.
+/// What is done with the impulse of a node. The function is `#[inline(always)]`.
+#[doc(hidden)]
+pub trait Put {
+    fn put<R: Row>(impulse: R, to: &mut R);
+}
+
+/// The impulse is added.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Add {}
+
+/// The impulse is added twice, one addition after the other.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub(super) enum AddTwice {}
+
+/// The impulse is written in the place of what is there.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Write {}
+
+impl Put for Add {
+    #[inline(always)]
+    fn put<R: Row>(impulse: R, to: &mut R) {
+        to.add(impulse);
+    }
+}
+
+impl Put for AddTwice {
+    #[inline(always)]
+    fn put<R: Row>(impulse: R, to: &mut R) {
+        to.add(impulse);
+        to.add(impulse);
+    }
+}
+
+impl Put for Write {
+    #[inline(always)]
+    fn put<R: Row>(impulse: R, to: &mut R) {
+        *to = impulse;
+    }
+}
+
+/// Puts `impulse` at each place of the streams to `to`. If `kept` is as long as `to`, it gets the
+/// old rows, and the new ones are tested: returns whether all are finite.
 #[inline(always)]
-fn add_times<
-    const TWICE: bool,
-    R: Row,
-    const ROWS: usize,
-    const COLUMNS: usize,
-    const INCREMENTS: usize,
->(
+fn put<P: Put, R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS: usize>(
     streams: &Streams<'_, R>,
     to: &mut [R],
     kept: &mut [R],
@@ -136,7 +173,7 @@ fn add_times<
         for place in 0..m {
             kept[place] = to[place];
             let impulse = impulse(&At { place, ..start });
-            add_to::<TWICE, R>(&mut to[place], impulse);
+            P::put(impulse, &mut to[place]);
             for &x in R::numbers(&to[place..=place]) {
                 bits |= not_finite(x);
             }
@@ -144,18 +181,10 @@ fn add_times<
     } else {
         for place in 0..m {
             let impulse = impulse(&At { place, ..start });
-            add_to::<TWICE, R>(&mut to[place], impulse);
+            P::put(impulse, &mut to[place]);
         }
     }
     bits == 0
-}
-
-#[inline(always)]
-fn add_to<const TWICE: bool, R: Row>(row: &mut R, impulse: R) {
-    row.add(impulse);
-    if TWICE {
-        row.add(impulse);
-    }
 }
 
 /// The impulse of a node.
@@ -167,10 +196,10 @@ pub trait Impulse<R> {
 
 /// Numbers of streams as a type.
 pub trait StreamCounts {
-    /// Adds the impulse at each place of the streams to `to`, once or twice. If `kept` is as long as
-    /// `to`, it gets the old rows, and the sums are tested: returns whether all are finite.
+    /// Puts the impulse at each place of the streams to `to`. If `kept` is as long as `to`, it gets
+    /// the old rows, and the new ones are tested: returns whether all are finite.
     #[doc(hidden)]
-    fn add<const TWICE: bool, R: Row>(
+    fn put<P: Put, R: Row>(
         streams: &Streams<'_, R>,
         to: &mut [R],
         kept: &mut [R],
@@ -184,13 +213,13 @@ pub struct Counts<const ROWS: usize, const COLUMNS: usize, const INCREMENTS: usi
 
 impl<const A: usize, const B: usize, const C: usize> StreamCounts for Counts<A, B, C> {
     #[inline(always)]
-    fn add<const TWICE: bool, R: Row>(
+    fn put<P: Put, R: Row>(
         streams: &Streams<'_, R>,
         to: &mut [R],
         kept: &mut [R],
         impulse: &impl Impulse<R>,
     ) -> bool {
-        add_times::<TWICE, R, A, B, C>(
+        put::<P, R, A, B, C>(
             streams,
             to,
             kept,

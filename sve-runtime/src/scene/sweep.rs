@@ -9,7 +9,7 @@ use super::additions::{first_not_finite, move_all, move_to_nodes};
 use super::drift::Drift;
 use super::pieces::{Bases, Batch, Piece};
 use super::segments::{BATCH, Segments, TILE};
-use super::streams::Impulse;
+use super::streams::{Add, AddTwice, Impulse, Write};
 use super::{Contributions, Impulses, IndexError, Reads, Row, Scene, StreamCounts, Streams};
 use crate::lanes::dispatch::Kernel;
 
@@ -52,7 +52,7 @@ impl Place {
 /// Arrays that a sweep needs, of the components of rows.
 #[derive(Clone, Debug)]
 pub(super) struct Buffers {
-    /// Impulses of the pairs of one piece: zeros between pieces.
+    /// Impulses of the pairs of one piece.
     pub(super) of_piece: Vec<f64>,
     /// The rows of copied nodes, of `BATCH` nodes each, and of what their impulses read.
     pub(super) of_batch: Vec<f64>,
@@ -193,7 +193,12 @@ impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
             let streams = streams(q, nodes.start, segments, bases, dw);
             let length = if is_tested { nodes.len() } else { 0 };
             let (to, kept) = (&mut to[nodes], &mut Row::rows_mut(kept)[..length]);
-            if CountsOf::<S, Impulses>::add::<TO_P_TWICE, _>(&streams, to, kept, &visit.node) {
+            let are_finite = if TO_P_TWICE {
+                CountsOf::<S, Impulses>::put::<AddTwice, _>(&streams, to, kept, &visit.node)
+            } else {
+                CountsOf::<S, Impulses>::put::<Add, _>(&streams, to, kept, &visit.node)
+            };
+            if are_finite {
                 return Ok(());
             }
             let component = first + first_not_finite(Row::numbers(to));
@@ -202,7 +207,7 @@ impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
         }
         // The impulse of a node is added as one number: two kicks in one have the bits of two.
         let sum = &mut S::Row::rows_mut(of_piece)[..nodes.len()];
-        if let Some(batch) = visit.add(q, piece, bases, sum) {
+        if let Some(batch) = visit.write(q, piece, bases, sum) {
             return move_to_nodes::<TO_P_TWICE, _>(&batch.nodes, to, sum, is_tested);
         }
         let moved = move_all::<TO_P_TWICE, _>(&mut to[nodes], sum, is_tested);
@@ -223,6 +228,7 @@ impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
                 let at = number * TILE * S::Row::LENGTH + at;
                 return Ok(Some(Place::new(("p", at), moved, self.pieces)));
             }
+            sum.fill(S::Row::ZERO);
         }
         Ok(None)
     }
@@ -255,10 +261,10 @@ impl<'a, S: Scene + Contributions<W>, W> Visit<'a, S, W> {
         }
     }
 
-    /// Adds the contributions to the nodes of a piece to `sum`. Returns the batch of a piece of
+    /// Writes the sums of the contributions to the nodes of a piece. Returns the batch of a piece of
     /// copied nodes.
     #[inline(always)]
-    pub(super) fn add(
+    pub(super) fn write(
         &mut self,
         q: &[NumbersOf<S, W>],
         piece: &Piece,
@@ -275,8 +281,10 @@ impl<'a, S: Scene + Contributions<W>, W> Visit<'a, S, W> {
         };
         let mut first = 0;
         if piece.is_full {
-            CountsOf::<S, W>::add::<false, _>(&streams, sum, &mut [], &self.node);
+            CountsOf::<S, W>::put::<Write, _>(&streams, sum, &mut [], &self.node);
             first = S::NODE_PAIRS;
+        } else {
+            sum.fill(NumbersOf::<S, W>::ZERO);
         }
         for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
             let streams = streams.of(&segments.streams[pair]);

@@ -3,17 +3,17 @@
 use super::passes::Factors;
 use super::sweep::Buffers;
 
-/// The arrays of a solution, of the components of rows. A displacement is `d = f p₀ + e`.
+/// The arrays of a solution, of the components of rows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Work {
     /// The nodes q₀ + f p₀/2 of displacements without impulses.
     pub(super) centres: Vec<f64>,
-    pub(super) e: Vec<f64>,
-    /// e before the last update; after the iteration, the momenta at the end.
+    pub(super) nodes: Vec<f64>,
+    /// The nodes before the last update; after the iteration, the momenta at the end.
     pub(super) other: Vec<f64>,
-    /// The boxes of the nodes; during the iteration, the nodes before and after an update.
+    /// The boxes of the nodes; after the iteration, its first half has the displacements.
     pub(super) boxes: Vec<f64>,
-    /// e of the displacements around which the boxes are; nothing if it is zero.
+    /// The displacements around which the boxes are; nothing if they are those without impulses.
     pub(super) around: Vec<f64>,
     /// The factors of the displacements, with their step size.
     pub(super) factors: Option<(f64, Factors)>,
@@ -28,18 +28,35 @@ impl Work {
             _ => 0,
         };
         let buffers = self.of_bounds.as_ref().map_or(0, Buffers::len);
-        let arrays = [&self.centres, &self.e, &self.other, &self.boxes];
+        let arrays = [&self.centres, &self.nodes, &self.other, &self.boxes];
         let arrays = arrays.iter().map(|array| array.len()).sum::<usize>();
         arrays + self.around.capacity() + factors + buffers
     }
 
-    /// Begins a solution with e = 0 for `numbers` components.
+    /// Returns the displacements after the iteration.
+    pub(super) fn displacements(&self) -> &[f64] {
+        &self.boxes[..self.nodes.len()]
+    }
+
+    /// Forgets the numbers of a step that failed, some of which may not be finite.
+    pub(super) fn forget(&mut self) {
+        self.other.fill(0.0);
+    }
+
+    /// Keeps the displacements, for boxes around them, and their nodes.
+    pub(super) fn next_round(&mut self) {
+        let numbers = self.nodes.len();
+        self.around.clear();
+        self.around.extend_from_slice(&self.boxes[..numbers]);
+        self.other.copy_from_slice(&self.nodes);
+    }
+
+    /// Makes room for a solution with `numbers` components.
     pub(super) fn begin(&mut self, numbers: usize) {
-        for array in [&mut self.centres, &mut self.e, &mut self.other] {
+        for array in [&mut self.centres, &mut self.nodes, &mut self.other] {
             array.resize(numbers, 0.0);
         }
         self.boxes.resize(2 * numbers, 0.0);
-        self.e.fill(0.0);
         self.around.clear();
         self.around.reserve_exact(numbers);
     }

@@ -384,3 +384,67 @@ fn sites_without_terms_move_alone() {
         }
     }
 }
+
+/// A cusp: the impulse jumps at 0, and no node has the impulse of its side.
+struct Cusp;
+
+#[variational(midpoint)]
+impl Cusp {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * v[i] * v[i];
+            if q[i] > 0.0 {
+                l -= q[i];
+            } else {
+                l += q[i];
+            }
+        }
+        l
+    }
+}
+
+/// Without a solution there is no step, though the bounds see no slope; the next step is as alone.
+#[test]
+fn a_step_without_a_solution_is_refused() {
+    let (n, h) = (40, 0.1);
+    // the impulse moves a node by h²/4
+    let nodes = |part: f64| (0..n).map(move |i| if i == 17 { part * h * h } else { 1.0 });
+    let integrator = Integrator::new(Cusp, Midpoint);
+    for part in [-0.2, 0.2] {
+        let mut start = State::new(nodes(part).collect::<Vec<f64>>(), vec![0.0; n]);
+        // boxes are as wide as the largest displacement is long
+        start.p[0] = 1.0;
+        let mut state = start.clone();
+        let made = integrator.step(&mut state, h, &[]);
+        let Err(StepError::NotContracting { change, .. }) = made else {
+            panic!("{made:?}");
+        };
+        assert!(change > 0.01, "{change}");
+        assert_eq!(state, start);
+    }
+    for part in [-0.3, 0.3] {
+        let mut state = State::new(nodes(part).collect::<Vec<f64>>(), vec![0.0; n]);
+        integrator.step(&mut state, h, &[]).expect("a step");
+        assert!((state.p[17] + h * f64::signum(part)).abs() < 1e-15);
+    }
+}
+
+/// A step that overflowed leaves nothing behind for the next one.
+#[test]
+fn a_step_after_one_that_failed_is_as_alone() {
+    let (h, springs) = (0.5, Springs { k: 1.0, own: 0.5 });
+    let integrator = Integrator::new(&springs, Midpoint);
+    let mut far = State::new(vec![1e308, -1e308, 1e308], vec![0.0; 3]);
+    let made = integrator.step(&mut far, h, &[]);
+    assert!(
+        matches!(made, Err(StepError::NonFiniteCoordinate { .. })),
+        "{made:?}"
+    );
+    let mut state = State::new(spread(3, 1), spread(3, 2));
+    let mut expected = state.clone();
+    integrator.step(&mut state, h, &[]).expect("a step");
+    let alone = Integrator::new(&springs, Midpoint);
+    alone.step(&mut expected, h, &[]).expect("a step");
+    assert_eq!(state, expected);
+}
