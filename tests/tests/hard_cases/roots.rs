@@ -12,7 +12,7 @@ use super::wild::*;
 
 /// Number of random states for each system and rule, divided among the step sizes.
 const SAMPLES: usize = if cfg!(feature = "thorough") {
-    1_000_000
+    200_000
 } else {
     10_000
 };

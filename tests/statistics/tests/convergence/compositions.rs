@@ -89,7 +89,7 @@ where
     let start = State::new([0.5], [0.8]);
     let fine = Integrator::new(&system, Composed::new(StormerVerlet, KahanLi8));
     let method = Integrator::new(&system, rule);
-    let paths = 40;
+    let paths = 10;
     let square = |path| {
         let increments = EXACT.record(path, 1);
         let exact = end(&fine, start, &increments);

@@ -46,7 +46,7 @@ pub(crate) fn gauss_hermite(n: usize) -> Vec<(f64, f64)> {
 
 #[test]
 fn the_quadrature_has_the_moments_of_a_normal_variable() {
-    for n in [5, 24] {
+    for n in [4, 12] {
         let nodes = gauss_hermite(n);
         let mut expected = 1.0;
         for power in 0..n {
