@@ -8,6 +8,7 @@
 //! | `segments.rs` | the runs, seen from the nodes that they contribute to |
 //! | `pieces.rs` | consecutive nodes with contributions of the same pairs |
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
+//! | `blocks.rs` | inner loops over consecutive sites, in blocks |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
 //! | `additions.rs` | impulses that are added to momenta, with tests of the results |
 //! | `drift.rs` | the motion of sites with their velocities |
@@ -35,6 +36,7 @@
 //! slices; any other loop is made as the user wrote it.
 
 mod additions;
+mod blocks;
 mod chebyshev;
 mod drag;
 mod drift;
@@ -61,6 +63,7 @@ mod sweep;
 mod work;
 mod written;
 
+pub use blocks::{Added, Field, NoNumbers, consecutive, in_blocks};
 pub(crate) use errors::check_length;
 pub use indices::Instances;
 pub use kinetic::{KineticForm, KineticJet, KineticTerms};

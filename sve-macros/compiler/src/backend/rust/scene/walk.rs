@@ -5,6 +5,7 @@
 //! not change in the innermost loop is read before that loop, and what is added to the site is
 //! gathered in a variable until the end of the loop; the index is checked where the site is used.
 
+mod blocks;
 mod computed;
 mod integers;
 mod kinetic;
@@ -43,6 +44,14 @@ pub(super) enum Action {
     Visit(usize),
     /// The site and columns of a term of the kinetic energy are shown to a visitor `to`.
     VisitKinetic(usize),
+}
+
+/// Returns whether the computation of an integer may end with an error.
+fn may_fail(node: &IntNode) -> bool {
+    matches!(
+        node,
+        IntNode::Field(_) | IntNode::Length(Array::Field(_)) | IntNode::Div(..) | IntNode::Rem(..)
+    )
 }
 
 /// Prints the loops of a root.
@@ -147,9 +156,11 @@ impl<'a> Walk<'a> {
         match &scene.sums[sum.0].head {
             Head::For { counter, from, to } => {
                 let [from, to] = [from, to].map(|bound| self.integer(*bound, code));
-                let counter = format_ident!("counter_{}", counter.0);
+                let name = format_ident!("counter_{}", counter.0);
                 let body = self.block(Some(sum), inner);
-                code.extend(quote!(for #counter in #from..#to { #body }));
+                let plain = quote!(for #name in #from..#to { #body });
+                let in_blocks = self.in_blocks(sum, *counter, [&from, &to], &plain);
+                code.extend(in_blocks.unwrap_or(plain));
             }
             Head::If(condition) => {
                 let condition = self.condition(condition, code);
@@ -178,15 +189,6 @@ impl<'a> Walk<'a> {
                 let fixed_in = loops.iter().position(|l| scene.has_counter(site, l.1));
                 let home = fixed_in.map(|at| loops[at].0);
                 let is_before_loop = fixed_in != Some(0) && !loops.is_empty();
-                let may_fail = |node: &IntNode| {
-                    matches!(
-                        node,
-                        IntNode::Field(_)
-                            | IntNode::Length(Array::Field(_))
-                            | IntNode::Div(..)
-                            | IntNode::Rem(..)
-                    )
-                };
                 if is_before_loop
                     && home == sum
                     && !scene.reads(site, &may_fail)
