@@ -474,7 +474,7 @@ fn loops_in_blocks_have_the_impulses_of_loops_by_hand() {
         let (q, p) = (rows(3), rows(4));
         let found = impulses!(&stars, q, Vector3::zeros(), h, &[]);
         let expected = stars.impulses(&q, h);
-        let largest = expected.iter().map(|x| x.amax()).fold(0.0, f64::max);
+        let largest = expected.iter().map(Vector3::amax).fold(0.0, f64::max);
         for (i, (x, y)) in found.iter().zip(&expected).enumerate() {
             assert!((x - y).amax() < 1e-14 * largest, "{n} {i}: {x} {y}");
         }
