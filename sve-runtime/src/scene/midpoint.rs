@@ -7,10 +7,11 @@
 //! d = f (p₀ + I/2),   f = h (M + h N/2)⁻¹,   p₁ = p₀ + I − N d
 //! ```
 //!
-//! The iteration is one for the nodes, and its last update is one of the displacements. Bounds of the derivatives of I over boxes around the motion give the spectrum of the equations.
-//! If it is positive, the root in the boxes is unique; the weights of the iteration come from the
-//! same bounds. If the solution is outside of its boxes, boxes around it are tried. The state is
-//! written after all tests.
+//! The iteration is one for the nodes, and its last update is one of the displacements. Bounds of
+//! the derivatives of I over boxes around the motion give the spectrum of the equations. If it is
+//! positive, the root in the boxes is unique; the weights of the iteration come from the same bounds.
+//! If the solution is outside of its boxes, boxes around it are tried. The state is written after all
+//! tests.
 
 use core::marker::PhantomData;
 use core::mem::swap;
