@@ -39,7 +39,7 @@ const STALLED: f64 = 3.0;
 /// Largest update, relative to the largest place or displacement, that can be a rounding error.
 const ROUNDING: f64 = 1e3 * f64::EPSILON;
 
-/// An update of this size relative to the same that is not smaller than the ones before is one.
+/// Such an update that certainly is one if it is not smaller than those before it.
 const SMALLEST: f64 = 4.0 * f64::EPSILON;
 
 /// Boxes that are tried, each around the solution for the boxes before it.
@@ -71,11 +71,42 @@ pub fn midpoint<S>(scene: &S, mut step: MidpointStep<'_, S::Row>) -> Result<(), 
 where
     S: Scene + Contributions<Slopes>,
 {
-    let made = step.make(scene);
-    if made.is_err() {
-        step.work.forget();
+    step.work.begin(S::Row::numbers(step.q).len());
+    let factors = step.factors()?;
+    let Work { centres, nodes, .. } = &mut *step.work;
+    let [mut size, places] = factors.pass(Begin {
+        centres: [centres, nodes],
+        q: S::Row::numbers(step.q),
+        p: S::Row::numbers(step.p),
+    });
+    let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
+    let (mut sweeps, mut change) = (0, 0.0);
+    // an iteration that leaves its boxes need not contract
+    for _ in 0..ROUNDS {
+        let iteration = step.iteration(scene, &factors, size, is_symmetric)?;
+        let iterated = step.iterate(scene, &factors, [size, places], iteration)?;
+        let end = step.end(scene, &factors, size, iteration.plain_weight())?;
+        sweeps += iterated.sweeps;
+        size = end.displacements.value();
+        change = iterated.change / size;
+        if end.are_in_boxes() {
+            if !iterated.is_solved {
+                break;
+            }
+            if end.changes.value() <= iterated.last {
+                dispatch(Finish {
+                    q: S::Row::numbers_mut(step.q),
+                    p: S::Row::numbers_mut(step.p),
+                    d: step.work.displacements(),
+                    end: &step.work.other,
+                });
+                step.work.factors = Some((step.kick.h, factors));
+                return Ok(());
+            }
+        }
+        step.work.next_round();
     }
-    made
+    Err(step.not_contracting(sweeps, change))
 }
 
 /// The result of an iteration.
@@ -90,48 +121,6 @@ struct Iterated {
 }
 
 impl<R: Row> MidpointStep<'_, R> {
-    fn make<S>(&mut self, scene: &S) -> Result<(), StepError>
-    where
-        S: Scene<Row = R> + Contributions<Slopes>,
-    {
-        self.work.begin(R::numbers(self.q).len());
-        let factors = self.factors()?;
-        let Work { centres, nodes, .. } = &mut *self.work;
-        let [mut size, places] = factors.pass(Begin {
-            centres: [centres, nodes],
-            q: R::numbers(self.q),
-            p: R::numbers(self.p),
-        });
-        let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
-        let (mut sweeps, mut change) = (0, 0.0);
-        // an iteration that leaves its boxes need not contract
-        for _ in 0..ROUNDS {
-            let iteration = self.iteration(scene, &factors, size, is_symmetric)?;
-            let iterated = self.iterate(scene, &factors, [size, places], iteration)?;
-            let end = self.end(scene, &factors, size, iteration.plain_weight())?;
-            sweeps += iterated.sweeps;
-            size = end.displacements.value();
-            change = iterated.change / size;
-            if end.are_in_boxes() {
-                if !iterated.is_solved {
-                    break;
-                }
-                if end.changes.value() <= iterated.last {
-                    dispatch(Finish {
-                        q: R::numbers_mut(self.q),
-                        p: R::numbers_mut(self.p),
-                        d: self.work.displacements(),
-                        end: &self.work.other,
-                    });
-                    self.work.factors = Some((self.kick.h, factors));
-                    return Ok(());
-                }
-            }
-            self.work.next_round();
-        }
-        Err(self.not_contracting(sweeps, change))
-    }
-
     /// Returns the factors of the displacements: those of the last step, if its length was the same.
     fn factors(&mut self) -> Result<Factors, StepError> {
         let h = self.kick.h;

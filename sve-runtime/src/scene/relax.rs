@@ -16,7 +16,7 @@ use super::spectrum::is_in_box;
 pub(super) struct Relax<'a, R> {
     /// The nodes at which the impulses are computed.
     pub(super) nodes: &'a [R],
-    /// The nodes before the last update; then those after this one.
+    /// The nodes before the last update, which are not read if β is 0; then those after this one.
     pub(super) other: &'a mut [f64],
     /// The nodes c of displacements without impulses.
     pub(super) centres: &'a [f64],
@@ -62,11 +62,23 @@ fn update_tile(
     let (nodes, centres, impulse) = (&nodes[..n], &centres[..n], &impulse[..n]);
     let factors = factors.within(0..n);
     let mut most = *largest;
-    for at in 0..n {
+    let plain = |at| {
         let residual = (nodes[at] - centres[at]) - (0.25 * factors.of(at)) * impulse[at];
-        let change = beta * (nodes[at] - other[at]) - alpha * residual;
-        other[at] = nodes[at] + change;
-        most.add(change);
+        -(alpha * residual)
+    };
+    if beta == 0.0 {
+        // what is in `other` may be of another step, and not be finite
+        for at in 0..n {
+            let change = plain(at);
+            other[at] = nodes[at] + change;
+            most.add(change);
+        }
+    } else {
+        for at in 0..n {
+            let change = beta * (nodes[at] - other[at]) + plain(at);
+            other[at] = nodes[at] + change;
+            most.add(change);
+        }
     }
     *largest = most;
 }

@@ -38,17 +38,11 @@ impl Work {
         &self.boxes[..self.nodes.len()]
     }
 
-    /// Forgets the numbers of a step that failed, some of which may not be finite.
-    pub(super) fn forget(&mut self) {
-        self.other.fill(0.0);
-    }
-
-    /// Keeps the displacements, for boxes around them, and their nodes.
+    /// Keeps the displacements, for boxes around them.
     pub(super) fn next_round(&mut self) {
         let numbers = self.nodes.len();
         self.around.clear();
         self.around.extend_from_slice(&self.boxes[..numbers]);
-        self.other.copy_from_slice(&self.nodes);
     }
 
     /// Makes room for a solution with `numbers` components.

@@ -28,6 +28,7 @@
 
 #[macro_use]
 mod common;
+mod blocks;
 mod bodies;
 mod chains;
 mod conserved;

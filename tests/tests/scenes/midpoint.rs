@@ -448,3 +448,18 @@ fn a_step_after_one_that_failed_is_as_alone() {
     alone.step(&mut expected, h, &[]).expect("a step");
     assert_eq!(state, expected);
 }
+
+/// Displacements have the digits that nodes lack: steps by one last digit of the places, of springs
+/// that move together without impulses, and of free sites.
+#[test]
+fn small_displacements_keep_their_digits() {
+    let (n, h, digit) = (40, 2.0f64.powi(-10), f64::EPSILON);
+    for k in [0.0, 1.0] {
+        let integrator = Integrator::new(Springs { k, own: 0.0 }, Midpoint);
+        let start = State::new(vec![1.0; n], vec![digit / h; n]);
+        let mut path = integrator.trajectory(start, h, NoNoise);
+        let end = path.advance(1000).expect("steps");
+        let expected = 1.0 + 1000.0 * digit;
+        assert!(end.q.iter().all(|&q| q == expected), "{k}: {:?}", end.q);
+    }
+}

@@ -33,7 +33,7 @@ pub(crate) use inner::InnerTotals;
 pub(crate) use kinetic::{Kinetic, KineticTerm};
 use share::share;
 pub(crate) use slopes::slopes;
-pub(crate) use streams::Pair;
+pub(crate) use streams::{Pair, indices};
 pub(crate) use symmetry::{SceneMomentum, moves_nothing};
 pub(crate) use term::Term;
 pub(crate) use totals::Total;

@@ -141,7 +141,7 @@ impl Scene {
 }
 
 /// Returns the integers in a step of a path.
-fn indices(step: &Step) -> Vec<Int> {
+pub(crate) fn indices(step: &Step) -> Vec<Int> {
     match step {
         Step::Member(_) => Vec::new(),
         Step::Index(index) => vec![*index],

@@ -11,6 +11,7 @@ use super::super::nodes::where_defined;
 use super::{Action, Leaf, Row, Walk, may_fail};
 use crate::algebra::{Expr, Symbol};
 use crate::model::scene::{Access, Counter, Int, IntNode, SlotArray, Step, SumId};
+use crate::scene::indices;
 
 /// A loop that can be made in blocks.
 struct Block {
@@ -77,12 +78,9 @@ impl Walk<'_> {
             columns: Vec::new(),
             ahead: Vec::new(),
         };
-        let numbers = leaf.values.iter().chain(&leaf.conditions);
-        let numbers: Vec<Expr> = numbers.copied().collect();
-        (numbers
-            .into_iter()
-            .all(|number| self.reads_in_blocks(number, &mut block)))
-        .then_some(block)
+        let mut numbers = leaf.values.iter().chain(&leaf.conditions);
+        let are_in_blocks = numbers.all(|&number| self.reads_in_blocks(number, &mut block));
+        are_in_blocks.then_some(block)
     }
 
     /// Returns whether an index is the counter and a number that does not change in its loop.
@@ -101,9 +99,8 @@ impl Walk<'_> {
     fn reads_in_blocks(&self, number: Expr, block: &mut Block) -> bool {
         let (scene, counter) = (self.scene(), block.counter);
         self.formulas.arena.symbols_of(number).all(|symbol| {
-            let is_found =
-                |columns: &[(Symbol, Access, Int)]| columns.iter().any(|c| c.0 == symbol);
-            if self.symbols.contains(&symbol) || is_found(&block.columns) {
+            let is_column = block.columns.iter().any(|column| column.0 == symbol);
+            if self.symbols.contains(&symbol) || is_column {
                 return true;
             }
             if self.derived.each.iter().any(|each| each.0 == symbol) {
@@ -121,13 +118,8 @@ impl Walk<'_> {
                     is_ahead || site == block.site
                 }
                 SlotArray::Field(access) => {
-                    let mut indices = access.steps.iter().filter_map(|step| match step {
-                        Step::Member(_) => None,
-                        Step::Index(index) => Some(vec![*index]),
-                        Step::Pair(row, column) => Some(vec![*row, *column]),
-                    });
-                    if !(indices.by_ref().flatten()).any(|index| scene.has_counter(index, counter))
-                    {
+                    let mut all = access.steps.iter().flat_map(indices);
+                    if !all.any(|index| scene.has_counter(index, counter)) {
                         block.ahead.push(symbol);
                         return true;
                     }
@@ -164,12 +156,8 @@ impl Walk<'_> {
         });
         let columns: Vec<TokenStream> = columns.collect();
         let mut ahead = TokenStream::new();
-        let sites: Vec<Int> = block
-            .receivers
-            .iter()
-            .copied()
-            .filter(|&s| s != block.site)
-            .collect();
+        let others = block.receivers.iter().copied();
+        let sites: Vec<Int> = others.filter(|&other| other != block.site).collect();
         for &site in &sites {
             self.row(&SlotArray::Configuration(site), &mut ahead);
         }
@@ -206,15 +194,14 @@ impl Walk<'_> {
             others.iter().map(array).collect(),
         );
         let gathered: Vec<_> = sites.iter().map(|&site| self.gathered_name(site)).collect();
-        let streams = format_ident!("streams");
         quote! {
-            let #streams = (|| {
+            let streams = (|| {
                 #[allow(unused_imports)]
                 use #private::scene::NoNumbers as _;
                 let sites = #private::scene::consecutive(#first, #count, q.len())?;
                 ::core::option::Option::Some((sites, [#(#columns),*]))
             })();
-            if let ::core::option::Option::Some((sites, columns)) = #streams {
+            if let ::core::option::Option::Some((sites, columns)) = streams {
                 #ahead
                 let mut fixed = [#(#gathered),*];
                 #private::scene::in_blocks(
