@@ -42,7 +42,7 @@ pub enum StepError {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// The indexed expression and its function.
+        /// The indexed expression, its function, and the counters of its loops.
         text: Box<str>,
         /// The index.
         index: i64,

@@ -50,10 +50,11 @@ pub(super) fn index_error(error: IndexError, t: f64) -> StepError {
         text,
         index,
         length,
+        instance,
     } = error;
     StepError::Index {
         t,
-        text: text.into(),
+        text: format!("{text}{instance}").into(),
         index,
         length,
     }

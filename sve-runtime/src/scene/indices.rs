@@ -3,7 +3,7 @@
 //! The indices of a loop are executed once, when the scene is first stepped or has changed. A run
 //! needs as much memory as one instance, so a long loop of a few runs costs nothing to keep.
 
-use super::{IndexError, Stop, Term};
+use super::{IndexError, Instance, Stop, Term};
 
 /// Mean length of runs from which slices are faster than the loop as it is written.
 const LONG: usize = 8;
@@ -139,6 +139,7 @@ impl Instances {
                     text: runs.term.slots[number],
                     index: slot,
                     length: *n,
+                    instance: Instance::default(),
                 }));
             }
             goes_on = goes_on && i64::from(last[number]) + i64::from(length) == slot;

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `rows.rs` | the numbers of a site |
 //! | `streams.rs` | what a printed loop reads: slices that advance by one from node to node |
+//! | `index.rs` | indices that are out of range, with the round of the loops |
 //! | `indices.rs` | the instances of the loops, cut into runs of consecutive indices |
 //! | `segments.rs` | the runs, seen from the nodes that they contribute to |
 //! | `pieces.rs` | consecutive nodes with contributions of the same pairs |
@@ -42,6 +43,7 @@ mod drag;
 mod drift;
 mod errors;
 mod gather;
+mod index;
 mod indices;
 mod kinetic;
 mod layout;
@@ -65,6 +67,7 @@ mod written;
 
 pub use blocks::{Added, Field, NoNumbers, consecutive, in_blocks};
 pub(crate) use errors::check_length;
+pub use index::{InLoops, IndexError, Instance, Stop, entry, within};
 pub use indices::Instances;
 pub use kinetic::{KineticForm, KineticJet, KineticTerms};
 pub use layout::Layout;
@@ -77,8 +80,6 @@ pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};
 pub use written::{
     Integer, accumulate, check, integer, place, position, quotient, remainder, row_if_any,
 };
-
-use core::fmt;
 
 use crate::error::StepError;
 
@@ -321,59 +322,4 @@ pub struct Pair {
     pub columns: &'static [usize],
     /// True if the impulse depends on the increment of the instance.
     pub reads_increment: bool,
-}
-
-/// An index that is out of range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct IndexError {
-    /// The indexed expression and its function: "`q[i - 1]` in `lagrangian`".
-    pub text: &'static str,
-    /// The index.
-    pub index: i64,
-    /// The length of the array.
-    pub length: usize,
-}
-
-impl fmt::Display for IndexError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            text,
-            index,
-            length,
-        } = self;
-        write!(
-            f,
-            "{text} has the index {index}, and the length is {length}"
-        )
-    }
-}
-
-/// The reason why a visit of instances ends early.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
-    /// An index is out of range.
-    Index(IndexError),
-    /// The loop has too many instances, or too few consecutive ones.
-    AsWritten,
-}
-
-impl From<IndexError> for Stop {
-    fn from(error: IndexError) -> Self {
-        Self::Index(error)
-    }
-}
-
-/// Returns an entry of an array.
-///
-/// # Errors
-/// The index, if it is out of range.
-#[inline(always)]
-pub fn entry<'a, T>(array: &'a [T], index: i64, text: &'static str) -> Result<&'a T, IndexError> {
-    let length = array.len();
-    let found = usize::try_from(index).ok().and_then(|at| array.get(at));
-    found.ok_or(IndexError {
-        text,
-        index,
-        length,
-    })
 }

@@ -1,6 +1,6 @@
 //! What loops read as they are written: rows, fields and integers with checked indices.
 
-use super::{IndexError, Row};
+use super::{IndexError, Instance, Row};
 
 /// Returns an index as a position; one out of every range if it is negative.
 #[inline(always)]
@@ -23,6 +23,7 @@ pub fn place<T>(
         text,
         index,
         length,
+        instance: Instance::default(),
     })
 }
 

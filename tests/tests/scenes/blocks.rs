@@ -128,6 +128,7 @@ fn loops_in_blocks_find_indices_out_of_range() {
     else {
         panic!("{made:?}");
     };
-    assert_eq!(&*text, "`self.mass[j + self.shift]` in `lagrangian`");
+    let expected = "`self.mass[j + self.shift]` in `lagrangian` (i = 0, j = 62)";
+    assert_eq!(&*text, expected);
     assert_eq!((index, length), (64, 64));
 }

@@ -331,6 +331,6 @@ fn an_index_of_a_velocity_is_checked() {
     else {
         panic!("{error}");
     };
-    assert_eq!(&**text, "`v[i + 1]` in `drag`");
+    assert_eq!(&**text, "`v[i + 1]` in `drag` (i = 2)");
     assert_eq!(state, start);
 }

@@ -164,7 +164,7 @@ fn an_index_out_of_range_in_a_total_is_an_error() {
     let start = State::new(vec![1.0; 3], vec![0.5; 3]);
     let expected = StepError::Index {
         t: 0.0,
-        text: "`self.weight[i]` in `lagrangian`".into(),
+        text: "`self.weight[i]` in `lagrangian` (i = 2)".into(),
         index: 2,
         length: 2,
     };

@@ -230,7 +230,7 @@ fn a_generator_has_an_entry_for_each_site() {
     let charge = positive(5, 1);
     assert_eq!(shifted, (charge[0] + charge[4] * 4.0) + charge[1] * 2.0);
     let error = at(4).shift_momentum(&state).expect_err("an index");
-    let text = "`self.charge[i]` in `shift`".into();
+    let text = "`self.charge[i]` in `shift` (i = 4)".into();
     assert_eq!(
         error,
         StepError::Index {

@@ -18,7 +18,7 @@ use super::super::function::Formulas;
 use super::super::{ident, number, verbatim};
 use super::nodes::where_defined;
 use crate::algebra::{Expr, Symbol};
-use crate::model::scene::{Array, Head, Int, IntNode, Scene, Slot, SlotArray, SumId};
+use crate::model::scene::{Array, Counter, Head, Int, IntNode, Scene, Slot, SlotArray, SumId};
 use crate::program::symbol_name;
 use crate::scene::Derived;
 
@@ -70,6 +70,8 @@ pub(super) struct Walk<'a> {
     /// The sites with a variable for what is added to them.
     gathered: Vec<Int>,
     places: usize,
+    /// The counters of the loops around, the outermost first.
+    counters: Vec<Counter>,
 }
 
 /// A row that has been read.
@@ -97,6 +99,7 @@ impl<'a> Walk<'a> {
             rows: Vec::new(),
             gathered: Vec::new(),
             places: 0,
+            counters: Vec::new(),
         }
     }
 
@@ -157,7 +160,9 @@ impl<'a> Walk<'a> {
             Head::For { counter, from, to } => {
                 let [from, to] = [from, to].map(|bound| self.integer(*bound, code));
                 let name = format_ident!("counter_{}", counter.0);
+                self.counters.push(*counter);
                 let body = self.block(Some(sum), inner);
+                self.counters.pop();
                 let plain = quote!(for #name in #from..#to { #body });
                 let in_blocks = self.in_blocks(sum, *counter, [&from, &to], &plain);
                 code.extend(in_blocks.unwrap_or(plain));
@@ -257,8 +262,9 @@ impl<'a> Walk<'a> {
                     self.integer(site, code),
                     self.text_of(&SlotArray::Velocity(site)),
                 );
+                let check = self.checked(&quote!(#private::scene::check(#at, n, #text)));
                 code.extend(quote! {
-                    #private::scene::check(#at, n, #text)?;
+                    #check;
                     to[#at as usize][#component] += #(#values)*;
                 });
             }
@@ -285,7 +291,9 @@ impl<'a> Walk<'a> {
             None => quote!(0),
         };
         let number = Literal::usize_unsuffixed(number);
-        code.extend(quote!(to.instance(#number, &[#(#sites),*], &[#(#columns),*], #increment)?;));
+        let call = quote!(to.instance(#number, &[#(#sites),*], &[#(#columns),*], #increment));
+        let call = self.checked(&call);
+        code.extend(quote!(#call;));
     }
 
     /// Returns the number of the increment of an instance of a function that returns a `Vec`.
@@ -314,7 +322,8 @@ impl<'a> Walk<'a> {
         let value = if let Some(each) = each {
             let index = self.increment(each, code);
             let text = verbatim(&format!("the increment of `{}`", self.function));
-            quote!(*#private::scene::entry(dw, #index, #text)?)
+            let entry = self.checked(&quote!(#private::scene::entry(dw, #index, #text)));
+            quote!(*#entry)
         } else if let Some(Slot { array, component }) = self.scene().slot(symbol) {
             match array {
                 SlotArray::Configuration(_) | SlotArray::Velocity(_) | SlotArray::Momentum(_) => {
@@ -343,6 +352,19 @@ impl<'a> Walk<'a> {
         self.symbols.push(symbol);
         let name = self.symbol_name(symbol);
         code.extend(quote!(let #name: f64 = #value;));
+    }
+
+    /// Returns a call that ends with its error, which tells the counters of the loops around it.
+    fn checked(&self, call: &TokenStream) -> TokenStream {
+        if self.counters.is_empty() {
+            return quote!(#call?);
+        }
+        let private = self.formulas.private;
+        let names = self.counters.iter();
+        let names = names.map(|&counter| verbatim(self.scene().integers.name(counter)));
+        let counters = self.counters.iter();
+        let counters = counters.map(|counter| format_ident!("counter_{}", counter.0));
+        quote!(#private::scene::within(#call, &[#(#names),*], [#(#counters),*])?)
     }
 
     fn symbol_name(&self, symbol: Symbol) -> Ident {

@@ -48,7 +48,7 @@ impl Walk<'_> {
                 };
                 let [a, b] = [*a, *b].map(|operand| self.integer(operand, code));
                 let text = self.text(&scene.integers.text(int));
-                quote!(#private::scene::#function(#a, #b, #text)?)
+                self.checked(&quote!(#private::scene::#function(#a, #b, #text)))
             }
             IntNode::Constant(_) | IntNode::Counter(_) | IntNode::Length(Array::Sites) => {
                 TokenStream::new()
@@ -107,7 +107,8 @@ impl Walk<'_> {
             let text = self.text(&self.scene().integers.path_text(&Access { steps }));
             let name = format_ident!("place_{}", self.places);
             self.places += 1;
-            code.extend(quote!(let #name = #private::scene::place(#found #text)?;));
+            let found = self.checked(&quote!(#private::scene::place(#found #text)));
+            code.extend(quote!(let #name = #found;));
             place = quote!(#name);
             is_reference = true;
         }

@@ -22,6 +22,7 @@ impl Walk<'_> {
         let columns: Vec<Ident> = columns.map(|&column| self.symbol_name(column)).collect();
         let text = self.text_of(&SlotArray::Velocity(term.site));
         let number = Literal::usize_unsuffixed(number);
-        code.extend(quote!(to.term(#number, #site, &[#(#columns),*], #text)?;));
+        let term = self.checked(&quote!(to.term(#number, #site, &[#(#columns),*], #text)));
+        code.extend(quote!(#term;));
     }
 }

@@ -22,7 +22,8 @@ impl Walk<'_> {
             _ => return name,
         };
         let at = self.integer(site, code);
-        code.extend(quote!(let #name = *#private::scene::entry(#rows, #at, #text)?;));
+        let entry = self.checked(&quote!(#private::scene::entry(#rows, #at, #text)));
+        code.extend(quote!(let #name = *#entry;));
         let array = array.clone();
         let is_checked = true;
         self.rows.push(Row { array, is_checked });
@@ -39,7 +40,8 @@ impl Walk<'_> {
         if let SlotArray::Configuration(site) = array {
             let (private, text) = (self.formulas.private, self.text_of(array));
             let at = self.integer(*site, code);
-            code.extend(quote!(#private::scene::check(#at, q.len(), #text)?;));
+            let check = self.checked(&quote!(#private::scene::check(#at, q.len(), #text)));
+            code.extend(quote!(#check;));
         }
     }
 
