@@ -49,11 +49,24 @@ where
                     of_nests,
                     of_batch,
                     dw: of_increments,
+                    with_totals,
                     ..
                 },
             mut sink,
             ..
         } = self;
+        let kick = if <S as Contributions<W>>::TOTALS > 0 {
+            with_totals.clear();
+            with_totals.extend_from_slice(kick.dw);
+            with_totals.resize(kick.dw.len() + <S as Contributions<W>>::TOTALS, 0.0);
+            let all = sink.nodes(0, factors).len();
+            let nodes = sink.nodes(all, factors);
+            Contributions::<W>::totals(scene, kick.t, nodes, with_totals)?;
+            let dw = &**with_totals;
+            Kick { dw, ..kick }
+        } else {
+            kick
+        };
         let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
         let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
         let has_nests = !segments.nests.is_empty();

@@ -125,6 +125,19 @@ pub trait Contributions<W> {
         q: &[Self::Numbers],
         to: &mut [Self::Numbers],
     ) -> Result<(), IndexError>;
+
+    /// The number of sums that enter formulas, such as a mean field, and of the derivatives with
+    /// respect to them; of what bounds these, for [`Slopes`].
+    const TOTALS: usize = 0;
+
+    /// Writes these numbers to the end of `dw`, the last one first.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    fn totals(&self, t: f64, q: &[Self::Numbers], dw: &mut [f64]) -> Result<(), IndexError> {
+        let _ = (t, q, dw);
+        Ok(())
+    }
 }
 
 /// The impulses h (∂L/∂q + F) + Σ ΔW ∂γ/∂q of a step, at rows of the configuration.
@@ -237,19 +250,6 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
         to: &mut [Self::Row],
     ) -> Result<(), IndexError> {
         let _ = (part, h, t, dw, q, of, to);
-        Ok(())
-    }
-
-    /// The number of sums that enter formulas, such as a mean field, and of the derivatives with
-    /// respect to them.
-    const TOTALS: usize = 0;
-
-    /// Writes these numbers to the end of `dw`, the last one first.
-    ///
-    /// # Errors
-    /// An index that is out of range.
-    fn totals(&self, t: f64, q: &[Self::Row], dw: &mut [f64]) -> Result<(), IndexError> {
-        let _ = (t, q, dw);
         Ok(())
     }
 

@@ -60,6 +60,8 @@ pub(super) struct Buffers {
     pub(super) dw: Vec<f64>,
     /// Impulses of all loops, if one of them is made as it is written: zeros between sweeps.
     pub(super) of_nests: Vec<f64>,
+    /// Increments, and totals, of midpoint steps.
+    pub(super) with_totals: Vec<f64>,
     /// The momenta of a piece before its impulses, until these are tested.
     pub(super) kept: Vec<f64>,
 }
@@ -73,6 +75,7 @@ impl Buffers {
             of_nests: vec![0.0; of_nests * R::LENGTH],
             of_batch: vec![0.0; BATCH * (1 + rows) * R::LENGTH],
             dw: vec![0.0; BATCH * increments],
+            with_totals: Vec::new(),
             kept: vec![0.0; TILE * R::LENGTH],
         }
     }
@@ -84,9 +87,10 @@ impl Buffers {
             of_batch,
             dw,
             of_nests,
+            with_totals,
             kept,
         } = self;
-        let arrays = [of_piece, of_batch, dw, of_nests, kept];
+        let arrays = [of_piece, of_batch, dw, of_nests, with_totals, kept];
         arrays.iter().map(|array| array.len()).sum()
     }
 }
@@ -177,6 +181,7 @@ impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
             dw: of_increments,
             of_nests,
             kept,
+            ..
         } = &mut *self.buffers;
         let mut visit =
             Visit::<S, Impulses>::new(self.scene, segments, self.kick, [of_batch, of_increments]);

@@ -8,7 +8,7 @@ use crate::common::spread;
 mod rotors {
     use sve_runtime::prelude::*;
     both! {
-        explicit struct { j: f64, sigma: f64, mass: Vec<f64> }
+        struct { j: f64, sigma: f64, mass: Vec<f64> }
         [f64] 11
         |self, q, v| {
             let n = q.len() as f64;
@@ -39,7 +39,7 @@ mod cloud {
     use sve_runtime::nalgebra::Vector3;
     use sve_runtime::prelude::*;
     both! {
-        explicit struct { g: f64 }
+        struct { g: f64 }
         [Vector3<f64>] 5
         |self, q, v| {
             let mut l = 0.0;
@@ -63,7 +63,7 @@ fn mean_fields_step_like_unrolled_ones() {
     let q: [f64; 11] = spread(11, 3).try_into().expect("11 numbers");
     let p: [f64; 11] = spread(11, 4).try_into().expect("11 numbers");
     compare!(
-        explicit rotors {
+        rotors {
             j: 0.8,
             sigma: 0.3,
             mass: mass.clone()
@@ -82,7 +82,7 @@ fn sums_in_formulas_of_bodies_step_like_unrolled_ones() {
         let numbers = spread(15, seed);
         std::array::from_fn(|i| row(&numbers[3 * i..]))
     };
-    compare!(explicit cloud { g: 0.7 }, rows(5), rows(6), []);
+    compare!(cloud { g: 0.7 }, rows(5), rows(6), []);
 }
 
 /// The energy is that of the user's function, and blocks of steps have the bits of single steps.
@@ -191,5 +191,45 @@ fn totals_read_the_time_and_rounded_numbers_stand_in_all_functions() {
         let mut state = State::at(0.2, q, p);
         ring.step(&mut state, h, &dw).expect("a step");
         crate::common::assert_same(&state, &q1, &p1, "ring");
+    }
+}
+
+/// Sites in a potential and in the field of their mean.
+struct Mean {
+    own: f64,
+    mean: f64,
+}
+
+#[variational(midpoint)]
+impl Mean {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let n = q.len() as f64;
+        let sum = q.iter().sum::<f64>();
+        let mut l = -0.5 * self.mean * sum * sum / n;
+        for i in 0..q.len() {
+            l += 0.5 * v[i] * v[i] - 0.5 * self.own * q[i] * q[i];
+        }
+        l
+    }
+}
+
+/// The eigenvalues of `own + mean 11ᵀ/n` are `own` and `own + mean`, for any n, and so are the bounds
+/// of the row sums, `own ± mean`.
+#[test]
+fn bounds_with_a_mean_field_do_not_grow_with_the_number_of_sites() {
+    for n in [2, 20, 3000] {
+        let step = |h: f64| {
+            let (own, mean) = (-1.0, 0.5);
+            let mut state = State::new(spread(n, 3), spread(n, 4));
+            Integrator::new(Mean { own, mean }, Midpoint).step(&mut state, h, &[])
+        };
+        step(1.6).expect("a step");
+        let Err(StepError::Stiff { bounds, .. }) = step(2.0) else {
+            panic!("a lower bound below −1");
+        };
+        assert!(
+            (bounds[0] + 1.5).abs() < 1e-12 && (bounds[1] + 0.5).abs() < 1e-12,
+            "{bounds:?}"
+        );
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::symmetry_caveat;
 use crate::algebra::{Arena, Notation};
 use crate::catalogue::{Nodes, Rule};
-use crate::model::scene::{Processes, SceneNames, SlotArray};
+use crate::model::scene::{Processes, SceneNames};
 use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
 
 /// The texts about a scene.
@@ -51,17 +51,8 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
     };
     let totals = derived.totals.iter();
     let totals = totals.flat_map(|total| summands(names.symbol(total.symbol), &total.summands));
-    let inner = derived
-        .scene
-        .slots
-        .iter()
-        .filter_map(|slot| match slot.array {
-            SlotArray::Sum(sum) => Some(summands(
-                format!("S{}", sum.0),
-                derived.inner.summands_of(sum),
-            )),
-            _ => None,
-        });
+    let inner = derived.inner.all.iter().enumerate();
+    let inner = inner.map(|(number, (_, list))| summands(format!("S{number}"), list));
     let forces = derived.scene.forces.iter();
     let forces = forces.map(|force| format!("F {}: an entry for each site", force.name));
     let momenta = derived.momenta.iter();

@@ -88,9 +88,9 @@ pub(crate) enum SlotArray {
     /// The integer nearest to a number that reads slots, such as the number of periods between two
     /// sites. It is a constant for derivatives.
     Rounded(Expr),
-    /// The value of an inner sum in an instance of the sum around it. It is a constant for
-    /// derivatives, and so is a weight.
-    Sum(SumId),
+    /// The value of an inner sum, one of a list, in an instance of the sum around it. It is a constant
+    /// for derivatives, and so is a weight.
+    Sum(usize),
     /// The derivative with respect to such a value, with the weight of the sum around it.
     Weight(Expr),
 }
@@ -247,10 +247,30 @@ impl Scene {
         })
     }
 
+    /// Adds a sum within another one.
+    pub(crate) fn child(&mut self, parent: SumId, head: Head) -> SumId {
+        let Sum { summand, at, .. } = self.sums[parent.0];
+        let parent = Some(parent);
+        self.sums.push(Sum {
+            parent,
+            head,
+            summand,
+            at,
+        });
+        SumId(self.sums.len() - 1)
+    }
+
     /// Returns the slot that a symbol denotes.
     pub(crate) fn slot(&self, symbol: Symbol) -> Option<&Slot> {
         match self.symbols.meaning(symbol) {
             Meaning::Slot(slot) => self.slots.get(*slot),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn slot_mut(&mut self, symbol: Symbol) -> Option<&mut Slot> {
+        match self.symbols.meaning(symbol) {
+            Meaning::Slot(slot) => self.slots.get_mut(*slot),
             _ => None,
         }
     }

@@ -56,7 +56,9 @@ impl Terms<'_> {
         site: Int,
         component: usize,
     ) -> Option<Coefficient> {
-        let Summand { root, sum, value } = *summand;
+        let Summand {
+            root, sum, value, ..
+        } = *summand;
         let is_own = |array: &SlotArray, of| {
             matches!(array, SlotArray::Velocity(at) if *at == site) && of == component
         };
@@ -92,7 +94,7 @@ impl Terms<'_> {
         });
         [(constant, without), (0.0, with)].map(|(constant, terms)| Summand {
             value: self.arena.sum(constant, &terms),
-            ..*summand
+            ..summand.clone()
         })
     }
 
@@ -124,7 +126,9 @@ impl Terms<'_> {
 
     /// Returns the term of a component of a force; `None` if the force is zero.
     fn force_term(&mut self, summand: &Summand, site: Int, component: usize) -> Option<Term> {
-        let Summand { root, sum, value } = *summand;
+        let Summand {
+            root, sum, value, ..
+        } = *summand;
         if self.arena.is_zero(value) {
             return None;
         }

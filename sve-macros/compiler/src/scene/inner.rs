@@ -14,20 +14,15 @@ use crate::model::scene::{Slot, SlotArray, SumId};
 /// The inner sums that enter formulas of the sum around them.
 #[derive(Clone, Default)]
 pub(crate) struct InnerTotals {
-    /// The summands of each.
-    of: HashMap<SumId, Vec<Summand>>,
+    /// Each with its summands.
+    pub(crate) all: Vec<(SumId, Vec<Summand>)>,
     /// For each outer sum, those in its formula, with the symbols of their values.
     within: HashMap<SumId, Vec<(SumId, Symbol)>>,
     /// The values and weights that are computed at the start of an instance of an outer sum, in
     /// the order of their computation.
     pub(crate) before: Vec<(SumId, Symbol)>,
-}
-
-impl InnerTotals {
-    /// Returns the summands of an inner sum.
-    pub(crate) fn summands_of(&self, sum: SumId) -> &[Summand] {
-        self.of.get(&sum).map_or(&[], Vec::as_slice)
-    }
+    /// Expressions that must be positive: the weight is NaN elsewhere.
+    pub(crate) conditions: HashMap<Symbol, Vec<Expr>>,
 }
 
 impl Terms<'_> {
@@ -58,8 +53,9 @@ impl Terms<'_> {
             // the root of a sum within an instance is that of the instance
             self.sum(0, sum, one, [&mut summands, &mut Vec::new()]);
             self.check_rest(&summands);
-            self.inner.of.insert(sum, summands);
-            let symbol = self.computed(SlotArray::Sum(sum));
+            let number = self.inner.all.len();
+            self.inner.all.push((sum, summands));
+            let symbol = self.computed(SlotArray::Sum(number));
             self.inner.before.push((outer, symbol));
             by.insert(of_sum, self.arena.symbol(symbol));
             held.push((sum, symbol));

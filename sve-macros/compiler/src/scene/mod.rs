@@ -92,6 +92,8 @@ pub(crate) struct Summand {
     pub(crate) root: usize,
     pub(crate) sum: Option<SumId>,
     pub(crate) value: Expr,
+    /// Expressions that must be positive: the value is NaN elsewhere.
+    pub(crate) conditions: Vec<Expr>,
 }
 
 /// A number of a component of a site, in each instance of a sum: its mass, or its friction.
@@ -102,6 +104,18 @@ pub(crate) struct Coefficient {
     pub(crate) site: Int,
     pub(crate) component: usize,
     pub(crate) value: Expr,
+}
+
+impl Summand {
+    fn new(root: usize, sum: Option<SumId>, value: Expr) -> Self {
+        let conditions = Vec::new();
+        Self {
+            root,
+            sum,
+            value,
+            conditions,
+        }
+    }
 }
 
 /// Returns whether the steps of a rule are equations that join all sites.
@@ -284,8 +298,7 @@ impl<'a> Terms<'a> {
         let (own, inner) = self.parts(value, one);
         if self.arena.constant_value(own) != Some(0.0) {
             let (root, sum) = (self.root(None, name), None);
-            let value = own;
-            to.push(Summand { root, sum, value });
+            to.push(Summand::new(root, sum, own));
         }
         for (sum, weight) in inner {
             let root = self.root(Some(sum), name);
@@ -322,7 +335,7 @@ impl<'a> Terms<'a> {
             if self.arena.constant_value(value) != Some(0.0) {
                 let to = if has_value { &mut *to } else { &mut *slopes };
                 let sum = Some(sum);
-                to.push(Summand { root, sum, value });
+                to.push(Summand::new(root, sum, value));
             }
             let inner = inner
                 .into_iter()
@@ -375,7 +388,7 @@ impl<'a> Terms<'a> {
         let velocities = velocities.map(|slot| (slot.0, zero)).collect();
         Summand {
             value: self.arena.substitute(summand.value, &velocities),
-            ..*summand
+            ..summand.clone()
         }
     }
 }

@@ -53,7 +53,13 @@ impl Terms<'_> {
     /// Returns the terms of an H₁ in the impulses, `−∂H₁/∂q`, and in the displacements, `∂H₁/∂p`.
     pub(super) fn h1_terms(&mut self, summand: &Summand) -> [Option<Term>; 2] {
         let value = self.arena.scale(-1.0, summand.value);
-        let kick = self.term(&Summand { value, ..*summand }, true);
+        let kick = self.term(
+            &Summand {
+                value,
+                ..summand.clone()
+            },
+            true,
+        );
         let shift = self.slopes(summand, true, |array| match array {
             SlotArray::Momentum(site) => Some(*site),
             _ => None,
@@ -68,7 +74,9 @@ impl Terms<'_> {
         is_noise: bool,
         site_of: impl Fn(&SlotArray) -> Option<Int>,
     ) -> Option<Term> {
-        let Summand { root, sum, value } = *summand;
+        let Summand {
+            root, sum, value, ..
+        } = *summand;
         let slots = self.slots_of(value).into_iter();
         let slots = slots
             .filter_map(|(symbol, array, component)| Some((symbol, site_of(array)?, component)));

@@ -14,6 +14,8 @@ use crate::model::scene::{SlotArray, SumId};
 /// A sum whose value the terms of other loops, or its own ones, read.
 #[derive(Clone)]
 pub(crate) struct Total {
+    /// Its number among all numbers that are known before the loops.
+    pub(crate) number: usize,
     pub(crate) symbol: Symbol,
     pub(crate) summands: Vec<Summand>,
 }
@@ -43,11 +45,8 @@ impl Terms<'_> {
         }
         let value = self.arena.substitute(value, &by);
         for (symbol, sum, root) in found {
-            let weight = Summand {
-                root: self.root(home, name),
-                sum: home,
-                value: self.arena.diff(value, symbol),
-            };
+            let root_of_weight = self.root(home, name);
+            let weight = Summand::new(root_of_weight, home, self.arena.diff(value, symbol));
             let weight = self.total(vec![weight]);
             let weight = self.arena.symbol(weight);
             let mut inner = Vec::new();
@@ -59,9 +58,13 @@ impl Terms<'_> {
 
     /// Appends a total. Returns its symbol.
     fn total(&mut self, summands: Vec<Summand>) -> Symbol {
-        let symbol = Meaning::Total(self.totals.len());
-        let symbol = self.scene.symbols.declare(symbol);
-        self.totals.push(Total { symbol, summands });
+        let number = self.totals.len();
+        let symbol = self.scene.symbols.declare(Meaning::Total(number));
+        self.totals.push(Total {
+            number,
+            symbol,
+            summands,
+        });
         symbol
     }
 

@@ -259,6 +259,12 @@ impl<'a> Printer<'a> {
     }
 }
 
+/// The place of a total: they stand after the increments, the last one first.
+pub(super) fn total(number: usize) -> TokenStream {
+    let from_end = Literal::usize_unsuffixed(number + 1);
+    quote!(dw[dw.len() - #from_end])
+}
+
 /// How an input is read; nothing where it is bound otherwise.
 fn input(meaning: &Meaning, place: Place) -> Option<TokenStream> {
     if let Place::Over(axis) = place
@@ -279,11 +285,7 @@ fn input(meaning: &Meaning, place: Place) -> Option<TokenStream> {
         Meaning::Start(Quantity::Position, i) => (quote!(state.q), i),
         Meaning::Start(Quantity::Momentum, i) => (quote!(state.p), i),
         Meaning::Wiener(i) => (quote!(dw), i),
-        // the totals of a kick stand after its increments, the last one first
-        Meaning::Total(i) => {
-            let from_end = Literal::usize_unsuffixed(i + 1);
-            return Some(quote!(dw[dw.len() - #from_end]));
-        }
+        Meaning::Total(i) => return Some(total(i)),
         Meaning::StepSize
         | Meaning::Unknown(_)
         | Meaning::Limit(_)

@@ -84,7 +84,7 @@ impl Notation for SceneNames<'_> {
             let component = match slot.array {
                 SlotArray::Rounded(number) => return format!("round({})", self.formula(number)),
                 SlotArray::Weight(number) => return format!("({})", self.formula(number)),
-                SlotArray::Sum(sum) => return format!("S{}", sum.0),
+                SlotArray::Sum(number) => return format!("S{number}"),
                 SlotArray::Configuration(_) | SlotArray::Velocity(_) | SlotArray::Momentum(_) => {
                     self.component(slot.component)
                 }

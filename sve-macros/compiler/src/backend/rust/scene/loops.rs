@@ -4,6 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::Type;
 
+use super::super::code::total;
 use super::super::function::Formulas;
 use super::super::{attributes, ident, verbatim};
 use super::kinetic::kinetic;
@@ -37,7 +38,7 @@ pub(super) fn scene(
         quote!(#frictions #forces)
     });
     let in_drifts = loops.in_drifts();
-    let (totals, lagrangian) = (loops.totals(), loops.lagrangian());
+    let lagrangian = loops.lagrangian();
     let processes = loops.processes();
     let midpoint = is_implicit.then(|| {
         quote! {
@@ -60,7 +61,6 @@ pub(super) fn scene(
             #forces
             #in_drifts
             #midpoint
-            #totals
             #lagrangian
             #processes
         }
@@ -78,7 +78,8 @@ pub(super) fn contributions(
     let size = Literal::usize_unsuffixed(derived.scene.row.len());
     let counts = derived.node.counts.map(Literal::usize_unsuffixed);
     let (node, contribution) = (node(derived, formulas), contribution(derived, formulas));
-    let nest = Loops { derived, formulas }.nest();
+    let loops = Loops { derived, formulas };
+    let (nest, totals) = (loops.nest(), loops.totals());
     quote! {
         #attributes
         impl #private::scene::Contributions<#private::scene::#what> for #self_ty {
@@ -87,6 +88,7 @@ pub(super) fn contributions(
             #node
             #contribution
             #nest
+            #totals
         }
     }
 }
@@ -277,12 +279,12 @@ impl Loops<'_> {
     fn totals(&self) -> Option<TokenStream> {
         let private = self.formulas.private;
         let count = self.derived.totals.len();
-        let totals = self.derived.totals.iter().enumerate().map(|(at, total)| {
-            let from_end = Literal::usize_unsuffixed(at + 1);
-            let loops = self.values(&total.summands);
+        let totals = self.derived.totals.iter().map(|of| {
+            let place = total(of.number);
+            let loops = self.values(&of.summands);
             quote! {
                 let total = { let mut value = 0f64; #loops value };
-                dw[all - #from_end] = total;
+                #place = total;
             }
         });
         (count > 0).then(|| {
@@ -292,11 +294,10 @@ impl Loops<'_> {
                 fn totals(
                     &self,
                     time: f64,
-                    q: &[Self::Row],
+                    q: &[Self::Numbers],
                     dw: &mut [f64],
                 ) -> ::core::result::Result<(), #private::scene::IndexError> {
                     let n = q.len();
-                    let all = dw.len();
                     #(#totals)*
                     ::core::result::Result::Ok(())
                 }
@@ -309,12 +310,7 @@ impl Loops<'_> {
         let roots = 0..self.derived.roots.len();
         let loops = roots.map(|root| {
             let of_root = summands.iter().filter(|s| s.root == root);
-            let leaves = of_root.map(|summand| Leaf {
-                sum: summand.sum,
-                values: vec![summand.value],
-                conditions: Vec::new(),
-                action: Action::AddValue,
-            });
+            let leaves = of_root.map(Leaf::value);
             self.loops(root, leaves.collect())
         });
         quote!(#({ #loops })*)
@@ -324,10 +320,13 @@ impl Loops<'_> {
         let private = self.formulas.private;
         let loops = self.values(&self.derived.lagrangian);
         let totals = (!self.derived.totals.is_empty()).then(|| {
-            let listed = Literal::usize_unsuffixed(self.derived.listed);
+            let count = self.derived.listed + self.derived.totals.len();
+            let count = Literal::usize_unsuffixed(count);
             quote! {
-                let mut dw = [0f64; #listed + Self::TOTALS];
-                self.totals(time, q, &mut dw)?;
+                let mut dw = [0f64; #count];
+                #private::scene::Contributions::<#private::scene::Impulses>::totals(
+                    self, time, q, &mut dw,
+                )?;
             }
         });
         quote! {

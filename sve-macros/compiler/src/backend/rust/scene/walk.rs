@@ -20,7 +20,7 @@ use super::nodes::where_defined;
 use crate::algebra::{Expr, Symbol};
 use crate::model::scene::{Array, Counter, Head, Int, IntNode, Scene, Slot, SlotArray, SumId};
 use crate::program::symbol_name;
-use crate::scene::Derived;
+use crate::scene::{Derived, Summand};
 
 /// A summand in print.
 pub(super) struct Leaf {
@@ -30,6 +30,18 @@ pub(super) struct Leaf {
     /// Expressions that must be positive: the values are NaN elsewhere.
     pub(super) conditions: Vec<Expr>,
     pub(super) action: Action,
+}
+
+impl Leaf {
+    /// A summand that is added to `value`.
+    pub(super) fn value(summand: &Summand) -> Self {
+        Self {
+            sum: summand.sum,
+            values: vec![summand.value],
+            conditions: summand.conditions.clone(),
+            action: Action::AddValue,
+        }
+    }
 }
 
 /// What is done with the values of a summand.
@@ -340,11 +352,14 @@ impl<'a> Walk<'a> {
                     quote!(#integer as f64)
                 }
                 &SlotArray::Rounded(number) => {
-                    let number = self.number(number, code);
+                    let number = self.number(number, &[], code);
                     quote!({ #number.round() })
                 }
-                &SlotArray::Weight(number) => self.number(number, code),
-                &SlotArray::Sum(sum) => self.inner_total(sum),
+                &SlotArray::Weight(number) => {
+                    let conditions = self.derived.inner.conditions.get(&symbol);
+                    self.number(number, conditions.map_or(&[], Vec::as_slice), code)
+                }
+                &SlotArray::Sum(number) => self.inner_total(number),
             }
         } else {
             return;

@@ -3,17 +3,25 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::{Action, Leaf, Walk};
+use super::{Leaf, Walk, where_defined};
 use crate::algebra::{Expr, Symbol};
 use crate::model::scene::SumId;
 
 impl Walk<'_> {
-    /// Returns a number as a block, after `code` that reads its symbols.
-    pub(super) fn number(&mut self, number: Expr, code: &mut TokenStream) -> TokenStream {
-        for symbol in self.formulas.arena.symbols_of(number) {
-            self.symbol(symbol, code);
+    /// Returns a number as a block, after `code` that reads its symbols. It is NaN where one of
+    /// `conditions` is not positive.
+    pub(super) fn number(
+        &mut self,
+        number: Expr,
+        conditions: &[Expr],
+        code: &mut TokenStream,
+    ) -> TokenStream {
+        for &read in conditions.iter().chain([&number]) {
+            for symbol in self.formulas.arena.symbols_of(read) {
+                self.symbol(symbol, code);
+            }
         }
-        let (statements, values) = self.formulas.within_loop(&[number]);
+        let (statements, values) = where_defined(&[number], conditions, self.formulas);
         quote!({ #statements #(#values)* })
     }
 
@@ -34,25 +42,20 @@ impl Walk<'_> {
         let within = |leaf: &&Leaf| scene.around(leaf.sum).any(|around| Some(around) == sum);
         let mut leaves = self.leaves.iter().filter(within);
         leaves.any(|leaf| {
-            let mut values = leaf.values.iter();
+            let mut values = leaf.values.iter().chain(&leaf.conditions);
             values.any(|&value| scene.depends(value, symbol, self.formulas.arena))
         })
     }
 
     /// Returns the value of an inner sum as a block.
-    pub(super) fn inner_total(&mut self, sum: SumId) -> TokenStream {
-        let summands = self.derived.inner.summands_of(sum).iter();
-        let leaves = summands.map(|summand| Leaf {
-            sum: summand.sum,
-            values: vec![summand.value],
-            conditions: Vec::new(),
-            action: Action::AddValue,
-        });
+    pub(super) fn inner_total(&mut self, number: usize) -> TokenStream {
+        let (sum, summands) = &self.derived.inner.all[number];
+        let leaves = summands.iter().map(Leaf::value);
         let outer = std::mem::replace(&mut self.leaves, leaves.collect());
         let [known, symbols] = [self.known.len(), self.symbols.len()];
         let rows = self.rows.clone();
         let mut loops = TokenStream::new();
-        self.sum(sum, &mut loops);
+        self.sum(*sum, &mut loops);
         self.leaves = outer;
         self.known.truncate(known);
         self.symbols.truncate(symbols);

@@ -10,7 +10,9 @@
 //! vanish there. A rounded number is that of the middle. At a jump between two values of either, L
 //! has no derivative, and nothing is bounded.
 
-use std::collections::HashMap;
+mod sums;
+
+use std::collections::{BTreeSet, HashMap};
 
 use super::{Derived, Kinetic, Term};
 use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
@@ -18,10 +20,10 @@ use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::Meaning;
 use crate::model::domain;
 use crate::model::scene::{Comparison, Condition, Head, Row, Slot, SlotArray};
+use sums::{OfSum, may_vanish};
 
 const EXPLICIT: &str =
     "use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them";
-const SUMS: &str = "`midpoint` bounds the derivatives of impulses, and sums that enter formulas have no bounds yet: use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them";
 
 /// Returns the scene of bounds with the owner of its expressions, or the reason why there is none.
 pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena), String> {
@@ -36,26 +38,28 @@ pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena
             "`midpoint` is for scenes whose forces depend on velocities by a friction `-nu * v[i]` of each component of their site alone, with constants, and `{function}` depends on them in another way: {EXPLICIT}"
         ));
     }
-    if !derived.totals.is_empty() || !derived.inner.before.is_empty() {
-        return Err(SUMS.to_owned());
-    }
     let (mut all, mut arena) = (derived.clone(), arena.clone());
     all.scene.row = Row::Array(2 * derived.scene.row.len());
     let radii = all.declare_radii(derived.scene.row.len());
+    let sums = sums::declare(&mut all.scene, derived);
     let ranges = radii.iter().map(|(&s, &radius)| (s, Range::Within(radius)));
+    let of_sums = sums.iter().map(|(&s, of_sum)| (s, of_sum.range()));
     let mut bounds = Bounds {
-        ranges: ranges.collect(),
+        ranges: ranges.chain(of_sums).collect(),
+        sums,
         arena: &mut arena,
         step: derived.step,
     };
+    for sum in &mut all.scene.sums {
+        if let Head::If(condition) = &sum.head {
+            sum.head = Head::If(bounds.may_hold(condition, true));
+        }
+    }
+    sums::bound(&mut all, &derived.scene, &mut bounds)
+        .ok_or_else(|| no_bounds("a sum that enters formulas"))?;
     for term in &mut all.terms {
-        let may_vanish = (derived.scene.heads(term.sum)).any(|head| !head.numbers().is_empty());
+        let may_vanish = may_vanish(term.sum, &derived.scene);
         let function = &derived.roots[term.root].function;
-        let text = || {
-            format!(
-                "`midpoint` bounds the derivatives of impulses, and a function in `{function}` has no bounds: use `initial_point`, `endpoint`, `stormer_verlet`, or a composition of them"
-            )
-        };
         let coordinates = term.sites.iter().map(|&site| {
             let row = derived.scene.row_of(site);
             row.map(|(symbol, component)| (component, symbol)).collect()
@@ -63,15 +67,16 @@ pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena
         let coordinates: Vec<Vec<(usize, Symbol)>> = coordinates.collect();
         bounds
             .bound(term, &coordinates, may_vanish)
-            .ok_or_else(text)?;
-    }
-    for sum in &mut all.scene.sums {
-        if let Head::If(condition) = &sum.head {
-            sum.head = Head::If(bounds.may_hold(condition, true));
-        }
+            .ok_or_else(|| no_bounds(&format!("`{function}`")))?;
     }
     all.gather_pairs(&mut arena);
     Ok((all, arena))
+}
+
+fn no_bounds(place: &str) -> String {
+    format!(
+        "`midpoint` bounds the derivatives of impulses, and a function in {place} has no bounds: {EXPLICIT}"
+    )
 }
 
 impl Derived {
@@ -99,7 +104,9 @@ impl Derived {
 }
 
 struct Bounds<'a> {
+    /// The ranges of coordinates and of sums.
     ranges: HashMap<Symbol, Range>,
+    sums: HashMap<Symbol, OfSum>,
     arena: &'a mut Arena,
     step: Symbol,
 }
@@ -113,7 +120,11 @@ impl Bounds<'_> {
         coordinates: &[Vec<(usize, Symbol)>],
         may_vanish: bool,
     ) -> Option<()> {
-        let all: Vec<Symbol> = coordinates.iter().flatten().map(|c| c.1).collect();
+        let mut all: Vec<Symbol> = coordinates.iter().flatten().map(|c| c.1).collect();
+        let slopes = term.slopes.iter().flatten();
+        let read = slopes.flat_map(|&slope| self.moving(slope));
+        let read: BTreeSet<Symbol> = read.filter(|s| self.sums.contains_key(s)).collect();
+        all.extend(read);
         let mut bounds = Vec::new();
         for (of_site, slopes) in coordinates.iter().zip(&term.slopes) {
             let entries = self.entries(slopes, &all, term.is_noise);
@@ -172,7 +183,7 @@ impl Bounds<'_> {
     }
 
     /// Returns the bounds of a row sum: the entry of the coordinate `own`, minus and plus the
-    /// magnitudes of the others.
+    /// magnitudes of the others, and of what sums add.
     fn row(
         &mut self,
         all: &[Symbol],
@@ -183,11 +194,12 @@ impl Bounds<'_> {
         let mut centre = self.arena.constant(0.0);
         let mut width = Vec::new();
         for (&symbol, (&middle, &radius)) in all.iter().zip(middle.iter().zip(radii)) {
-            width.push((1.0, radius));
+            width.push((1.0, self.times_slope(radius, symbol)));
             if Some(symbol) == own {
                 centre = middle;
             } else {
-                width.push((1.0, self.arena.abs(middle)));
+                let middle = self.arena.abs(middle);
+                width.push((1.0, self.times_slope(middle, symbol)));
             }
         }
         let width = self.arena.sum(0.0, &width);
