@@ -7,13 +7,16 @@ use core::ops::Range;
 use super::passes::{Factor, Pass};
 use super::segments::{Segments, TILE};
 use super::sweep::{Buffers, Kick, NumbersOf, Visit};
-use super::{Contributions, IndexError, Row, Scene};
+use super::{Contributions, InDrift, IndexError, Row, Scene};
 
 /// What is done with the contributions. All functions are `#[inline(always)]`.
 pub(super) trait Sink<R> {
     /// Returns the nodes at which the contributions are computed, of which those below `ready` are
     /// read. The number never decreases.
     fn nodes(&mut self, ready: usize, factors: impl Factor) -> &[R];
+
+    /// Returns all nodes with their velocities, in a scene with forces of velocities.
+    fn motion(&mut self) -> [&[R]; 2];
 
     /// Takes the sums of consecutive nodes.
     fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor);
@@ -68,8 +71,12 @@ where
             kick
         };
         let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
+        if S::HAS_DRAGS {
+            let nodes = sink.nodes(0, factors).len();
+            of_nests.resize(nodes * NumbersOf::<S, W>::LENGTH, 0.0);
+        }
         let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
-        let has_nests = !segments.nests.is_empty();
+        let has_nests = !segments.nests.is_empty() || S::HAS_DRAGS;
         let mut visit = Visit::<S, W>::new(scene, segments, kick, [of_batch, of_increments]);
         for (piece, bases) in segments.pieces::<S>() {
             let sums = &mut of_piece[..piece.length as usize];
@@ -105,8 +112,13 @@ where
         let all = 0..of_nests.len();
         let nodes = sink.nodes(all.end, factors);
         let mut nests = segments.nests.iter();
-        let made = nests
+        let mut made = nests
             .try_for_each(|&nest| Contributions::<W>::nest(scene, nest, h, t, dw, nodes, of_nests));
+        if S::HAS_DRAGS && made.is_ok() {
+            let [nodes, v] = sink.motion();
+            let drags = InDrift::Drags;
+            made = Contributions::<W>::in_drift(scene, drags, h, t, dw, nodes, v, of_nests);
+        }
         if made.is_ok() {
             take_all(&mut sink, all, |here| &of_nests[here], factors);
         }

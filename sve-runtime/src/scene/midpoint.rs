@@ -20,8 +20,8 @@ use super::chebyshev::Chebyshev;
 use super::errors::{index_error, input_error, name};
 use super::gather::Gather;
 use super::masses::InverseMasses;
-use super::passes::{Begin, Factors, Finish, Largest};
-use super::relax::{End, Relax, Tests};
+use super::passes::{Begin, Factors, Finish, FirstVelocities, Largest};
+use super::relax::{End, NodeVelocities, Relax, Tests};
 use super::segments::Segments;
 use super::spectrum::{Bounds, Extremes, Spectrum, Worst};
 use super::sweep::{Buffers, Kick};
@@ -71,7 +71,7 @@ pub fn midpoint<S>(scene: &S, mut step: MidpointStep<'_, S::Row>) -> Result<(), 
 where
     S: Scene + Contributions<Slopes>,
 {
-    step.work.begin(S::Row::numbers(step.q).len());
+    step.work.begin(S::Row::numbers(step.q).len(), S::HAS_DRAGS);
     let factors = step.factors()?;
     let Work { centres, nodes, .. } = &mut *step.work;
     let [mut size, places] = factors.pass(Begin {
@@ -79,7 +79,15 @@ where
         q: S::Row::numbers(step.q),
         p: S::Row::numbers(step.p),
     });
-    let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
+    if S::HAS_DRAGS {
+        let (h, v) = (step.kick.h, &mut step.work.velocities[0]);
+        factors.pass(FirstVelocities {
+            v,
+            p: S::Row::numbers(step.p),
+            h,
+        });
+    }
+    let is_symmetric = S::IS_SYMMETRIC && !S::HAS_DRAGS && factors.have_one_sign();
     let (mut sweeps, mut change) = (0, 0.0);
     // an iteration that leaves its boxes need not contract
     for _ in 0..ROUNDS {
@@ -178,8 +186,14 @@ impl<R: Row> MidpointStep<'_, R> {
             boxes,
             around,
             of_bounds,
+            velocities: [_, of_v],
             ..
         } = &mut *self.work;
+        let h = self.kick.h;
+        let velocities = S::HAS_DRAGS.then(|| {
+            let of_v = <S as Contributions<Slopes>>::Numbers::rows_mut(of_v);
+            (of_v, h)
+        });
         let buffers = of_bounds.get_or_insert_with(|| {
             Buffers::new::<<S as Contributions<Slopes>>::Numbers>(self.segments, self.q.len())
         });
@@ -190,6 +204,7 @@ impl<R: Row> MidpointStep<'_, R> {
             buffers,
             sink: Spectrum {
                 boxes: <S as Contributions<Slopes>>::Numbers::rows_mut(boxes),
+                velocities,
                 written: 0,
                 q: R::numbers(self.q),
                 p: R::numbers(self.p),
@@ -222,8 +237,10 @@ impl<R: Row> MidpointStep<'_, R> {
             centres,
             nodes,
             other,
+            velocities: [v, _],
             ..
         } = &mut *self.work;
+        let (p, h) = (R::numbers(self.p), self.kick.h);
         let (mut smallest, mut stalled, mut sweeps) = (f64::INFINITY, 0u32, 0u32);
         loop {
             let swept = factors.pass(Gather {
@@ -235,13 +252,22 @@ impl<R: Row> MidpointStep<'_, R> {
                     nodes: &*R::rows_mut(nodes),
                     other,
                     centres,
+                    velocities: S::HAS_DRAGS.then_some(NodeVelocities {
+                        v,
+                        p,
+                        h,
+                        largest: Largest::default(),
+                    }),
                     weights: iteration.weights(),
                     largest: Largest::default(),
                 },
                 what: PhantomData::<Impulses>,
             });
             let swept = swept.map_err(|error| index_error(error, self.start))?;
-            let change = swept.largest.value();
+            let change = match swept.velocities {
+                Some(of) => 0.5 * h.abs() * of.largest.value(),
+                None => swept.largest.value(),
+            };
             swap(nodes, other);
             sweeps += 1;
             size += 2.0 * change;
@@ -253,7 +279,9 @@ impl<R: Row> MidpointStep<'_, R> {
                 change,
                 last,
             };
-            if iteration.is_solved(change, size, farthest) {
+            // velocities need the digits of the displacements, which the places lack
+            let digits = if S::HAS_DRAGS { size } else { farthest };
+            if iteration.is_solved(change, size, digits) {
                 return Ok(end(true));
             }
             if f64::from(sweeps) > 2.0 * MOST {
@@ -298,6 +326,7 @@ impl<R: Row> MidpointStep<'_, R> {
             other,
             boxes,
             around,
+            velocities: [v, _],
             ..
         } = &mut *self.work;
         let friction = (!self.rates.is_empty()).then_some((self.rates, self.masses));
@@ -308,6 +337,7 @@ impl<R: Row> MidpointStep<'_, R> {
             buffers: &mut *self.buffers,
             sink: End {
                 nodes: &*R::rows_mut(nodes),
+                velocities: &*R::rows_mut(v),
                 q: R::numbers(self.q),
                 p: R::numbers(self.p),
                 d: boxes,

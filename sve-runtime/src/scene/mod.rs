@@ -138,6 +138,26 @@ pub trait Contributions<W> {
         let _ = (t, q, dw);
         Ok(())
     }
+
+    /// Adds what reads velocities or momenta, at all sites. `of` has velocities for drags and momenta
+    /// for H₁, and `dw` ends with the totals.
+    ///
+    /// # Errors
+    /// An index that is out of range.
+    #[allow(clippy::too_many_arguments)] // those of a nest, and another array
+    fn in_drift(
+        &self,
+        part: InDrift,
+        h: f64,
+        t: f64,
+        dw: &[f64],
+        q: &[Self::Numbers],
+        of: &[Self::Numbers],
+        to: &mut [Self::Numbers],
+    ) -> Result<(), IndexError> {
+        let _ = (part, h, t, dw, q, of, to);
+        Ok(())
+    }
 }
 
 /// The impulses h (∂L/∂q + F) + Σ ΔW ∂γ/∂q of a step, at rows of the configuration.
@@ -233,26 +253,6 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// True if there are noises H₁.
     const HAS_H1: bool = false;
 
-    /// Adds a part of a drift at all sites. `of` has velocities for drags and momenta for H₁, and `dw`
-    /// ends with the totals.
-    ///
-    /// # Errors
-    /// An index that is out of range.
-    #[allow(clippy::too_many_arguments)] // those of a nest, and another array
-    fn in_drift(
-        &self,
-        part: InDrift,
-        h: f64,
-        t: f64,
-        dw: &[f64],
-        q: &[Self::Row],
-        of: &[Self::Row],
-        to: &mut [Self::Row],
-    ) -> Result<(), IndexError> {
-        let _ = (part, h, t, dw, q, of, to);
-        Ok(())
-    }
-
     /// Makes a step of the midpoint rule; called for scenes that list the rule.
     ///
     /// # Errors
@@ -275,7 +275,7 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     fn processes(&self, n: usize) -> Result<usize, IndexError>;
 }
 
-/// A part of a drift that reads velocities or momenta.
+/// What reads velocities or momenta.
 #[derive(Clone, Copy, Debug)]
 pub enum InDrift {
     /// The impulses of drags over the time `h`.

@@ -136,6 +136,24 @@ fn begin([a, b]: [&mut [f64]; 2], q: &[f64], p: &[f64], factors: impl Factor) ->
     [largest, farthest].map(Largest::value)
 }
 
+/// Writes the velocities of displacements without impulses.
+pub(super) struct FirstVelocities<'a> {
+    pub(super) v: &'a mut [f64],
+    pub(super) p: &'a [f64],
+    pub(super) h: f64,
+}
+
+impl Pass for FirstVelocities<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self, factors: impl Factor) {
+        for (at, (v, p)) in self.v.iter_mut().zip(self.p).enumerate() {
+            *v = factors.of(at) * p / self.h;
+        }
+    }
+}
+
 /// Ends a step: the places q₀ + d, and the momenta.
 pub(super) struct Finish<'a> {
     pub(super) q: &'a mut [f64],

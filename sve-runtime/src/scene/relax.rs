@@ -20,8 +20,20 @@ pub(super) struct Relax<'a, R> {
     pub(super) other: &'a mut [f64],
     /// The nodes c of displacements without impulses.
     pub(super) centres: &'a [f64],
+    /// The velocities of the nodes, in a scene with forces of velocities.
+    pub(super) velocities: Option<NodeVelocities<'a>>,
     /// α and β.
     pub(super) weights: [f64; 2],
+    pub(super) largest: Largest,
+}
+
+/// Velocities of nodes with their own updates, since v = 2 (m − q₀)/h has few digits where h is small.
+/// In a scene with forces of velocities the iteration is Richardson's.
+pub(super) struct NodeVelocities<'a> {
+    pub(super) v: &'a mut [f64],
+    pub(super) p: &'a [f64],
+    pub(super) h: f64,
+    /// The largest update.
     pub(super) largest: Largest,
 }
 
@@ -32,8 +44,24 @@ impl<R: Row> Sink<R> for Relax<'_, R> {
     }
 
     #[inline(always)]
+    fn motion(&mut self) -> [&[R]; 2] {
+        let v = self.velocities.as_mut();
+        [self.nodes, v.map_or(&[], |of| R::rows_mut(of.v))]
+    }
+
+    #[inline(always)]
     fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor) {
         let here = nodes.start * R::LENGTH..nodes.end * R::LENGTH;
+        if let Some(NodeVelocities { v, p, h, largest }) = &mut self.velocities {
+            let (v, p, sums) = (&mut v[here.clone()], &p[here.clone()], R::numbers(sums));
+            let factors = factors.within(here.clone());
+            for at in 0..v.len() {
+                let new = factors.of(at) * (p[at] + 0.5 * sums[at]) / *h;
+                let change = self.weights[0] * (new - v[at]);
+                v[at] += change;
+                largest.add(change);
+            }
+        }
         update_tile(
             &mut self.other[here.clone()],
             [
@@ -86,6 +114,8 @@ fn update_tile(
 /// The displacements and the momenta at the end, with tests of the end.
 pub(super) struct End<'a, R> {
     pub(super) nodes: &'a [R],
+    /// The velocities of the nodes, in a scene with forces of velocities.
+    pub(super) velocities: &'a [R],
     pub(super) q: &'a [f64],
     pub(super) p: &'a [f64],
     /// The displacements.
@@ -120,6 +150,11 @@ impl<R: Row> Sink<R> for End<'_, R> {
     #[inline(always)]
     fn nodes(&mut self, _: usize, _: impl Factor) -> &[R] {
         self.nodes
+    }
+
+    #[inline(always)]
+    fn motion(&mut self) -> [&[R]; 2] {
+        [self.nodes, self.velocities]
     }
 
     #[inline(always)]

@@ -36,6 +36,8 @@ pub(super) fn is_in_box(d: f64, of: f64, largest: f64) -> bool {
 pub(super) struct Spectrum<'a, N, U> {
     /// The middle and the half width of the box of each node.
     pub(super) boxes: &'a mut [N],
+    /// Those of the velocities, with the step size, in a scene with forces of velocities.
+    pub(super) velocities: Option<(&'a mut [N], f64)>,
     /// The number of sites whose boxes are written.
     pub(super) written: usize,
     pub(super) q: &'a [f64],
@@ -62,17 +64,32 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
             self.written = tiles.end;
             let size = N::LENGTH / 2;
             let here = tiles.start * size..tiles.end * size;
-            let boxes = N::numbers_mut(&mut self.boxes[tiles]);
+            let boxes = N::numbers_mut(&mut self.boxes[tiles.clone()]);
             let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
             let (factors, largest) = (factors.within(here.clone()), self.largest);
             if self.d.is_empty() {
                 write_boxes(boxes, size, q, |at| factors.of(at) * p[at], largest);
             } else {
-                let d = &self.d[here];
+                let d = &self.d[here.clone()];
                 write_boxes(boxes, size, q, |at| d[at], largest);
+            }
+            if let Some((of_v, h)) = &mut self.velocities {
+                let of_v = N::numbers_mut(&mut of_v[tiles]);
+                if self.d.is_empty() {
+                    write_velocities(of_v, size, *h, |at| factors.of(at) * p[at], largest);
+                } else {
+                    let d = &self.d[here];
+                    write_velocities(of_v, size, *h, |at| d[at], largest);
+                }
             }
         }
         self.boxes
+    }
+
+    #[inline(always)]
+    fn motion(&mut self) -> [&[N]; 2] {
+        let v = self.velocities.as_ref();
+        [self.boxes, v.map_or(&[], |(v, _)| &**v)]
     }
 
     #[inline(always)]
@@ -92,6 +109,24 @@ fn write_boxes(boxes: &mut [f64], size: usize, q: &[f64], d: impl Fn(usize) -> f
             let d = d(at);
             row[k] = q[at] + 0.25 * d;
             row[size + k] = half_width(d, largest);
+        }
+    }
+}
+
+/// Writes the boxes of the velocities v = 2 (m − q₀)/h of the nodes m in their boxes.
+#[inline(always)]
+fn write_velocities(
+    boxes: &mut [f64],
+    size: usize,
+    h: f64,
+    d: impl Fn(usize) -> f64,
+    largest: f64,
+) {
+    for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
+        for k in 0..size {
+            let d = d(site * size + k);
+            row[k] = 0.5 * d / h;
+            row[size + k] = 2.0 * half_width(d, largest) / h.abs();
         }
     }
 }

@@ -11,6 +11,8 @@ pub(super) struct Work {
     pub(super) nodes: Vec<f64>,
     /// The nodes before the last update; after the iteration, the momenta at the end.
     pub(super) other: Vec<f64>,
+    /// The velocities of the nodes, and their boxes, in a scene with forces of velocities.
+    pub(super) velocities: [Vec<f64>; 2],
     /// The boxes of the nodes; after the iteration, its first half has the displacements.
     pub(super) boxes: Vec<f64>,
     /// The displacements around which the boxes are; nothing if they are those without impulses.
@@ -28,7 +30,15 @@ impl Work {
             _ => 0,
         };
         let buffers = self.of_bounds.as_ref().map_or(0, Buffers::len);
-        let arrays = [&self.centres, &self.nodes, &self.other, &self.boxes];
+        let [v, of_v] = &self.velocities;
+        let arrays = [
+            &self.centres,
+            &self.nodes,
+            &self.other,
+            &self.boxes,
+            v,
+            of_v,
+        ];
         let arrays = arrays.iter().map(|array| array.len()).sum::<usize>();
         arrays + self.around.capacity() + factors + buffers
     }
@@ -46,7 +56,11 @@ impl Work {
     }
 
     /// Makes room for a solution with `numbers` components.
-    pub(super) fn begin(&mut self, numbers: usize) {
+    pub(super) fn begin(&mut self, numbers: usize, has_velocities: bool) {
+        if has_velocities {
+            self.velocities[0].resize(numbers, 0.0);
+            self.velocities[1].resize(2 * numbers, 0.0);
+        }
         for array in [&mut self.centres, &mut self.nodes, &mut self.other] {
             array.resize(numbers, 0.0);
         }

@@ -10,7 +10,7 @@ use crate::common::spread;
 mod pairs {
     use sve_runtime::prelude::*;
     both! {
-        explicit struct { m: Vec<f64>, gamma: f64, sigma: f64 }
+        struct { m: Vec<f64>, gamma: f64, sigma: f64 }
         [[f64; 2]] 8
         |self, q, v| {
             let mut l = 0.0;
@@ -121,7 +121,7 @@ mod magnetic {
 mod wind {
     use sve_runtime::prelude::*;
     both! {
-        explicit struct { mu: f64, wind: f64 }
+        struct { mu: f64, wind: f64 }
         [f64] 11
         |self, q, v| {
             let mut l = 0.0;
@@ -176,7 +176,7 @@ fn forces_of_velocities_are_those_of_unrolled_systems() {
     let m: Vec<f64> = spread(8, 3).iter().map(|x| 2.0 + x).collect();
     let dw: [f64; 8] = std::array::from_fn(|i| 0.2 * spread(8, 4)[i]);
     compare!(
-        explicit pairs {
+        pairs {
             m: m.clone(),
             gamma: 0.7,
             sigma: 0.3
@@ -196,7 +196,7 @@ fn forces_of_velocities_are_those_of_unrolled_systems() {
         []
     );
     let numbers = |seed| -> [f64; 11] { spread(11, seed).try_into().expect("eleven") };
-    compare!(explicit wind { mu: 0.5, wind: 0.8 }, numbers(1), numbers(2), []);
+    compare!(wind { mu: 0.5, wind: 0.8 }, numbers(1), numbers(2), []);
 }
 
 /// Friction between neighbours in a ring of any length.
@@ -204,7 +204,7 @@ struct Ring {
     mu: f64,
 }
 
-#[variational(initial_point, endpoint, stormer_verlet)]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Ring {
     fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
         let n = q.len();
@@ -225,55 +225,89 @@ impl Ring {
 /// ones, which have the same bits.
 #[test]
 fn pairwise_friction_keeps_the_momentum() {
-    let n = 1000;
-    let ring = Integrator::new(Ring { mu: 0.4 }, StormerVerlet);
-    let start = State::new(spread(n, 1), spread(n, 2));
-    let total: f64 = start.p.iter().sum();
-    let before = ring.system().hamiltonian(&start).expect("an energy");
-    let mut path = ring.trajectory(start.clone(), 0.1, NoNoise);
-    let end = path.advance(100).expect("steps").clone();
-    let mut single = ring.trajectory(start, 0.1, NoNoise);
-    for _ in 0..100 {
-        single.advance(1).expect("a step");
+    fn check<R>(rule: R)
+    where
+        R: sve_runtime::Rule<Ring, Increments = [f64]>,
+    {
+        let n = 1000;
+        let ring = Integrator::new(Ring { mu: 0.4 }, rule);
+        let start = State::new(spread(n, 1), spread(n, 2));
+        let total: f64 = start.p.iter().sum();
+        let before = ring.system().hamiltonian(&start).expect("an energy");
+        let mut path = ring.trajectory(start.clone(), 0.1, NoNoise);
+        let end = path.advance(100).expect("steps").clone();
+        let mut single = ring.trajectory(start, 0.1, NoNoise);
+        for _ in 0..100 {
+            single.advance(1).expect("a step");
+        }
+        assert_eq!(&end, single.advance(0).expect("the state"));
+        let change = end.p.iter().sum::<f64>() - total;
+        assert!(change.abs() < 1e-11, "{change}");
+        let after = ring.system().hamiltonian(&end).expect("an energy");
+        assert!(after < 0.2 * before, "{before} {after}");
     }
-    assert_eq!(&end, single.advance(0).expect("the state"));
-    let change = end.p.iter().sum::<f64>() - total;
-    assert!(change.abs() < 1e-11, "{change}");
-    let after = ring.system().hamiltonian(&end).expect("an energy");
-    assert!(after < 0.2 * before, "{before} {after}");
+    check(StormerVerlet);
+    check(Midpoint);
 }
 
-/// A wave of the wave number k decays by (1 + hν/2)⁻¹ (1 − hν/2) in a step of Störmer and Verlet,
-/// with ν = 4 μ sin²(k/2), if nothing else acts.
+/// Friction between free neighbours in a ring.
+struct Free {
+    mu: f64,
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl Free {
+    fn lagrangian(&self, _q: &[f64], v: &[f64]) -> f64 {
+        v.iter().map(|v| 0.5 * v * v).sum()
+    }
+    #[force]
+    fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+        let n = q.len();
+        (0..n)
+            .map(|i| self.mu * (v[(i + 1) % n] + v[(i + n - 1) % n] - 2.0 * v[i]))
+            .collect()
+    }
+}
+
+/// A wave of the wave number k decays by (1 + hν/2)⁻¹ (1 − hν/2) in a step of Störmer and Verlet and
+/// of the midpoint rule, with ν = 4 μ sin²(k/2), if nothing else acts. The places, far from 0, have
+/// no part in it: in short steps they have no digits of the velocities.
 #[test]
 fn a_wave_decays_as_one_with_its_friction_does() {
-    struct Free {
-        mu: f64,
-    }
-    #[variational(stormer_verlet)]
-    impl Free {
-        fn lagrangian(&self, _q: &[f64], v: &[f64]) -> f64 {
-            v.iter().map(|v| 0.5 * v * v).sum()
+    fn check<R>(rule: R, [h, mu]: [f64; 2], steps: u64)
+    where
+        R: sve_runtime::Rule<Free, Increments = [f64]>,
+    {
+        let (n, wave) = (64, 5.0);
+        let k = wave * std::f64::consts::TAU / f64::from(n);
+        let p: Vec<f64> = (0..n).map(|i| (k * f64::from(i)).cos()).collect();
+        let free = Integrator::new(Free { mu }, rule);
+        let mut path = free.trajectory(State::new(vec![1000.0; 64], p.clone()), h, NoNoise);
+        let end = path.advance(steps).expect("steps");
+        let half = 0.5 * h * 4.0 * mu * (0.5 * k).sin().powi(2);
+        let factor = ((1.0 - half) / (1.0 + half)).powi(steps as i32);
+        for (p, start) in end.p.iter().zip(&p) {
+            assert!((p - factor * start).abs() < 1e-14, "{p} {}", factor * start);
         }
-        #[force]
-        fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
-            let n = q.len();
-            (0..n)
-                .map(|i| self.mu * (v[(i + 1) % n] + v[(i + n - 1) % n] - 2.0 * v[i]))
-                .collect()
-        }
     }
-    let (n, h, steps, wave, mu) = (64, 0.1, 50, 5.0, 0.8);
-    let k = wave * std::f64::consts::TAU / f64::from(n);
-    let p: Vec<f64> = (0..n).map(|i| (k * f64::from(i)).cos()).collect();
-    let free = Integrator::new(Free { mu }, StormerVerlet);
-    let mut path = free.trajectory(State::new(vec![0.0; 64], p.clone()), h, NoNoise);
-    let end = path.advance(steps).expect("steps");
-    let half = 0.5 * h * 4.0 * mu * (0.5 * k).sin().powi(2);
-    let factor = ((1.0 - half) / (1.0 + half)).powi(steps as i32);
-    for (p, start) in end.p.iter().zip(&p) {
-        assert!((p - factor * start).abs() < 1e-14, "{p} {}", factor * start);
+    for of_step in [[0.1, 0.8], [1e-6, 8e4], [-1e-3, 0.8]] {
+        check(StormerVerlet, of_step, 50);
+        check(Midpoint, of_step, 50);
     }
+}
+
+/// The friction 2μ of each site is a part of f = h/(1 + hμ), and the rows of −2 ∂D/∂v have the entry
+/// −2μ twice: the bounds are ±f μ.
+#[test]
+fn bounds_with_forces_of_velocities_are_their_spectrum() {
+    let (h, mu) = (-1.0, 0.8);
+    let mut state = State::new(spread(64, 1), spread(64, 2));
+    let result = Integrator::new(Free { mu }, Midpoint).step(&mut state, h, &[]);
+    let Err(StepError::Stiff { bounds, .. }) = result else {
+        panic!("{result:?}");
+    };
+    let [low, high] = [bounds[0] + 4.0, bounds[1] - 4.0];
+    assert!(low.abs() < 1e-13 && high.abs() < 1e-13, "{bounds:?}");
 }
 
 /// If the iteration before a drift does not contract, the error names a step size at which it does,

@@ -227,10 +227,19 @@ impl SceneTexts {
         } else {
             ("(M + h N/2)", " − N d")
         };
+        let (impulse, iteration, slope) = if self.in_drifts[0].is_empty() {
+            ("I", "Chebyshev", "")
+        } else {
+            ("(I + h D)", "Richardson", " − M⁻¹ (h² ∂D/∂q + 2 h ∂D/∂v)/4")
+        };
+        let at_node = impulse.replace('I', "I(q₀ + d/2)");
+        let at_node = at_node.replace('D', "D(q₀ + d/2, d/h)");
         let mut step = vec![
-            format!("solve: d = h {mass}⁻¹ (p₀ + I(q₀ + d/2)/2), sweeps of Chebyshev's iteration"),
-            format!("end: q₁ = q₀ + d, p₁ = p₀ + I{friction}"),
-            "the root is unique within boxes around the motion: Gershgorin's bounds of 1 − h M⁻¹ ∂I/∂q / 4 are positive there".to_owned(),
+            format!("solve: d = h {mass}⁻¹ (p₀ + {at_node}/2), sweeps of {iteration}'s iteration"),
+            format!("end: q₁ = q₀ + d, p₁ = p₀ + {impulse}{friction}"),
+            format!(
+                "the root is unique within boxes around the motion: Gershgorin's bounds of 1 − h M⁻¹ ∂I/∂q / 4{slope} are positive there"
+            ),
         ];
         self.push_impulses(&mut step);
         [action, step.join("\n")]

@@ -7,6 +7,8 @@
 mod integers;
 mod names;
 
+use std::collections::HashMap;
+
 use proc_macro2::{Span, TokenStream};
 
 use super::{Meaning, Symbols};
@@ -245,6 +247,19 @@ impl Scene {
             } if *of == site => Some((symbol, *component)),
             _ => None,
         })
+    }
+
+    /// Returns the symbols of the components of velocities, with their sites and components.
+    pub(crate) fn velocities(&self) -> HashMap<Symbol, (Int, usize)> {
+        let symbols = (0..self.symbols.meanings().len() as u32).map(Symbol);
+        let velocities = symbols.filter_map(|symbol| match self.slot(symbol)? {
+            &Slot {
+                array: SlotArray::Velocity(of),
+                component,
+            } => Some((symbol, (of, component))),
+            _ => None,
+        });
+        velocities.collect()
     }
 
     /// Adds a sum within another one.

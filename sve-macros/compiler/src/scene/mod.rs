@@ -167,7 +167,7 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     };
     errors.finish(())?;
     symmetry::check(&read, arena, &mut derived)?;
-    for term in &mut derived.terms {
+    for term in derived.terms.iter_mut().chain(&mut derived.drags) {
         term.slopes.clone_from(&term.gradient);
     }
     let [kicks, shifts] = &mut derived.h1;

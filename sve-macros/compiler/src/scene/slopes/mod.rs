@@ -19,7 +19,7 @@ use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::Meaning;
 use crate::model::domain;
-use crate::model::scene::{Comparison, Condition, Head, Row, Slot, SlotArray};
+use crate::model::scene::{Comparison, Condition, Head, Int, Row, Scene, Slot, SlotArray};
 use sums::{OfSum, may_vanish};
 
 const EXPLICIT: &str =
@@ -32,12 +32,6 @@ pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena
             "`midpoint` is for scenes with the kinetic energy `0.5 * m * v[i] * v[i]` of each component, and this one has another: {EXPLICIT}"
         ));
     }
-    if let Some(drag) = derived.drags.first() {
-        let function = &derived.roots[drag.root].function;
-        return Err(format!(
-            "`midpoint` is for scenes whose forces depend on velocities by a friction `-nu * v[i]` of each component of their site alone, with constants, and `{function}` depends on them in another way: {EXPLICIT}"
-        ));
-    }
     let (mut all, mut arena) = (derived.clone(), arena.clone());
     all.scene.row = Row::Array(2 * derived.scene.row.len());
     let radii = all.declare_radii(derived.scene.row.len());
@@ -47,6 +41,7 @@ pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena
     let mut bounds = Bounds {
         ranges: ranges.chain(of_sums).collect(),
         sums,
+        velocities: derived.scene.velocities(),
         arena: &mut arena,
         step: derived.step,
     };
@@ -57,16 +52,11 @@ pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena
     }
     sums::bound(&mut all, &derived.scene, &mut bounds)
         .ok_or_else(|| no_bounds("a sum that enters formulas"))?;
-    for term in &mut all.terms {
+    for term in all.terms.iter_mut().chain(&mut all.drags) {
         let may_vanish = may_vanish(term.sum, &derived.scene);
         let function = &derived.roots[term.root].function;
-        let coordinates = term.sites.iter().map(|&site| {
-            let row = derived.scene.row_of(site);
-            row.map(|(symbol, component)| (component, symbol)).collect()
-        });
-        let coordinates: Vec<Vec<(usize, Symbol)>> = coordinates.collect();
         bounds
-            .bound(term, &coordinates, may_vanish)
+            .bound(term, &derived.scene, may_vanish)
             .ok_or_else(|| no_bounds(&format!("`{function}`")))?;
     }
     all.gather_pairs(&mut arena);
@@ -80,12 +70,13 @@ fn no_bounds(place: &str) -> String {
 }
 
 impl Derived {
-    /// Declares the half width of the box of each coordinate. Returns them by coordinate.
+    /// Declares the half width of the box of each coordinate and each velocity. Returns them by
+    /// coordinate or velocity.
     fn declare_radii(&mut self, size: usize) -> HashMap<Symbol, Symbol> {
         let symbols = (0..self.scene.symbols.meanings().len() as u32).map(Symbol);
         let coordinates = symbols.filter_map(|symbol| match self.scene.slot(symbol)? {
             Slot {
-                array: array @ SlotArray::Configuration(_),
+                array: array @ (SlotArray::Configuration(_) | SlotArray::Velocity(_)),
                 component,
             } => {
                 let (array, component) = (array.clone(), component + size);
@@ -104,29 +95,30 @@ impl Derived {
 }
 
 struct Bounds<'a> {
-    /// The ranges of coordinates and of sums.
+    /// The ranges of coordinates, velocities and sums.
     ranges: HashMap<Symbol, Range>,
     sums: HashMap<Symbol, OfSum>,
+    /// The velocities, with their sites and components.
+    velocities: HashMap<Symbol, (Int, usize)>,
     arena: &'a mut Arena,
     step: Symbol,
 }
 
 impl Bounds<'_> {
-    /// Replaces the impulses of a term by bounds of their derivatives. `coordinates` has the
-    /// components of each site. Returns `None` if a function has no bounds.
-    fn bound(
-        &mut self,
-        term: &mut Term,
-        coordinates: &[Vec<(usize, Symbol)>],
-        may_vanish: bool,
-    ) -> Option<()> {
-        let mut all: Vec<Symbol> = coordinates.iter().flatten().map(|c| c.1).collect();
+    /// Replaces the impulses of a term by bounds of their derivatives. Returns `None` if a function has
+    /// no bounds.
+    fn bound(&mut self, term: &mut Term, scene: &Scene, may_vanish: bool) -> Option<()> {
+        let sites = term.sites.iter();
+        let mut all: Vec<Symbol> = sites
+            .flat_map(|&site| scene.row_of(site).map(|row| row.0))
+            .collect();
         let slopes = term.slopes.iter().flatten();
         let read = slopes.flat_map(|&slope| self.moving(slope));
-        let read: BTreeSet<Symbol> = read.filter(|s| self.sums.contains_key(s)).collect();
+        // sums and velocities
+        let read: BTreeSet<Symbol> = read.filter(|s| !all.contains(s)).collect();
         all.extend(read);
         let mut bounds = Vec::new();
-        for (of_site, slopes) in coordinates.iter().zip(&term.slopes) {
+        for (&site, slopes) in term.sites.iter().zip(&term.slopes) {
             let entries = self.entries(slopes, &all, term.is_noise);
             let Intervals {
                 middle,
@@ -136,8 +128,12 @@ impl Bounds<'_> {
             let rows = middle.chunks(all.len()).zip(radii.chunks(all.len()));
             let (mut lower, mut upper) = (Vec::new(), Vec::new());
             for (component, (middle, radii)) in rows.enumerate() {
-                let own = of_site.iter().find(|c| c.0 == component).map(|c| c.1);
-                let [mut low, mut high] = self.row(&all, own, middle, radii);
+                let mut own: Vec<Symbol> = Vec::new();
+                own.extend(scene.row_of(site).find(|c| c.1 == component).map(|c| c.0));
+                let velocity = self.velocities.iter();
+                let velocity = velocity.filter(|(_, at)| **at == (site, component));
+                own.extend(velocity.map(|velocity| *velocity.0));
+                let [mut low, mut high] = self.row(&all, &own, middle, radii);
                 if may_vanish {
                     [low, high] = [self.half(low, -0.5), self.half(high, 0.5)];
                 }
@@ -155,7 +151,8 @@ impl Bounds<'_> {
         Some(())
     }
 
-    /// Returns −∂I/∂q, a row for each component of a site.
+    /// Returns −∂I/∂q, a row for each component of a site. For a velocity v = 2 (m − q₀)/h, the
+    /// derivative with respect to its node m.
     fn entries(&mut self, slopes: &[Expr], all: &[Symbol], is_noise: bool) -> Vec<Expr> {
         let step = self.arena.symbol(self.step);
         let mut entries = Vec::new();
@@ -166,6 +163,8 @@ impl Bounds<'_> {
                 // the value of a noise has its increment as a factor
                 entries.push(if is_noise {
                     entry
+                } else if self.velocities.contains_key(&symbol) {
+                    self.arena.scale(2.0, entry)
                 } else {
                     self.arena.mul(step, entry)
                 });
@@ -182,27 +181,26 @@ impl Bounds<'_> {
         intervals(&entries, &borders, &self.ranges, Flavour::Box, self.arena)
     }
 
-    /// Returns the bounds of a row sum: the entry of the coordinate `own`, minus and plus the
+    /// Returns the bounds of a row sum: the entries of the coordinate `own`, minus and plus the
     /// magnitudes of the others, and of what sums add.
     fn row(
         &mut self,
         all: &[Symbol],
-        own: Option<Symbol>,
+        own: &[Symbol],
         middle: &[Expr],
         radii: &[Expr],
     ) -> [Expr; 2] {
-        let mut centre = self.arena.constant(0.0);
-        let mut width = Vec::new();
+        let (mut centre, mut width) = (Vec::new(), Vec::new());
         for (&symbol, (&middle, &radius)) in all.iter().zip(middle.iter().zip(radii)) {
             width.push((1.0, self.times_slope(radius, symbol)));
-            if Some(symbol) == own {
-                centre = middle;
+            if own.contains(&symbol) {
+                centre.push((1.0, middle));
             } else {
                 let middle = self.arena.abs(middle);
                 width.push((1.0, self.times_slope(middle, symbol)));
             }
         }
-        let width = self.arena.sum(0.0, &width);
+        let [centre, width] = [centre, width].map(|sum| self.arena.sum(0.0, &sum));
         [self.arena.sub(centre, width), self.arena.add(centre, width)]
     }
 

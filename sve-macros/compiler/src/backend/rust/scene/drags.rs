@@ -9,6 +9,18 @@ use super::loops::Loops;
 use crate::scene::Term;
 
 impl Loops<'_> {
+    /// Whether there are such forces and noises.
+    pub(super) fn has_in_drifts(&self) -> Option<TokenStream> {
+        let has_drags = !self.derived.drags.is_empty();
+        let has_h1 = self.derived.h1.iter().any(|terms| !terms.is_empty());
+        (has_drags || has_h1).then(|| {
+            quote! {
+                const HAS_DRAGS: bool = #has_drags;
+                const HAS_H1: bool = #has_h1;
+            }
+        })
+    }
+
     /// The parts of drifts, as far as there are any: the impulses of forces of velocities, and the
     /// impulses and displacements of all H₁.
     pub(super) fn in_drifts(&self) -> TokenStream {
@@ -25,20 +37,16 @@ impl Loops<'_> {
         if arms.is_empty() {
             return TokenStream::new();
         }
-        let has_drags = !drags.is_empty();
-        let has_h1 = !kicks.is_empty() || !shifts.is_empty();
         quote! {
-            const HAS_DRAGS: bool = #has_drags;
-            const HAS_H1: bool = #has_h1;
             fn in_drift(
                 &self,
                 part: #private::scene::InDrift,
                 h: f64,
                 time: f64,
                 dw: &[f64],
-                q: &[Self::Row],
-                of: &[Self::Row],
-                to: &mut [Self::Row],
+                q: &[Self::Numbers],
+                of: &[Self::Numbers],
+                to: &mut [Self::Numbers],
             ) -> ::core::result::Result<(), #private::scene::IndexError> {
                 let n = q.len();
                 let (to, of) = (&mut to[..n], &of[..n]);

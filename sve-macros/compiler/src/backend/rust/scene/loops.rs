@@ -37,7 +37,7 @@ pub(super) fn scene(
         let forces = loops.forces();
         quote!(#frictions #forces)
     });
-    let in_drifts = loops.in_drifts();
+    let has_in_drifts = loops.has_in_drifts();
     let lagrangian = loops.lagrangian();
     let processes = loops.processes();
     let midpoint = is_implicit.then(|| {
@@ -59,7 +59,7 @@ pub(super) fn scene(
             #instances
             #kinetic
             #forces
-            #in_drifts
+            #has_in_drifts
             #midpoint
             #lagrangian
             #processes
@@ -79,7 +79,7 @@ pub(super) fn contributions(
     let counts = derived.node.counts.map(Literal::usize_unsuffixed);
     let (node, contribution) = (node(derived, formulas), contribution(derived, formulas));
     let loops = Loops { derived, formulas };
-    let (nest, totals) = (loops.nest(), loops.totals());
+    let (nest, totals, in_drifts) = (loops.nest(), loops.totals(), loops.in_drifts());
     quote! {
         #attributes
         impl #private::scene::Contributions<#private::scene::#what> for #self_ty {
@@ -89,6 +89,7 @@ pub(super) fn contributions(
             #contribution
             #nest
             #totals
+            #in_drifts
         }
     }
 }
