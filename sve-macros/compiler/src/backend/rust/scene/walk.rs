@@ -9,6 +9,7 @@ mod blocks;
 mod computed;
 mod integers;
 mod kinetic;
+mod leaf;
 mod rows;
 
 use proc_macro2::{Ident, Literal, TokenStream};
@@ -17,46 +18,11 @@ use quote::{format_ident, quote};
 use super::super::function::Formulas;
 use super::super::{ident, number, verbatim};
 use super::nodes::where_defined;
-use crate::algebra::{Expr, Symbol};
+use crate::algebra::Symbol;
 use crate::model::scene::{Array, Counter, Head, Int, IntNode, Scene, Slot, SlotArray, SumId};
 use crate::program::symbol_name;
-use crate::scene::{Derived, Summand};
-
-/// A summand in print.
-pub(super) struct Leaf {
-    pub(super) sum: Option<SumId>,
-    /// The values to be computed.
-    pub(super) values: Vec<Expr>,
-    /// Expressions that must be positive: the values are NaN elsewhere.
-    pub(super) conditions: Vec<Expr>,
-    pub(super) action: Action,
-}
-
-impl Leaf {
-    /// A summand that is added to `value`.
-    pub(super) fn value(summand: &Summand) -> Self {
-        Self {
-            sum: summand.sum,
-            values: vec![summand.value],
-            conditions: summand.conditions.clone(),
-            action: Action::AddValue,
-        }
-    }
-}
-
-/// What is done with the values of a summand.
-pub(super) enum Action {
-    /// The values, a row each, are added to these sites, of the array `to`.
-    AddRows(Vec<Int>),
-    /// The value is added to a component of a site, of the array `to`.
-    AddComponent(Int, usize),
-    /// The value is added to `value`.
-    AddValue,
-    /// The sites and columns of a term are shown to a visitor `to`.
-    Visit(usize),
-    /// The site and columns of a term of the kinetic energy are shown to a visitor `to`.
-    VisitKinetic(usize),
-}
+use crate::scene::Derived;
+pub(super) use leaf::{Action, Leaf};
 
 /// Returns whether the computation of an integer may end with an error.
 fn may_fail(node: &IntNode) -> bool {
