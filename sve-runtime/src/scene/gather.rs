@@ -18,6 +18,9 @@ pub(super) trait Sink<R> {
     /// Returns all nodes with their velocities, in a scene with forces of velocities.
     fn motion(&mut self) -> [&[R]; 2];
 
+    /// Sees what forces of velocities contribute to all nodes, which is a part of their sums.
+    fn see_drags(&mut self, drags: &[R], factors: impl Factor);
+
     /// Takes the sums of consecutive nodes.
     fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor);
 }
@@ -72,10 +75,22 @@ where
         };
         let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
         if S::HAS_DRAGS {
-            let nodes = sink.nodes(0, factors).len();
-            of_nests.resize(nodes * NumbersOf::<S, W>::LENGTH, 0.0);
+            let all = sink.nodes(0, factors).len();
+            of_nests.resize(all * NumbersOf::<S, W>::LENGTH, 0.0);
         }
         let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
+        if S::HAS_DRAGS {
+            let Kick { h, t, dw } = kick;
+            let _ = sink.nodes(of_nests.len(), factors);
+            let [nodes, v] = sink.motion();
+            let drags = InDrift::Drags;
+            let made = Contributions::<W>::in_drift(scene, drags, h, t, dw, nodes, v, of_nests);
+            if made.is_err() {
+                of_nests.fill(NumbersOf::<S, W>::ZERO);
+            }
+            made?;
+            sink.see_drags(of_nests, factors);
+        }
         let has_nests = !segments.nests.is_empty() || S::HAS_DRAGS;
         let mut visit = Visit::<S, W>::new(scene, segments, kick, [of_batch, of_increments]);
         for (piece, bases) in segments.pieces::<S>() {
@@ -112,13 +127,8 @@ where
         let all = 0..of_nests.len();
         let nodes = sink.nodes(all.end, factors);
         let mut nests = segments.nests.iter();
-        let mut made = nests
+        let made = nests
             .try_for_each(|&nest| Contributions::<W>::nest(scene, nest, h, t, dw, nodes, of_nests));
-        if S::HAS_DRAGS && made.is_ok() {
-            let [nodes, v] = sink.motion();
-            let drags = InDrift::Drags;
-            made = Contributions::<W>::in_drift(scene, drags, h, t, dw, nodes, v, of_nests);
-        }
         if made.is_ok() {
             take_all(&mut sink, all, |here| &of_nests[here], factors);
         }

@@ -50,6 +50,9 @@ impl<R: Row> Sink<R> for Relax<'_, R> {
     }
 
     #[inline(always)]
+    fn see_drags(&mut self, _: &[R], _: impl Factor) {}
+
+    #[inline(always)]
     fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor) {
         let here = nodes.start * R::LENGTH..nodes.end * R::LENGTH;
         if let Some(NodeVelocities { v, p, h, largest }) = &mut self.velocities {
@@ -156,6 +159,9 @@ impl<R: Row> Sink<R> for End<'_, R> {
     fn motion(&mut self) -> [&[R]; 2] {
         [self.nodes, self.velocities]
     }
+
+    #[inline(always)]
+    fn see_drags(&mut self, _: &[R], _: impl Factor) {}
 
     #[inline(always)]
     fn take(&mut self, nodes: Range<usize>, sums: &[R], factors: impl Factor) {

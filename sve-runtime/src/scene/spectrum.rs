@@ -67,20 +67,14 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
             let boxes = N::numbers_mut(&mut self.boxes[tiles.clone()]);
             let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
             let (factors, largest) = (factors.within(here.clone()), self.largest);
+            let velocities = self.velocities.as_mut();
+            let velocities = velocities.map(|(of_v, h)| (N::numbers_mut(&mut of_v[tiles]), *h));
             if self.d.is_empty() {
-                write_boxes(boxes, size, q, |at| factors.of(at) * p[at], largest);
+                let d = |at: usize| factors.of(at) * p[at];
+                write_boxes(boxes, q, size, d, largest, velocities);
             } else {
-                let d = &self.d[here.clone()];
-                write_boxes(boxes, size, q, |at| d[at], largest);
-            }
-            if let Some((of_v, h)) = &mut self.velocities {
-                let of_v = N::numbers_mut(&mut of_v[tiles]);
-                if self.d.is_empty() {
-                    write_velocities(of_v, size, *h, |at| factors.of(at) * p[at], largest);
-                } else {
-                    let d = &self.d[here];
-                    write_velocities(of_v, size, *h, |at| d[at], largest);
-                }
+                let d = &self.d[here];
+                write_boxes(boxes, q, size, |at| d[at], largest, velocities);
             }
         }
         self.boxes
@@ -92,6 +86,13 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
         [self.boxes, v.map_or(&[], |(v, _)| &**v)]
     }
 
+    /// These have to be bounded alone too: in a shorter step, the impulses of potentials are smaller
+    /// beside them.
+    #[inline(always)]
+    fn see_drags(&mut self, drags: &[N], factors: impl Factor) {
+        self.take(0..drags.len(), drags, factors);
+    }
+
     #[inline(always)]
     fn take(&mut self, nodes: Range<usize>, sums: &[N], factors: impl Factor) {
         let size = N::LENGTH / 2;
@@ -101,8 +102,16 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
     }
 }
 
+/// Writes the boxes of nodes m, and those of their velocities v = 2 (m − q₀)/h.
 #[inline(always)]
-fn write_boxes(boxes: &mut [f64], size: usize, q: &[f64], d: impl Fn(usize) -> f64, largest: f64) {
+fn write_boxes(
+    boxes: &mut [f64],
+    q: &[f64],
+    size: usize,
+    d: impl Fn(usize) -> f64,
+    largest: f64,
+    mut velocities: Option<(&mut [f64], f64)>,
+) {
     for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
         for k in 0..size {
             let at = site * size + k;
@@ -111,22 +120,13 @@ fn write_boxes(boxes: &mut [f64], size: usize, q: &[f64], d: impl Fn(usize) -> f
             row[size + k] = half_width(d, largest);
         }
     }
-}
-
-/// Writes the boxes of the velocities v = 2 (m − q₀)/h of the nodes m in their boxes.
-#[inline(always)]
-fn write_velocities(
-    boxes: &mut [f64],
-    size: usize,
-    h: f64,
-    d: impl Fn(usize) -> f64,
-    largest: f64,
-) {
-    for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
-        for k in 0..size {
-            let d = d(site * size + k);
-            row[k] = 0.5 * d / h;
-            row[size + k] = 2.0 * half_width(d, largest) / h.abs();
+    if let Some((of_v, h)) = &mut velocities {
+        for (site, row) in of_v.chunks_exact_mut(2 * size).enumerate() {
+            for k in 0..size {
+                let d = d(site * size + k);
+                row[k] = 0.5 * d / *h;
+                row[size + k] = 2.0 * half_width(d, largest) / h.abs();
+            }
         }
     }
 }

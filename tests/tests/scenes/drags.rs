@@ -310,6 +310,53 @@ fn bounds_with_forces_of_velocities_are_their_spectrum() {
     assert!(low.abs() < 1e-13 && high.abs() < 1e-13, "{bounds:?}");
 }
 
+/// With forces `g (1 + q²) v − k q` at q = 0 the equation of a step of the length s h has the slope
+/// 1 + s² k h²/4 − s g h/2. It is positive at s = 1, and with g = 2.9375 not in between: the solution is
+/// then not the one of short steps, though it is unique.
+#[test]
+fn a_step_beyond_a_singular_one_is_refused() {
+    struct Driven {
+        k: f64,
+        g: f64,
+    }
+    #[variational(midpoint)]
+    impl Driven {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            (0..q.len())
+                .map(|i| 0.5 * v[i] * v[i] - 0.5 * self.k * q[i] * q[i])
+                .sum()
+        }
+        #[force]
+        fn push(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+            (0..q.len())
+                .map(|i| self.g * (1.0 + q[i] * q[i]) * v[i])
+                .collect()
+        }
+    }
+    let step = |g: f64| {
+        let mut state = State::new(vec![0.0; 3], vec![0.0; 3]);
+        Integrator::new(Driven { k: 2.0, g }, Midpoint).step(&mut state, 2.0, &[])
+    };
+    step(0.5).expect("a slope that stays positive");
+    let Err(StepError::Stiff { bounds, .. }) = step(2.9375) else {
+        panic!("a slope that vanishes between");
+    };
+    assert_eq!(bounds, [-2.9375, -0.9375]);
+}
+
+#[test]
+fn the_plan_of_midpoint_has_the_forces_of_velocities() {
+    let plan = Integrator::new(Free { mu: 0.8 }, Midpoint)
+        .plan()
+        .to_string();
+    for line in [
+        "solve: d = h (M + h N/2)⁻¹ (p₀ + (I(q₀ + d/2) + h D(q₀ + d/2, d/h))/2), sweeps of Richardson's iteration",
+        "end: q₁ = q₀ + d, p₁ = p₀ + I + h D − N d",
+    ] {
+        assert!(plan.contains(line), "{plan}");
+    }
+}
+
 /// If the iteration before a drift does not contract, the error names a step size at which it does,
 /// and the endpoint rule makes the step.
 #[test]

@@ -227,13 +227,16 @@ impl SceneTexts {
         } else {
             ("(M + h N/2)", " − N d")
         };
-        let (impulse, iteration, slope) = if self.in_drifts[0].is_empty() {
-            ("I", "Chebyshev", "")
+        let [at_node, impulse, iteration, slope] = if self.in_drifts[0].is_empty() {
+            ["I(q₀ + d/2)", "I", "Chebyshev", ""]
         } else {
-            ("(I + h D)", "Richardson", " − M⁻¹ (h² ∂D/∂q + 2 h ∂D/∂v)/4")
+            [
+                "(I(q₀ + d/2) + h D(q₀ + d/2, d/h))",
+                "I + h D",
+                "Richardson",
+                " − M⁻¹ (h² ∂D/∂q + 2 h ∂D/∂v) / 4",
+            ]
         };
-        let at_node = impulse.replace('I', "I(q₀ + d/2)");
-        let at_node = at_node.replace('D', "D(q₀ + d/2, d/h)");
         let mut step = vec![
             format!("solve: d = h {mass}⁻¹ (p₀ + {at_node}/2), sweeps of {iteration}'s iteration"),
             format!("end: q₁ = q₀ + d, p₁ = p₀ + {impulse}{friction}"),

@@ -22,19 +22,9 @@ pub(super) struct OfSum {
     pub(super) slope: Symbol,
 }
 
-/// A number that bounds a value, or the middle between such numbers.
-#[derive(Clone, Copy)]
-enum Part {
-    Middle,
-    Radius,
-    Slope,
-}
-
-const PARTS: [Part; 3] = [Part::Middle, Part::Radius, Part::Slope];
-
 /// The bounds of a number.
 struct Bounded {
-    /// The numbers of [`PARTS`].
+    /// The middle, the radius, and the bound of the magnitudes of the derivatives.
     parts: [Expr; 3],
     /// Expressions that must be positive.
     conditions: Vec<Expr>,
@@ -102,9 +92,7 @@ impl Bounds<'_> {
         for &(outer, symbol) in &of.before {
             let OfSum { radius, slope } = self.sums[&symbol];
             let arrays = match scene.slot(symbol)?.array {
-                SlotArray::Sum(number) => {
-                    PARTS.map(|part| SlotArray::Sum(3 * number + part as usize))
-                }
+                SlotArray::Sum(number) => [0, 1, 2].map(|part| SlotArray::Sum(3 * number + part)),
                 SlotArray::Weight(number) => {
                     let Bounded { parts, conditions } = self.number(number, false)?;
                     for symbol in [symbol, radius, slope] {
