@@ -74,7 +74,7 @@ pub use rule::{
     BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, KahanLi8, Midpoint, Rule,
     Split, StageNoise, StormerVerlet, Taylor2, Variational, Weak2,
 };
-pub use scene::{Layout, SceneMechanics};
+pub use scene::{Layout, MidpointSolution, SceneMechanics};
 pub use solve::newton::Newton;
 pub use solve::{MomentumVelocities, SingularRow};
 /// Derives the steps of a system from its Lagrangian.

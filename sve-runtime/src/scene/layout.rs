@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::Scene;
 use super::segments::Segments;
+use super::work::MidpointSolution;
 
 /// How the loops of a scene are made for a number of sites.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +24,9 @@ pub struct Layout {
     pub as_written: Vec<&'static str>,
     /// Bytes of tables and of the arrays that steps need, beside the state.
     pub bytes: usize,
+    /// How a step of `midpoint` from this state without noise is solved, the last one of a
+    /// composition; `None` for explicit rules.
+    pub midpoint: Option<MidpointSolution>,
 }
 
 impl Layout {
@@ -45,6 +49,7 @@ impl Layout {
                 .map(|&nest| S::LOOPS[nest].text)
                 .collect(),
             bytes: bytes + segments.bytes(),
+            midpoint: None,
         }
     }
 }
@@ -58,6 +63,7 @@ impl fmt::Display for Layout {
             border,
             as_written,
             bytes,
+            midpoint,
         } = self;
         writeln!(f, "{sites} sites")?;
         writeln!(
@@ -68,6 +74,14 @@ impl fmt::Display for Layout {
         for text in as_written {
             writeln!(f, "{text} as it is written")?;
         }
-        write!(f, "{bytes} bytes beside the state")
+        write!(f, "{bytes} bytes beside the state")?;
+        if let Some(MidpointSolution { bounds, sweeps }) = midpoint {
+            let [lower, upper] = bounds;
+            write!(
+                f,
+                "\n{sweeps} sweeps a step: h²/4 M⁻¹ ∂²V/∂q² lies between {lower:.4} and {upper:.4}"
+            )?;
+        }
+        Ok(())
     }
 }

@@ -89,7 +89,7 @@ where
             h,
         });
     }
-    let is_symmetric = S::IS_SYMMETRIC && !S::HAS_DRAGS && factors.have_one_sign();
+    let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
     let (mut sweeps, mut change) = (0, 0.0);
     // an iteration that leaves its boxes need not contract
     for _ in 0..ROUNDS {
@@ -111,6 +111,7 @@ where
                     end: &step.work.other,
                 });
                 step.work.factors = Some((step.kick.h, factors));
+                step.work.solved.sweeps = sweeps;
                 return Ok(());
             }
         }
@@ -160,6 +161,7 @@ impl<R: Row> MidpointStep<'_, R> {
     {
         let extremes = self.bounds(scene, factors, size, Extremes::default())?;
         let [lower, upper] = extremes.values();
+        self.work.solved.bounds = [lower, upper];
         if 1.0 + lower > 0.0 && upper.is_finite() {
             let iteration = Chebyshev::new([1.0 + lower, 1.0 + upper], is_symmetric);
             if iteration.updates(f64::EPSILON) <= MOST {

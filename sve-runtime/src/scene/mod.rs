@@ -77,6 +77,7 @@ pub use momentum::{PartialSums, momentum};
 pub use rows::Row;
 pub use shear::{Phase, Prepared};
 pub use streams::{At, Counts, Reads, StreamCounts, Streams, add};
+pub use work::MidpointSolution;
 pub use written::{
     Integer, accumulate, check, integer, place, position, quotient, remainder, row_if_any,
 };
@@ -193,8 +194,8 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// rounded number.
     const READS_TIME: bool;
 
-    /// True if the derivatives of impulses with respect to places are a symmetric matrix: no force
-    /// depends on places.
+    /// True if the derivatives of impulses with respect to nodes are a symmetric matrix: no force
+    /// depends on places, and none on velocities beside friction.
     const IS_SYMMETRIC: bool = true;
 
     /// Visits the instances of a loop in the order in which the loop is executed.

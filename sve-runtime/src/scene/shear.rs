@@ -16,7 +16,7 @@ use super::segments::Segments;
 use super::single::Copied;
 use super::steps::{Increments, Steps};
 use super::sweep::Buffers;
-use super::work::Work;
+use super::work::{MidpointSolution, Work};
 use super::{Layout, Row, Scene};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
@@ -147,6 +147,29 @@ impl Prepared {
         }
         self.restore(state, Copied::All);
         0
+    }
+
+    /// Makes a step from a copy of a state, without noise. Returns how its equations were solved; `None`
+    /// for explicit steps, which are not made.
+    ///
+    /// # Errors
+    /// The error of the step.
+    pub fn solved<S: Scene>(
+        &mut self,
+        scene: &S,
+        shears: &[StepShear],
+        [q, p]: [&mut [S::Row]; 2],
+        times: [f64; 2],
+    ) -> Result<Option<MidpointSolution>, StepError> {
+        if !shears
+            .iter()
+            .any(|shear| matches!(shear, StepShear::Midpoint { .. }))
+        {
+            return Ok(None);
+        }
+        let dw = vec![0.0; self.processes];
+        self.step(scene, shears, &mut Phase { q, p }, times, &dw, true)?;
+        Ok(Some(self.of_midpoint.solved))
     }
 
     /// Sets the increments of a part of a step.

@@ -20,6 +20,17 @@ pub(super) struct Work {
     /// The factors of the displacements, with their step size.
     pub(super) factors: Option<(f64, Factors)>,
     pub(super) of_bounds: Option<Buffers>,
+    pub(super) solved: MidpointSolution,
+}
+
+/// How the equations of a midpoint step are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct MidpointSolution {
+    /// Bounds of the eigenvalues of `h²/4 M⁻¹ ∂²V/∂q²`, with the noise and the forces, near the motion.
+    pub bounds: [f64; 2],
+    /// Sweeps of the iteration.
+    pub sweeps: u32,
 }
 
 impl Work {

@@ -17,7 +17,8 @@ pub enum BlockKind {
     /// Newton's method with the analytic Jacobian.
     Newton,
     /// A fixed-point iteration for the velocities of all sites of a scene, which forces of velocities
-    /// or an H₁ join.
+    /// or an H₁ join; or for their displacements, with bounds of the Jacobian, which forces make no
+    /// symmetric one.
     FixedPoint,
     /// Chebyshev's iteration for the displacements of all sites of a scene, with bounds of the
     /// spectrum.

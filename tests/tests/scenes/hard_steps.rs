@@ -2,8 +2,9 @@
 
 use sve_runtime::prelude::*;
 
+use crate::bounds::Springs;
 use crate::common::spread;
-use crate::midpoint::{Springs, pendula};
+use crate::midpoint::pendula;
 
 /// What stops a step is named, and the state is unchanged, in the midst of a block of steps too.
 #[test]

@@ -18,6 +18,7 @@
 //! | `inner.rs` | inner sums that enter formulas of the sum around them |
 //! | `rough.rs` | conditions on numbers, and rounded numbers |
 //! | `midpoint.rs` | the midpoint rule, whose equations join all sites |
+//! | `bounds.rs` | bounds of its equations, and what layouts tell of them |
 //! | `symmetric.rs` | systems with symmetries |
 //! | `symmetries.rs` | the momenta of symmetries |
 //! | `conserved.rs` | steps conserve them, and what breaks a symmetry moves its momentum |
@@ -30,6 +31,7 @@
 mod common;
 mod blocks;
 mod bodies;
+mod bounds;
 mod chains;
 mod conserved;
 mod drags;

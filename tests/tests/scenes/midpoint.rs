@@ -2,6 +2,7 @@
 
 use sve_runtime::prelude::*;
 
+use crate::bounds::Springs;
 use crate::common::spread;
 
 /// Pendula with springs between them.
@@ -130,60 +131,6 @@ fn the_root_is_the_one_that_is_connected_with_a_short_step() {
         }
     }
     assert!(same > 80 && refused > 80, "{same} {refused}");
-}
-
-pub(crate) struct Springs {
-    pub(crate) k: f64,
-    pub(crate) own: f64,
-}
-
-#[variational(midpoint)]
-impl Springs {
-    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
-        let mut l = 0.0;
-        for i in 0..q.len() {
-            l += 0.5 * v[i] * v[i] - 0.5 * self.own * q[i] * q[i];
-        }
-        for i in 1..q.len() {
-            l -= 0.5 * self.k * (q[i] - q[i - 1]).powi(2);
-        }
-        l
-    }
-}
-
-/// The equations of a linear scene have the eigenvalues 1 + h²/4 (own + k λ) with λ from 0 to 4:
-/// the step ends where the lowest one is 0, and bounds of an inner row are those eigenvalues.
-#[test]
-fn bounds_of_linear_scenes_are_their_spectrum() {
-    let step = |own: f64, k: f64, h: f64| {
-        let mut state = State::new(spread(50, 3), spread(50, 4));
-        Integrator::new(Springs { k, own }, Midpoint).step(&mut state, h, &[])
-    };
-    step(-1.0, 0.3, 1.98).expect("a step");
-    let Err(StepError::Stiff { bounds, what, .. }) = step(-1.0, 0.3, 2.0) else {
-        panic!("the lowest eigenvalue is 0");
-    };
-    assert!(what.starts_with("q["), "{what}");
-    assert!(
-        (bounds[0] + 1.0).abs() < 1e-15 && (bounds[1] - 0.2).abs() < 1e-15,
-        "{bounds:?}"
-    );
-    let Err(error @ StepError::Stiff { bounds, .. }) = step(0.0, 10.0, 4.0) else {
-        panic!("many sweeps");
-    };
-    assert!(
-        (bounds[0].abs() < 1e-13) && (bounds[1] - 160.0).abs() < 1e-12,
-        "{bounds:?}"
-    );
-    let text = error.to_string();
-    let advised = text.split("take |h| below about ").nth(1).expect("advice");
-    let advised: f64 = advised
-        .split(',')
-        .next()
-        .expect("a number")
-        .parse()
-        .expect("a number");
-    step(0.0, 10.0, advised).expect("the advised step");
 }
 
 /// A step back undoes a step, at any size, with masses and friction of the sites and with noise.

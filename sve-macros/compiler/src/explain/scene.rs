@@ -8,6 +8,8 @@ use crate::catalogue::{Nodes, Rule};
 use crate::model::scene::{Processes, SceneNames};
 use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
 
+const CHEBYSHEV: &str = "Chebyshev";
+
 /// The texts about a scene.
 pub(crate) struct SceneTexts {
     /// L, summand by summand, and the noises.
@@ -21,6 +23,8 @@ pub(crate) struct SceneTexts {
     friction: Vec<String>,
     /// The impulses of other forces of velocities, and the impulses and displacements by all H₁.
     in_drifts: [Vec<String>; 3],
+    /// Whose iteration solves a step of the midpoint rule.
+    iteration: &'static str,
     has_masses: bool,
     has_gamma: bool,
     has_forces: bool,
@@ -45,7 +49,7 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
     let summands = |name: String, list: &[Summand]| {
         let lines = list.iter().map(|summand| {
             let (value, loops) = (names.formula(summand.value), names.loops(summand.sum));
-            format!("{name} += {value} {loops}")
+            format!("{name} += {value} {loops}").trim_end().to_owned()
         });
         lines.collect::<Vec<_>>()
     };
@@ -106,6 +110,11 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             sweep(&derived.h1[0], "K", names),
             sweep(&derived.h1[1], "X", names),
         ],
+        iteration: if derived.is_symmetric() {
+            CHEBYSHEV
+        } else {
+            "Richardson"
+        },
         has_masses,
         has_gamma,
         has_forces,
@@ -154,7 +163,11 @@ impl SceneTexts {
         kinetic: &Kinetic,
     ) -> Vec<(&'static str, &'static str)> {
         if is_implicit(rule) {
-            return vec![("Chebyshev", "q₁ − q₀")];
+            let kind = match self.iteration {
+                CHEBYSHEV => CHEBYSHEV,
+                _ => "FixedPoint",
+            };
+            return vec![(kind, "q₁ − q₀")];
         }
         let of_site = match kinetic {
             Kinetic::Masses(_) => None,
@@ -227,18 +240,20 @@ impl SceneTexts {
         } else {
             ("(M + h N/2)", " − N d")
         };
-        let [at_node, impulse, iteration, slope] = if self.in_drifts[0].is_empty() {
-            ["I(q₀ + d/2)", "I", "Chebyshev", ""]
+        let [at_node, impulse, slope] = if self.in_drifts[0].is_empty() {
+            ["I(q₀ + d/2)", "I", ""]
         } else {
             [
                 "(I(q₀ + d/2) + h D(q₀ + d/2, d/h))",
                 "I + h D",
-                "Richardson",
                 " − M⁻¹ (h² ∂D/∂q + 2 h ∂D/∂v) / 4",
             ]
         };
         let mut step = vec![
-            format!("solve: d = h {mass}⁻¹ (p₀ + {at_node}/2), sweeps of {iteration}'s iteration"),
+            format!(
+                "solve: d = h {mass}⁻¹ (p₀ + {at_node}/2), sweeps of {}'s iteration",
+                self.iteration
+            ),
             format!("end: q₁ = q₀ + d, p₁ = p₀ + {impulse}{friction}"),
             format!(
                 "the root is unique within boxes around the motion: Gershgorin's bounds of 1 − h M⁻¹ ∂I/∂q / 4{slope} are positive there"
@@ -321,6 +336,9 @@ fn sweep(terms: &[Term], letter: &str, names: SceneNames<'_>) -> Vec<String> {
         for at in term.receivers(names.arena) {
             let (site, impulses) = (term.sites[at], &term.impulses[at]);
             for (component, &impulse) in impulses.iter().enumerate() {
+                if names.arena.constant_value(impulse) == Some(0.0) {
+                    continue;
+                }
                 let index = names.scene.integers.text(site);
                 let component = names.component(component);
                 let impulse = names.formula(impulse);

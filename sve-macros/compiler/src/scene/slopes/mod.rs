@@ -19,7 +19,7 @@ use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::Meaning;
 use crate::model::domain;
-use crate::model::scene::{Comparison, Condition, Head, Int, Row, Scene, Slot, SlotArray};
+use crate::model::scene::{Comparison, Condition, Head, Int, Row, Scene, Slot, SlotArray, SumId};
 use sums::{OfSum, may_vanish};
 
 const EXPLICIT: &str =
@@ -70,6 +70,21 @@ fn no_bounds(place: &str) -> String {
 }
 
 impl Derived {
+    /// Returns whether the derivatives of impulses with respect to nodes are a symmetric matrix: no
+    /// force depends on places, and none on velocities beside friction.
+    pub(crate) fn is_symmetric(&self) -> bool {
+        let forces = self.scene.forces.iter();
+        let forces: Vec<SumId> = forces
+            .flat_map(|force| force.components.iter().flatten().copied())
+            .collect();
+        let is_force = |sum| {
+            self.scene
+                .around(sum)
+                .any(|around| forces.contains(&around))
+        };
+        self.drags.is_empty() && !self.terms.iter().any(|term| is_force(term.sum))
+    }
+
     /// Declares the half width of the box of each coordinate and each velocity. Returns them by
     /// coordinate or velocity.
     fn declare_radii(&mut self, size: usize) -> HashMap<Symbol, Symbol> {

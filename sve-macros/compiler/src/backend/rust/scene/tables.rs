@@ -5,7 +5,7 @@ use quote::quote;
 
 use super::super::function::Formulas;
 use super::super::verbatim;
-use crate::model::scene::{Head, SumId};
+use crate::model::scene::Head;
 use crate::scene::{Derived, Pair, Root};
 
 /// Prints the constants.
@@ -60,17 +60,7 @@ pub(super) fn tables(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
     let mut numbers = impulses.chain(totals).chain(derived.scene.side_numbers());
     let reads_time = numbers.any(|e| formulas.arena.contains(e, derived.scene.time));
     let common = derived.common;
-    // a force has a value and no potential
-    let pushes = (derived.scene.forces.iter()).flat_map(|force| force.components.iter().flatten());
-    let pushes: Vec<SumId> = pushes.copied().collect();
-    let is_push = |sum| {
-        derived
-            .scene
-            .around(sum)
-            .any(|around| pushes.contains(&around))
-    };
-    let is_symmetric = !derived.terms.iter().any(|term| is_push(term.sum));
-    let is_symmetric = (!is_symmetric).then(|| {
+    let is_symmetric = (!derived.is_symmetric()).then(|| {
         quote!(
             const IS_SYMMETRIC: bool = false;
         )
