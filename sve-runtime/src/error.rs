@@ -86,9 +86,9 @@ pub enum StepError {
         error: Box<StepError>,
     },
     /// The equations for the forces of velocities and for the `#[h1]` of a scene are not solved by
-    /// the iteration over its sites.
+    /// the iteration over its sites. With `midpoint` and an `#[h1]`, it is not certain to contract.
     #[error(
-        "the forces of velocities or the `#[h1]` in the step from t = {t} with h = {h:e} are too strong for its iteration, whose changes have the ratio {ratio:.3}: \
+        "the forces of velocities or the `#[h1]` in the step from t = {t} with h = {h:e} are too strong for its iteration, whose errors have the ratio {ratio:.3}, or one not proved to be smaller: \
          take h below about {wanted:.1e}; without `#[h1]`, the rule `endpoint` has explicit forces of velocities; with it, truncated increments (`Truncated`) bound the noise"
     )]
     Contraction {
@@ -98,7 +98,8 @@ pub enum StepError {
         /// Length of the step, or of a part of it in a composition.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
-        /// The ratio of the last two changes of the impulses.
+        /// The ratio of the last two changes of the impulses; for `midpoint`, a bound of the ratio of
+        /// successive errors.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         ratio: f64,
         /// The magnitude of a step size at which the iteration converges, by an estimate from the

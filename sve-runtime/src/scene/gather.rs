@@ -7,7 +7,7 @@ use core::ops::Range;
 use super::passes::{Factor, Pass};
 use super::segments::{Segments, TILE};
 use super::sweep::{Buffers, Kick, NumbersOf, Visit};
-use super::{Contributions, InDrift, IndexError, Row, Scene};
+use super::{Contributions, InDrift, IndexError, Row, Scene, reads_motion};
 
 /// What is done with the contributions. All functions are `#[inline(always)]`.
 pub(super) trait Sink<R> {
@@ -17,6 +17,9 @@ pub(super) trait Sink<R> {
 
     /// Returns all nodes with their velocities, in a scene with forces of velocities.
     fn motion(&mut self) -> [&[R]; 2];
+
+    /// Returns all nodes with their momenta, if the impulses of H₁ are to be added to the sums.
+    fn with_momenta(&mut self) -> Option<[&[R]; 2]>;
 
     /// Sees what forces of velocities contribute to all nodes, which is a part of their sums.
     fn see_drags(&mut self, drags: &[R], factors: impl Factor);
@@ -74,24 +77,20 @@ where
             kick
         };
         let of_piece = NumbersOf::<S, W>::rows_mut(of_piece);
-        if S::HAS_DRAGS {
+        if reads_motion::<S>() {
             let all = sink.nodes(0, factors).len();
             of_nests.resize(all * NumbersOf::<S, W>::LENGTH, 0.0);
         }
         let of_nests = NumbersOf::<S, W>::rows_mut(of_nests);
-        if S::HAS_DRAGS {
-            let Kick { h, t, dw } = kick;
+        if reads_motion::<S>() {
             let _ = sink.nodes(of_nests.len(), factors);
-            let [nodes, v] = sink.motion();
-            let drags = InDrift::Drags;
-            let made = Contributions::<W>::in_drift(scene, drags, h, t, dw, nodes, v, of_nests);
+            let made = in_motion::<S, W, K>(scene, kick, &mut sink, of_nests, factors);
             if made.is_err() {
                 of_nests.fill(NumbersOf::<S, W>::ZERO);
             }
             made?;
-            sink.see_drags(of_nests, factors);
         }
-        let has_nests = !segments.nests.is_empty() || S::HAS_DRAGS;
+        let has_nests = !segments.nests.is_empty() || reads_motion::<S>();
         let mut visit = Visit::<S, W>::new(scene, segments, kick, [of_batch, of_increments]);
         for (piece, bases) in segments.pieces::<S>() {
             let sums = &mut of_piece[..piece.length as usize];
@@ -134,6 +133,32 @@ where
         }
         of_nests.fill(NumbersOf::<S, W>::ZERO);
         made.map(|()| sink)
+    }
+}
+
+/// Adds what reads velocities or momenta to zeros.
+#[inline(always)]
+fn in_motion<S, W, K>(
+    scene: &S,
+    Kick { h, t, dw }: Kick<'_>,
+    sink: &mut K,
+    to: &mut [NumbersOf<S, W>],
+    factors: impl Factor,
+) -> Result<(), IndexError>
+where
+    S: Scene + Contributions<W>,
+    K: Sink<NumbersOf<S, W>>,
+{
+    if S::HAS_DRAGS {
+        let [nodes, v] = sink.motion();
+        Contributions::<W>::in_drift(scene, InDrift::Drags, h, t, dw, nodes, v, to)?;
+        sink.see_drags(to, factors);
+    }
+    match sink.with_momenta() {
+        Some([nodes, p]) if S::HAS_H1 => {
+            Contributions::<W>::in_drift(scene, InDrift::Kicks, h, t, dw, nodes, p, to)
+        }
+        _ => Ok(()),
     }
 }
 

@@ -58,6 +58,17 @@ impl InverseMasses {
         Ok(rates.map(|(at, friction)| friction * self.of(at)).collect())
     }
 
+    /// Returns the magnitude of the largest mass.
+    pub(super) fn largest(&self) -> f64 {
+        match self {
+            Self::Uniform(inverse) => inverse.abs().recip(),
+            Self::Each(all) => all
+                .iter()
+                .map(|inverse| inverse.abs().recip())
+                .fold(0.0, f64::max),
+        }
+    }
+
     /// Returns the inverse mass of a component.
     pub(super) fn of(&self, component: usize) -> f64 {
         match self {

@@ -14,35 +14,28 @@
 //! tests.
 
 mod errors;
+mod h1;
+mod iterate;
 
 use core::marker::PhantomData;
-use core::mem::swap;
 
 use super::chebyshev::Chebyshev;
 use super::errors::index_error;
 use super::gather::Gather;
 use super::masses::InverseMasses;
-use super::passes::{Begin, Factors, Finish, FirstVelocities, Largest};
-use super::relax::{End, NodeVelocities, Relax, Tests};
+use super::passes::{Begin, Factors, Finish, FirstVelocities};
+use super::relax::{End, OfH1, Tests};
 use super::segments::Segments;
-use super::spectrum::{Bounds, Extremes, Spectrum, Worst};
+use super::shifts::Shifts;
+use super::spectrum::{Bounds, BoxesOfVelocities, Extremes, Spectrum, Worst};
 use super::sweep::{Buffers, Kick};
 use super::work::Work;
-use super::{Contributions, Impulses, Row, Scene, Slopes};
+use super::{Contributions, Impulses, Row, Scene, Slopes, reads_motion};
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
 
 /// Sweeps of a step, at most: a stiffer scene needs another method.
 const MOST: f64 = 200.0;
-
-/// Updates without a smaller one after which the updates are rounding errors.
-const STALLED: f64 = 3.0;
-
-/// Largest update, relative to the largest place or displacement, that can be a rounding error.
-const ROUNDING: f64 = 1e3 * f64::EPSILON;
-
-/// Such an update that certainly is one if it is not smaller than those before it.
-const SMALLEST: f64 = 4.0 * f64::EPSILON;
 
 /// Boxes that are tried, each around the solution for the boxes before it.
 const ROUNDS: u32 = 8;
@@ -73,7 +66,7 @@ pub fn midpoint<S>(scene: &S, mut step: MidpointStep<'_, S::Row>) -> Result<(), 
 where
     S: Scene + Contributions<Slopes>,
 {
-    step.work.begin(S::Row::numbers(step.q).len(), S::HAS_DRAGS);
+    step.work.begin::<S>(S::Row::numbers(step.q).len());
     let factors = step.factors()?;
     let Work { centres, nodes, .. } = &mut *step.work;
     let [mut size, places] = factors.pass(Begin {
@@ -81,7 +74,7 @@ where
         q: S::Row::numbers(step.q),
         p: S::Row::numbers(step.p),
     });
-    if S::HAS_DRAGS {
+    if reads_motion::<S>() {
         let (h, v) = (step.kick.h, &mut step.work.velocities[0]);
         factors.pass(FirstVelocities {
             v,
@@ -89,13 +82,17 @@ where
             h,
         });
     }
+    if S::HAS_H1 {
+        size = step.first_sweep(scene, &factors, size)?;
+    }
     let is_symmetric = S::IS_SYMMETRIC && factors.have_one_sign();
     let (mut sweeps, mut change) = (0, 0.0);
     // an iteration that leaves its boxes need not contract
     for _ in 0..ROUNDS {
         let iteration = step.iteration(scene, &factors, size, is_symmetric)?;
         let iterated = step.iterate(scene, &factors, [size, places], iteration)?;
-        let end = step.end(scene, &factors, size, iteration.plain_weight())?;
+        let alpha = iteration.updates.plain_weight();
+        let end = step.end(scene, &factors, size, alpha)?;
         sweeps += iterated.sweeps;
         size = end.displacements.value();
         change = iterated.change / size;
@@ -116,19 +113,23 @@ where
             }
         }
         step.work.next_round();
+        if S::HAS_H1 {
+            let Work {
+                of_h1, velocities, ..
+            } = &mut *step.work;
+            of_h1.set_boxes(&velocities[0], end.motions.value());
+        }
     }
     Err(step.not_contracting(sweeps, change))
 }
 
-/// The result of an iteration.
-struct Iterated {
-    /// False if the updates stopped to become smaller, and are no rounding errors.
-    is_solved: bool,
-    sweeps: u32,
-    /// The last update.
-    change: f64,
-    /// The largest update of the displacements at the end. A larger one is a jump of the impulse.
-    last: f64,
+/// The iteration of a step.
+#[derive(Clone, Copy)]
+struct Iteration {
+    updates: Chebyshev,
+    /// The magnitude of an update of a motion h v/2 that weighs as much as 1 of a node, in a scene with
+    /// H₁.
+    weight: f64,
 }
 
 impl<R: Row> MidpointStep<'_, R> {
@@ -155,7 +156,7 @@ impl<R: Row> MidpointStep<'_, R> {
         factors: &Factors,
         size: f64,
         is_symmetric: bool,
-    ) -> Result<Chebyshev, StepError>
+    ) -> Result<Iteration, StepError>
     where
         S: Scene<Row = R> + Contributions<Slopes>,
     {
@@ -163,9 +164,13 @@ impl<R: Row> MidpointStep<'_, R> {
         let [lower, upper] = extremes.values();
         self.work.solved.bounds = [lower, upper];
         if 1.0 + lower > 0.0 && upper.is_finite() {
-            let iteration = Chebyshev::new([1.0 + lower, 1.0 + upper], is_symmetric);
-            if iteration.updates(f64::EPSILON) <= MOST {
-                return Ok(iteration);
+            if S::HAS_H1 {
+                return self.contraction(scene, factors, upper.max(-lower));
+            }
+            let updates = Chebyshev::new([1.0 + lower, 1.0 + upper], is_symmetric);
+            if updates.updates(f64::EPSILON) <= MOST {
+                let weight = 1.0;
+                return Ok(Iteration { updates, weight });
             }
         }
         let worst = self.bounds(scene, factors, size, Worst::default())?;
@@ -191,12 +196,14 @@ impl<R: Row> MidpointStep<'_, R> {
             around,
             of_bounds,
             velocities: [_, of_v],
+            of_h1,
             ..
         } = &mut *self.work;
         let h = self.kick.h;
-        let velocities = S::HAS_DRAGS.then(|| {
-            let of_v = <S as Contributions<Slopes>>::Numbers::rows_mut(of_v);
-            (of_v, h)
+        let velocities = reads_motion::<S>().then(|| BoxesOfVelocities {
+            boxes: <S as Contributions<Slopes>>::Numbers::rows_mut(of_v),
+            h,
+            around: S::HAS_H1.then_some((&*of_h1.around, of_h1.largest)),
         });
         let buffers = of_bounds.get_or_insert_with(|| {
             Buffers::new::<<S as Contributions<Slopes>>::Numbers>(self.segments, self.q.len())
@@ -222,94 +229,6 @@ impl<R: Row> MidpointStep<'_, R> {
         Ok(swept.to)
     }
 
-    /// Solves the equations for the nodes in `work`. No displacement there is larger than `size`, and
-    /// no place than `places`.
-    ///
-    /// # Errors
-    /// An index that is out of range.
-    fn iterate<S>(
-        &mut self,
-        scene: &S,
-        factors: &Factors,
-        [mut size, places]: [f64; 2],
-        mut iteration: Chebyshev,
-    ) -> Result<Iterated, StepError>
-    where
-        S: Scene<Row = R>,
-    {
-        let Work {
-            centres,
-            nodes,
-            other,
-            velocities: [v, _],
-            ..
-        } = &mut *self.work;
-        let (p, h) = (R::numbers(self.p), self.kick.h);
-        let (mut smallest, mut stalled, mut sweeps) = (f64::INFINITY, 0u32, 0u32);
-        loop {
-            let swept = factors.pass(Gather {
-                scene,
-                segments: self.segments,
-                kick: self.kick,
-                buffers: &mut *self.buffers,
-                sink: Relax {
-                    nodes: &*R::rows_mut(nodes),
-                    other,
-                    centres,
-                    velocities: S::HAS_DRAGS.then_some(NodeVelocities {
-                        v,
-                        p,
-                        h,
-                        largest: Largest::default(),
-                    }),
-                    weights: iteration.weights(),
-                    largest: Largest::default(),
-                },
-                what: PhantomData::<Impulses>,
-            });
-            let swept = swept.map_err(|error| index_error(error, self.start))?;
-            let change = match swept.velocities {
-                Some(of) => 0.5 * h.abs() * of.largest.value(),
-                None => swept.largest.value(),
-            };
-            swap(nodes, other);
-            sweeps += 1;
-            size += 2.0 * change;
-            let farthest = places.max(size);
-            let last = 4.0 * iteration.error(change) + ROUNDING * farthest;
-            let end = |is_solved| Iterated {
-                is_solved,
-                sweeps,
-                change,
-                last,
-            };
-            // velocities need the digits of the displacements, which the places lack
-            let digits = if S::HAS_DRAGS { size } else { farthest };
-            if iteration.is_solved(change, size, digits) {
-                return Ok(end(true));
-            }
-            if f64::from(sweeps) > 2.0 * MOST {
-                return Ok(end(false));
-            }
-            if change < smallest {
-                (smallest, stalled) = (change, 0);
-                continue;
-            }
-            if change <= SMALLEST * farthest {
-                return Ok(end(true));
-            }
-            stalled += 1;
-            // the updates of Chebyshev's iteration become smaller on average
-            if f64::from(stalled) < STALLED.max(iteration.updates(0.1)) {
-                continue;
-            }
-            if !iteration.make_plain() {
-                return Ok(end(change <= ROUNDING * farthest));
-            }
-            (smallest, stalled) = (f64::INFINITY, 0);
-        }
-    }
-
     /// Computes the displacements with one more update, and the momenta at the end in `work.other`.
     /// None of the displacements around which the boxes are is larger than `size`.
     ///
@@ -331,8 +250,16 @@ impl<R: Row> MidpointStep<'_, R> {
             boxes,
             around,
             velocities: [v, _],
+            of_h1,
             ..
         } = &mut *self.work;
+        let Shifts {
+            momenta,
+            displacements,
+            around: around_v,
+            largest,
+            ..
+        } = of_h1;
         let friction = (!self.rates.is_empty()).then_some((self.rates, self.masses));
         let swept = factors.pass(Gather {
             scene,
@@ -340,8 +267,15 @@ impl<R: Row> MidpointStep<'_, R> {
             kick: self.kick,
             buffers: &mut *self.buffers,
             sink: End {
-                nodes: &*R::rows_mut(nodes),
-                velocities: &*R::rows_mut(v),
+                nodes: R::rows(nodes),
+                velocities: v,
+                h1: OfH1 {
+                    h: self.kick.h,
+                    momenta: R::rows(momenta),
+                    shifts: displacements,
+                    around: around_v,
+                    largest: *largest,
+                },
                 q: R::numbers(self.q),
                 p: R::numbers(self.p),
                 d: boxes,

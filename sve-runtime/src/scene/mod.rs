@@ -20,6 +20,7 @@
 //! | `work.rs` | its arrays |
 //! | `gather.rs` | sweeps whose sums are used piece by piece |
 //! | `relax.rs` | what the sweeps of such a step do with the impulses |
+//! | `shifts.rs` | noises H₁ in such steps |
 //! | `passes.rs` | what such a step computes for each component alone |
 //! | `chebyshev.rs` | the iteration that solves these equations |
 //! | `spectrum.rs` | bounds of the derivatives of impulses, from boxes around the motion |
@@ -57,6 +58,7 @@ mod relax;
 mod rows;
 mod segments;
 mod shear;
+mod shifts;
 mod single;
 mod spectrum;
 mod steps;
@@ -195,7 +197,7 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     const READS_TIME: bool;
 
     /// True if the derivatives of impulses with respect to nodes are a symmetric matrix: no force
-    /// depends on places, and none on velocities beside friction.
+    /// depends on places, none on velocities beside friction, and there is no H₁.
     const IS_SYMMETRIC: bool = true;
 
     /// Visits the instances of a loop in the order in which the loop is executed.
@@ -276,7 +278,13 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     fn processes(&self, n: usize) -> Result<usize, IndexError>;
 }
 
-/// What reads velocities or momenta.
+/// Returns whether something reads velocities or momenta beside the kinetic energy and friction.
+pub(crate) const fn reads_motion<S: Scene>() -> bool {
+    S::HAS_DRAGS || S::HAS_H1
+}
+
+/// What reads velocities or momenta. Of [`Slopes`], `Kicks` and `Shifts` are bounds of row sums of the
+/// magnitudes of the derivatives by places, in the first half of a row, and by momenta.
 #[derive(Clone, Copy, Debug)]
 pub enum InDrift {
     /// The impulses of drags over the time `h`.

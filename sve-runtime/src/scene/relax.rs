@@ -10,7 +10,7 @@ use core::ops::Range;
 use super::Row;
 use super::gather::Sink;
 use super::passes::{Factor, Largest};
-use super::spectrum::is_in_box;
+use super::spectrum::{is_in_box, is_in_box_of_motion};
 
 /// The updates Δ ← β Δ − α g of the nodes, where g is the residual.
 pub(super) struct Relax<'a, R> {
@@ -20,15 +20,17 @@ pub(super) struct Relax<'a, R> {
     pub(super) other: &'a mut [f64],
     /// The nodes c of displacements without impulses.
     pub(super) centres: &'a [f64],
-    /// The velocities of the nodes, in a scene with forces of velocities.
+    /// The velocities of the nodes, in a scene with forces of velocities or H₁.
     pub(super) velocities: Option<NodeVelocities<'a>>,
+    /// The momenta of the nodes, in a scene with H₁: its nodes are moved after the sweep.
+    pub(super) momenta: &'a [R],
     /// α and β.
     pub(super) weights: [f64; 2],
     pub(super) largest: Largest,
 }
 
 /// Velocities of nodes with their own updates, since v = 2 (m − q₀)/h has few digits where h is small.
-/// In a scene with forces of velocities the iteration is Richardson's.
+/// In a scene with forces of velocities or H₁ the iteration is Richardson's.
 pub(super) struct NodeVelocities<'a> {
     pub(super) v: &'a mut [f64],
     pub(super) p: &'a [f64],
@@ -50,6 +52,11 @@ impl<R: Row> Sink<R> for Relax<'_, R> {
     }
 
     #[inline(always)]
+    fn with_momenta(&mut self) -> Option<[&[R]; 2]> {
+        Some([self.nodes, self.momenta])
+    }
+
+    #[inline(always)]
     fn see_drags(&mut self, _: &[R], _: impl Factor) {}
 
     #[inline(always)]
@@ -64,6 +71,9 @@ impl<R: Row> Sink<R> for Relax<'_, R> {
                 v[at] += change;
                 largest.add(change);
             }
+        }
+        if !self.momenta.is_empty() {
+            return;
         }
         update_tile(
             &mut self.other[here.clone()],
@@ -117,8 +127,9 @@ fn update_tile(
 /// The displacements and the momenta at the end, with tests of the end.
 pub(super) struct End<'a, R> {
     pub(super) nodes: &'a [R],
-    /// The velocities of the nodes, in a scene with forces of velocities.
-    pub(super) velocities: &'a [R],
+    /// The velocities of the nodes, in a scene with forces of velocities or H₁.
+    pub(super) velocities: &'a mut [f64],
+    pub(super) h1: OfH1<'a, R>,
     pub(super) q: &'a [f64],
     pub(super) p: &'a [f64],
     /// The displacements.
@@ -137,6 +148,19 @@ pub(super) struct End<'a, R> {
     pub(super) tests: Tests,
 }
 
+/// What a scene with H₁ has beside velocities; empty arrays for other scenes.
+pub(super) struct OfH1<'a, R> {
+    pub(super) h: f64,
+    /// The momenta of the nodes.
+    pub(super) momenta: &'a [R],
+    /// The displacements X.
+    pub(super) shifts: &'a [f64],
+    /// The velocities around which the boxes are.
+    pub(super) around: &'a [f64],
+    /// The largest difference of their motions from those without impulses.
+    pub(super) largest: f64,
+}
+
 /// What is known of the end.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Tests {
@@ -145,6 +169,8 @@ pub(super) struct Tests {
     /// Zero if the boxes contain the displacements.
     outside: u64,
     pub(super) displacements: Largest,
+    /// The differences of motions h v from those without impulses, in a scene with H₁.
+    pub(super) motions: Largest,
     /// The updates of the displacements.
     pub(super) changes: Largest,
 }
@@ -157,7 +183,12 @@ impl<R: Row> Sink<R> for End<'_, R> {
 
     #[inline(always)]
     fn motion(&mut self) -> [&[R]; 2] {
-        [self.nodes, self.velocities]
+        [self.nodes, R::rows_mut(self.velocities)]
+    }
+
+    #[inline(always)]
+    fn with_momenta(&mut self) -> Option<[&[R]; 2]> {
+        Some([self.nodes, self.h1.momenta])
     }
 
     #[inline(always)]
@@ -178,18 +209,28 @@ impl<R: Row> Sink<R> for End<'_, R> {
             d.copy_from_slice(&self.around[here.clone()]);
         }
         let read = [q, p, R::numbers(&self.nodes[nodes]), R::numbers(sums)];
-        end_tile(
-            [d, to],
-            read,
-            factors,
-            [self.alpha, self.largest],
-            &mut self.tests,
-        );
+        let has_h1 = !self.h1.momenta.is_empty();
+        if has_h1 {
+            let v = &mut self.velocities[here.clone()];
+            let (largest, tests) = (self.largest, &mut self.tests);
+            self.h1
+                .end(here.start, [d, to, v], read, factors, largest, tests);
+        } else {
+            end_tile(
+                [d, to],
+                read,
+                factors,
+                [self.alpha, self.largest],
+                &mut self.tests,
+            );
+        }
         if let Some((rates, masses)) = self.friction {
             let [d, to] = [&mut *self.d, &mut *self.to].map(|x| &mut x[here.clone()]);
+            let v = has_h1.then(|| &self.velocities[here.clone()]);
             let (first, rates) = (here.start, &rates[here]);
             for at in 0..to.len() {
-                to[at] -= rates[at] / masses.of(first + at) * d[at];
+                let motion = v.map_or(d[at], |v| self.h1.h * v[at]);
+                to[at] -= rates[at] / masses.of(first + at) * motion;
                 // the difference of two infinite numbers is NaN
                 #[allow(clippy::eq_op)]
                 let difference = to[at] - to[at];
@@ -227,6 +268,40 @@ fn end_tile(
         tested.displacements.add(d[at]);
     }
     *tests = tested;
+}
+
+impl<R> OfH1<'_, R> {
+    /// Writes the displacements h v + X, the momenta, and the velocities of some components, like
+    /// [`end_tile`].
+    #[inline(always)]
+    #[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
+    fn end(
+        &self,
+        first: usize,
+        [d, to, v]: [&mut [f64]; 3],
+        [q, p, m, impulse]: [&[f64]; 4],
+        factors: impl Factor,
+        largest: f64,
+        tests: &mut Tests,
+    ) {
+        for at in 0..to.len() {
+            let without = factors.of(at) * p[at];
+            let motion = factors.of(at) * (p[at] + 0.5 * impulse[at]);
+            let around = self.h * self.around[first + at];
+            let is_in_box = is_in_box(motion + self.shifts[first + at], d[at], largest)
+                && is_in_box_of_motion(motion, [around, without], self.largest);
+            tests.outside |= u64::from(!is_in_box);
+            tests.motions.add(motion - without);
+            tests.changes.add(motion - self.h * v[at]);
+            v[at] = motion / self.h;
+            d[at] = motion + self.shifts[first + at];
+            tests.changes.add(d[at] - 2.0 * (m[at] - q[at]));
+            tests.displacements.add(d[at]);
+            to[at] = p[at] + impulse[at];
+            let end = q[at] + d[at];
+            tests.bits |= (end - end).to_bits() | (to[at] - to[at]).to_bits();
+        }
+    }
 }
 
 impl Tests {

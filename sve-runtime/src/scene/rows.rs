@@ -30,6 +30,8 @@ pub trait Row: Sealed + Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Returns the components of several rows.
     fn numbers_mut(rows: &mut [Self]) -> &mut [f64];
     /// Returns the rows with these components.
+    fn rows(numbers: &[f64]) -> &[Self];
+    /// Returns the rows with these components.
     fn rows_mut(numbers: &mut [f64]) -> &mut [Self];
     /// Adds a multiple of some numbers.
     fn add_scaled(&mut self, factor: f64, numbers: &[f64]);
@@ -78,6 +80,11 @@ impl<const D: usize> Row for [f64; D] {
     #[inline(always)]
     fn numbers_mut(rows: &mut [Self]) -> &mut [f64] {
         rows.as_flattened_mut()
+    }
+
+    #[inline(always)]
+    fn rows(numbers: &[f64]) -> &[Self] {
+        numbers.as_chunks().0
     }
 
     #[inline(always)]

@@ -32,12 +32,27 @@ pub(super) fn is_in_box(d: f64, of: f64, largest: f64) -> bool {
     (0.5 * d - 0.25 * of).abs() <= half_width(of, largest)
 }
 
+/// Returns the middle and the half width of the box of a motion h v: from the one without impulses,
+/// `first`, to the one `of`, and beyond.
+#[inline(always)]
+fn box_of_motion(of: f64, first: f64, largest: f64) -> [f64; 2] {
+    let half = (0.5 + BEYOND) * (of - first).abs() + WIDER * largest;
+    [0.5 * (of + first), half]
+}
+
+/// Returns whether such a box contains the motion.
+#[inline(always)]
+pub(super) fn is_in_box_of_motion(motion: f64, [of, first]: [f64; 2], largest: f64) -> bool {
+    let [middle, half] = box_of_motion(of, first, largest);
+    (motion - middle).abs() <= half
+}
+
 /// The bounds of the row sums of f K/4 at the nodes in boxes: from q₀ to q₀ + d/2 and beyond.
 pub(super) struct Spectrum<'a, N, U> {
     /// The middle and the half width of the box of each node.
     pub(super) boxes: &'a mut [N],
-    /// Those of the velocities, with the step size, in a scene with forces of velocities.
-    pub(super) velocities: Option<(&'a mut [N], f64)>,
+    /// Those of the velocities, in a scene with forces of velocities or H₁.
+    pub(super) velocities: Option<BoxesOfVelocities<'a, N>>,
     /// The number of sites whose boxes are written.
     pub(super) written: usize,
     pub(super) q: &'a [f64],
@@ -47,6 +62,14 @@ pub(super) struct Spectrum<'a, N, U> {
     /// The largest displacement.
     pub(super) largest: f64,
     pub(super) to: U,
+}
+
+pub(super) struct BoxesOfVelocities<'a, N> {
+    pub(super) boxes: &'a mut [N],
+    pub(super) h: f64,
+    /// The velocities v around which the boxes are and the largest change of a motion h v, in a scene
+    /// with H₁. In another one velocities belong to displacements.
+    pub(super) around: Option<(&'a [f64], f64)>,
 }
 
 /// What is done with the bounds of the row sums. Functions are `#[inline(always)]`.
@@ -67,14 +90,26 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
             let boxes = N::numbers_mut(&mut self.boxes[tiles.clone()]);
             let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
             let (factors, largest) = (factors.within(here.clone()), self.largest);
-            let velocities = self.velocities.as_mut();
-            let velocities = velocities.map(|(of_v, h)| (N::numbers_mut(&mut of_v[tiles]), *h));
+            let first = |at: usize| factors.of(at) * p[at];
+            let velocities = self.velocities.as_mut().map(|velocities| {
+                let BoxesOfVelocities { boxes, h, around } = velocities;
+                let around = around.map(|(v, largest)| (&v[here.clone()], largest));
+                (N::numbers_mut(&mut boxes[tiles]), *h, around)
+            });
+            let of_displacements = match velocities {
+                Some((of_v, h, Some((v, largest)))) => {
+                    let motion = |at: usize| box_of_motion(h * v[at], first(at), largest);
+                    write_boxes_of_motions(of_v, size, motion, h);
+                    None
+                }
+                Some((of_v, h, None)) => Some((of_v, h)),
+                None => None,
+            };
             if self.d.is_empty() {
-                let d = |at: usize| factors.of(at) * p[at];
-                write_boxes(boxes, q, size, d, largest, velocities);
+                write_boxes(boxes, q, size, first, largest, of_displacements);
             } else {
                 let d = &self.d[here];
-                write_boxes(boxes, q, size, |at| d[at], largest, velocities);
+                write_boxes(boxes, q, size, |at| d[at], largest, of_displacements);
             }
         }
         self.boxes
@@ -83,7 +118,13 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
     #[inline(always)]
     fn motion(&mut self) -> [&[N]; 2] {
         let v = self.velocities.as_ref();
-        [self.boxes, v.map_or(&[], |(v, _)| &**v)]
+        [self.boxes, v.map_or(&[], |v| &*v.boxes)]
+    }
+
+    /// The derivatives of the impulses of H₁ are bounded after the sweep.
+    #[inline(always)]
+    fn with_momenta(&mut self) -> Option<[&[N]; 2]> {
+        None
     }
 
     /// These have to be bounded alone too: in a shorter step, the impulses of potentials are smaller
@@ -127,6 +168,23 @@ fn write_boxes(
                 row[k] = 0.5 * d / *h;
                 row[size + k] = 2.0 * half_width(d, largest) / h.abs();
             }
+        }
+    }
+}
+
+/// Writes the boxes of velocities with these middles and half widths of the motions h v.
+#[inline(always)]
+fn write_boxes_of_motions(
+    boxes: &mut [f64],
+    size: usize,
+    motion: impl Fn(usize) -> [f64; 2],
+    h: f64,
+) {
+    for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
+        for k in 0..size {
+            let [middle, half] = motion(site * size + k);
+            row[k] = middle / h;
+            row[size + k] = half / h.abs();
         }
     }
 }

@@ -7,7 +7,7 @@ use super::kinetic::KineticForm;
 use super::midpoint::MidpointStep;
 use super::shear::{Phase, Prepared};
 use super::sweep::{Kick, Place, Sweep};
-use super::{Row, Scene};
+use super::{Row, Scene, reads_motion};
 use crate::error::StepError;
 use crate::lanes::dispatch::Kernel;
 use crate::rule::StepShear;
@@ -70,7 +70,7 @@ pub(super) enum Failed {
 /// Returns whether the velocities are momenta divided by masses, so that a drift can be part of a
 /// sweep.
 pub(super) const fn is_plain<S: Scene>() -> bool {
-    matches!(S::KINETIC, KineticForm::Masses) && !S::HAS_DRAGS && !S::HAS_H1
+    matches!(S::KINETIC, KineticForm::Masses) && !reads_motion::<S>()
 }
 
 /// The time of a drift, and the times of friction before it and after it.

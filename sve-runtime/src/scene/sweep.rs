@@ -80,6 +80,17 @@ impl Buffers {
         }
     }
 
+    /// Returns a kick with the totals of the last sweep.
+    pub(super) fn with_totals<'a, S: Contributions<W>, W>(&'a self, kick: Kick<'a>) -> Kick<'a> {
+        match S::TOTALS {
+            0 => kick,
+            _ => Kick {
+                dw: &self.with_totals,
+                ..kick
+            },
+        }
+    }
+
     /// Returns the number of numbers.
     pub(super) fn len(&self) -> usize {
         let Self {

@@ -1,7 +1,9 @@
 //! The arrays of midpoint steps, which are kept from step to step.
 
 use super::passes::Factors;
+use super::shifts::Shifts;
 use super::sweep::Buffers;
+use super::{Scene, reads_motion};
 
 /// The arrays of a solution, of the components of rows.
 #[derive(Clone, Debug, Default)]
@@ -11,7 +13,7 @@ pub(super) struct Work {
     pub(super) nodes: Vec<f64>,
     /// The nodes before the last update; after the iteration, the momenta at the end.
     pub(super) other: Vec<f64>,
-    /// The velocities of the nodes, and their boxes, in a scene with forces of velocities.
+    /// The velocities of the nodes, and their boxes, in a scene with forces of velocities or H₁.
     pub(super) velocities: [Vec<f64>; 2],
     /// The boxes of the nodes; after the iteration, its first half has the displacements.
     pub(super) boxes: Vec<f64>,
@@ -20,6 +22,7 @@ pub(super) struct Work {
     /// The factors of the displacements, with their step size.
     pub(super) factors: Option<(f64, Factors)>,
     pub(super) of_bounds: Option<Buffers>,
+    pub(super) of_h1: Shifts,
     pub(super) solved: MidpointSolution,
 }
 
@@ -27,7 +30,7 @@ pub(super) struct Work {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct MidpointSolution {
-    /// Bounds of the eigenvalues of `h²/4 M⁻¹ ∂²V/∂q²`, with the noise and the forces, near the motion.
+    /// Bounds of the eigenvalues of `h²/4 M⁻¹ ∂²V/∂q²`, with γ and the forces, near the motion.
     pub bounds: [f64; 2],
     /// Sweeps of the iteration.
     pub sweeps: u32,
@@ -51,7 +54,7 @@ impl Work {
             of_v,
         ];
         let arrays = arrays.iter().map(|array| array.len()).sum::<usize>();
-        arrays + self.around.capacity() + factors + buffers
+        arrays + self.around.capacity() + self.of_h1.len() + factors + buffers
     }
 
     /// Returns the displacements after the iteration.
@@ -67,8 +70,11 @@ impl Work {
     }
 
     /// Makes room for a solution with `numbers` components.
-    pub(super) fn begin(&mut self, numbers: usize, has_velocities: bool) {
-        if has_velocities {
+    pub(super) fn begin<S: Scene>(&mut self, numbers: usize) {
+        if S::HAS_H1 {
+            self.of_h1.begin(numbers);
+        }
+        if reads_motion::<S>() {
             self.velocities[0].resize(numbers, 0.0);
             self.velocities[1].resize(2 * numbers, 0.0);
         }

@@ -350,8 +350,8 @@ fn the_plan_of_midpoint_has_the_forces_of_velocities() {
         .plan()
         .to_string();
     for line in [
-        "solve: d = h (M + h N/2)⁻¹ (p₀ + (I(q₀ + d/2) + h D(q₀ + d/2, d/h))/2), sweeps of Richardson's iteration",
-        "end: q₁ = q₀ + d, p₁ = p₀ + I + h D − N d",
+        "solve: d = h (M + h N/2)⁻¹ (p₀ + (I(q₀ + d/2) + D(q₀ + d/2, d/h))/2), sweeps of Richardson's iteration",
+        "end: q₁ = q₀ + d, p₁ = p₀ + I + D − N d",
     ] {
         assert!(plan.contains(line), "{plan}");
     }

@@ -1,5 +1,7 @@
 //! A scene as text: its summands and the impulses that they give, each with its loops.
 
+mod midpoint;
+
 use std::fmt::Write as _;
 
 use super::symmetry_caveat;
@@ -163,11 +165,11 @@ impl SceneTexts {
         kinetic: &Kinetic,
     ) -> Vec<(&'static str, &'static str)> {
         if is_implicit(rule) {
-            let kind = match self.iteration {
-                CHEBYSHEV => CHEBYSHEV,
-                _ => "FixedPoint",
-            };
-            return vec![(kind, "q₁ − q₀")];
+            return vec![match self.iteration {
+                _ if self.has_h1() => ("FixedPoint", "the nodes and velocities of all sites"),
+                CHEBYSHEV => (CHEBYSHEV, "q₁ − q₀"),
+                _ => ("FixedPoint", "q₁ − q₀"),
+            }];
         }
         let of_site = match kinetic {
             Kinetic::Masses(_) => None,
@@ -219,46 +221,6 @@ impl SceneTexts {
         if self.is_plain() {
             step.push("all in place".to_owned());
         }
-        self.push_impulses(&mut step);
-        [action, step.join("\n")]
-    }
-
-    /// Returns the discrete action and the step of the midpoint rule.
-    fn implicit_step(&self) -> [String; 2] {
-        let noises = if self.has_gamma {
-            " + Σ γ(t̄, q̄) ΔW"
-        } else {
-            ""
-        };
-        let mut action =
-            format!("S_d = h L(t̄, q̄, v) + ⟨p, q₁ − q₀ − h v⟩{noises},  q̄ = (q₀ + q₁)/2");
-        if self.has_forces {
-            action.push_str("\nwith the virtual work h F(q̄, v)·δq̄ beside δS");
-        }
-        let (mass, friction) = if self.friction.is_empty() {
-            ("M", "")
-        } else {
-            ("(M + h N/2)", " − N d")
-        };
-        let [at_node, impulse, slope] = if self.in_drifts[0].is_empty() {
-            ["I(q₀ + d/2)", "I", ""]
-        } else {
-            [
-                "(I(q₀ + d/2) + h D(q₀ + d/2, d/h))",
-                "I + h D",
-                " − M⁻¹ (h² ∂D/∂q + 2 h ∂D/∂v) / 4",
-            ]
-        };
-        let mut step = vec![
-            format!(
-                "solve: d = h {mass}⁻¹ (p₀ + {at_node}/2), sweeps of {}'s iteration",
-                self.iteration
-            ),
-            format!("end: q₁ = q₀ + d, p₁ = p₀ + {impulse}{friction}"),
-            format!(
-                "the root is unique within boxes around the motion: Gershgorin's bounds of 1 − h M⁻¹ ∂I/∂q / 4{slope} are positive there"
-            ),
-        ];
         self.push_impulses(&mut step);
         [action, step.join("\n")]
     }

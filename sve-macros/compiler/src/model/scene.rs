@@ -7,7 +7,7 @@
 mod integers;
 mod names;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use proc_macro2::{Span, TokenStream};
 
@@ -260,6 +260,16 @@ impl Scene {
             _ => None,
         });
         velocities.collect()
+    }
+
+    /// Returns the symbols of the components of momenta.
+    pub(crate) fn momenta(&self) -> HashSet<Symbol> {
+        let symbols = (0..self.symbols.meanings().len() as u32).map(Symbol);
+        let is_momentum = |symbol: &Symbol| {
+            let slot = self.slot(*symbol);
+            slot.is_some_and(|slot| matches!(slot.array, SlotArray::Momentum(_)))
+        };
+        symbols.filter(is_momentum).collect()
     }
 
     /// Adds a sum within another one.

@@ -167,11 +167,11 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     };
     errors.finish(())?;
     symmetry::check(&read, arena, &mut derived)?;
-    for term in derived.terms.iter_mut().chain(&mut derived.drags) {
-        term.slopes.clone_from(&term.gradient);
-    }
     let [kicks, shifts] = &mut derived.h1;
     let mut all = [&mut derived.terms, &mut derived.drags, kicks, shifts];
+    for term in all.iter_mut().flat_map(|terms| terms.iter_mut()) {
+        term.slopes.clone_from(&term.gradient);
+    }
     let gradients = all.iter_mut().flat_map(|terms| terms.iter_mut());
     let gradients = gradients.flat_map(|t| t.gradient.iter_mut().flatten());
     let slopes = gradients.chain(derived.kinetic.derivatives_mut());

@@ -73,14 +73,9 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
                 "`{name}` is not for scenes, systems whose coordinates are slices: use `initial_point`, `endpoint`, `midpoint`, `stormer_verlet`, or a composition of them"
             );
             errors.push(listed.place, message);
-        } else if has_h1 && rule.attribute_name != "stormer_verlet" {
-            let what = if crate::scene::is_implicit(rule) {
-                "equations that join the momenta of all sites"
-            } else {
-                "a correction with products of all noises"
-            };
+        } else if has_h1 && ["initial_point", "endpoint"].contains(&rule.attribute_name) {
             let message = format!(
-                "`{name}` with `#[h1]` has {what}, which scenes do not have: use `stormer_verlet`, or a composition of it"
+                "`{name}` with `#[h1]` has a correction with products of all noises, which scenes do not have: use `midpoint`, `stormer_verlet`, or a composition of them"
             );
             errors.push(listed.place, message);
         }

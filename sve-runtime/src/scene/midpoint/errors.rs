@@ -56,7 +56,7 @@ impl<R: Row> MidpointStep<'_, R> {
         q.zip(self.work.displacements()).map(|(q, d)| q + d)
     }
 
-    fn input_error(&self) -> Option<StepError> {
+    pub(super) fn input_error(&self) -> Option<StepError> {
         let [q, p] = [&*self.q, &*self.p].map(R::numbers);
         input_error::<R>([q, p], self.kick.dw, self.start)
     }

@@ -7,22 +7,17 @@ use sve_runtime::Variational;
 use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
 
-/// Steps with which an error of order ½ is far below its next term. A quarter of the paths doubles
-/// the standard error.
+/// Steps with which an error of order ½ is far below its next term.
 const SMALL: Paths = Paths {
     seed: 31,
     batches: 24,
-    count: if cfg!(feature = "thorough") { 20 } else { 5 },
+    count: 5,
     coarsest: 7,
     levels: 4,
     finest: 15,
     tolerance: Tolerance {
         bias: 0.0,
-        error: if cfg!(feature = "thorough") {
-            0.03
-        } else {
-            0.06
-        },
+        error: 0.06,
     },
 };
 

@@ -10,9 +10,10 @@
 //! vanish there. A rounded number is that of the middle. At a jump between two values of either, L
 //! has no derivative, and nothing is bounded.
 
+mod h1;
 mod sums;
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::{Derived, Kinetic, Term};
 use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
@@ -42,6 +43,7 @@ pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena
         ranges: ranges.chain(of_sums).collect(),
         sums,
         velocities: derived.scene.velocities(),
+        momenta: derived.scene.momenta(),
         arena: &mut arena,
         step: derived.step,
     };
@@ -59,6 +61,12 @@ pub(crate) fn slopes(derived: &Derived, arena: &Arena) -> Result<(Derived, Arena
             .bound(term, &derived.scene, may_vanish)
             .ok_or_else(|| no_bounds(&format!("`{function}`")))?;
     }
+    for term in all.h1.iter_mut().flatten() {
+        let function = &derived.roots[term.root].function;
+        bounds
+            .bound_h1(term)
+            .ok_or_else(|| no_bounds(&format!("`{function}`")))?;
+    }
     all.gather_pairs(&mut arena);
     Ok((all, arena))
 }
@@ -71,7 +79,7 @@ fn no_bounds(place: &str) -> String {
 
 impl Derived {
     /// Returns whether the derivatives of impulses with respect to nodes are a symmetric matrix: no
-    /// force depends on places, and none on velocities beside friction.
+    /// force depends on places, none on velocities beside friction, and there is no H₁.
     pub(crate) fn is_symmetric(&self) -> bool {
         let forces = self.scene.forces.iter();
         let forces: Vec<SumId> = forces
@@ -82,16 +90,20 @@ impl Derived {
                 .around(sum)
                 .any(|around| forces.contains(&around))
         };
-        self.drags.is_empty() && !self.terms.iter().any(|term| is_force(term.sum))
+        let has_in_drifts = !self.drags.is_empty() || self.h1.iter().any(|terms| !terms.is_empty());
+        !has_in_drifts && !self.terms.iter().any(|term| is_force(term.sum))
     }
 
-    /// Declares the half width of the box of each coordinate and each velocity. Returns them by
-    /// coordinate or velocity.
+    /// Declares the half width of the box of each coordinate, velocity and momentum. Returns them by
+    /// these.
     fn declare_radii(&mut self, size: usize) -> HashMap<Symbol, Symbol> {
         let symbols = (0..self.scene.symbols.meanings().len() as u32).map(Symbol);
         let coordinates = symbols.filter_map(|symbol| match self.scene.slot(symbol)? {
             Slot {
-                array: array @ (SlotArray::Configuration(_) | SlotArray::Velocity(_)),
+                array:
+                    array @ (SlotArray::Configuration(_)
+                    | SlotArray::Velocity(_)
+                    | SlotArray::Momentum(_)),
                 component,
             } => {
                 let (array, component) = (array.clone(), component + size);
@@ -110,11 +122,12 @@ impl Derived {
 }
 
 struct Bounds<'a> {
-    /// The ranges of coordinates, velocities and sums.
+    /// The ranges of coordinates, velocities, momenta and sums.
     ranges: HashMap<Symbol, Range>,
     sums: HashMap<Symbol, OfSum>,
     /// The velocities, with their sites and components.
     velocities: HashMap<Symbol, (Int, usize)>,
+    momenta: HashSet<Symbol>,
     arena: &'a mut Arena,
     step: Symbol,
 }
