@@ -120,11 +120,12 @@ use sve_compiler::Settings;
 /// of a body has `r * a`, `r.inverse() * a`, `r.transpose()`, `r.inverse_transform_vector(&a)`,
 /// `r * s`, `r.matrix()`, `r[(i, j)]`.
 ///
-/// The increment of a rotation is the Cayley vector of `R₀ᵀR₁`, the node the middle of the
+/// The increment of a rotation is the rotation vector of `R₀ᵀR₁`, the node the middle of the
 /// geodesic. Momenta are the momenta of the discrete action on the group, so steps are symplectic
 /// on T*SO(3). Whether noises commute is decided by the bracket
-/// `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with left-trivialised `f_R`. Only `midpoint` and its
-/// compositions take rotations; constraints, baselines, compensated sums and lanes do not.
+/// `⟨f_R, g_Π⟩ − ⟨g_R, f_Π⟩ − Π·(f_Π × g_Π)` with left-trivialised `f_R`. Only `midpoint`,
+/// `stormer_verlet` and their compositions take rotations; constraints, baselines, compensated sums
+/// and lanes do not.
 ///
 /// If L does not depend on the attitude, `#[variational(midpoint, reduced)]` derives the step of
 /// the body momentum alone: `lagrangian(&self, w: Vector3<f64>)`, `#[h1]` of

@@ -400,9 +400,9 @@ pub enum StepError {
         /// The condition that does not hold.
         condition: Box<str>,
     },
-    /// A body turns by more than 127 degrees in the step.
+    /// A body turns by more than 229 degrees in the step.
     #[error(
-        "a body would turn by {:.0} degrees in the step from t = {t} with h = {h:e}, and the limit is 127: take a smaller h, \
+        "a body would turn by {:.0} degrees in the step from t = {t} with h = {h:e}, and the limit is 229: take a smaller h, \
          or truncated increments if noise turned it (`Truncated`)",
         angle.to_degrees()
     )]

@@ -117,7 +117,8 @@ pub(crate) fn double_naive(q: &mut [f64; 2], p: &mut [f64; 2], h: f64, s: &Doubl
     *p = [2.0 * pm[0] - p[0], 2.0 * pm[1] - p[1]];
 }
 
-/// Makes a variational Cayley step of the free rigid body: Newton's method with the analytic
+/// Makes a variational step of the free rigid body in Cayley's chart, whose error is some 14 times
+/// that of the exponential chart: Newton's method with the analytic
 /// Jacobian for the body velocity, from the velocity at the start, until the update is at rounding;
 /// then updates the quaternion and the momentum.
 #[inline]

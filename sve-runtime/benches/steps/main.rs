@@ -294,7 +294,7 @@ fn rigid_body() -> Comparison<'static> {
     Comparison {
         name: "rigid body midpoint",
         sides: vec![
-            side("Cayley step", hand),
+            side("Cayley's chart", hand),
             side("sve", sve),
             side("sve trajectory", along),
         ],

@@ -8,17 +8,16 @@ use crate::phase::state::State;
 use crate::solve::SolveError;
 use crate::time::is_next_time;
 
-/// Largest square of the Cayley vector of a rotation in a step, which turns by 127 degrees. The
-/// Cayley transform has its pole at 180 degrees, and beyond this limit a step is no approximation
-/// of the motion.
-const MAX_CAYLEY_SQUARE: f64 = 16.0;
+/// Largest square of the angle of a rotation in a step, which is 229 degrees. The equations have a pole
+/// at 360 degrees, and beyond this limit a step is no approximation of the motion.
+const MAX_TURN_SQUARE: f64 = 16.0;
 
 /// Returns the reason why an increment is not accepted.
 #[cold]
 pub(super) fn refusal<F: FlatConfiguration<N>, const N: usize>(dq: &[f64; N]) -> SolveError {
-    let square = F::cayley_square(dq);
-    if square > MAX_CAYLEY_SQUARE {
-        let angle = 2.0 * (0.5 * square.sqrt()).atan();
+    let square = F::turn_square(dq);
+    if square > MAX_TURN_SQUARE {
+        let angle = square.sqrt();
         SolveError::LargeRotation { angle }
     } else {
         SolveError::NonFinite
@@ -62,7 +61,7 @@ pub(super) fn add<F: FlatConfiguration<N>, const N: usize>(
     dq: &[f64; N],
     dp: &[f64; N],
 ) -> bool {
-    if F::cayley_square(dq) > MAX_CAYLEY_SQUARE {
+    if F::turn_square(dq) > MAX_TURN_SQUARE {
         return false;
     }
     let (q, p) = F::moved(state, dq, dp);

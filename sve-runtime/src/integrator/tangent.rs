@@ -26,8 +26,8 @@ use crate::system::{AnyIncrements, Dims, System};
 /// The tangent map of a step, `∂(q₁,p₁)/∂(q₀,p₀)`: a matrix of `2N` rows and columns, first the
 /// coordinates, then the momenta.
 ///
-/// A rotation has canonical coordinates near each of its states: the Cayley vector ε of a small
-/// rotation R cay(ε), in the body frame, and the conjugate momentum y, with `δy = δΠ + ½ ε × Π` to
+/// A rotation has canonical coordinates near each of its states: the vector ε of a small
+/// rotation R exp(ε̂), in the body frame, and the conjugate momentum y, with `δy = δΠ + ½ ε × Π` to
 /// first order. A [`Sensitivity`] has the same coordinates.
 ///
 /// `tangent[row][column]` is an entry, and [`qq`](Self::qq), [`qp`](Self::qp), [`pq`](Self::pq) and

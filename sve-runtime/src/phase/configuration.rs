@@ -30,7 +30,7 @@ mod vectors;
 /// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`,
 /// `SVector<f64, N>`), and for arrays of configurations, such as `[[f64; 3]; 4]` or
 /// `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
-/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are Cayley vectors
+/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are rotation vectors
 /// in the body frame. A pair `(Q, R)` combines two configurations.
 ///
 /// The configuration of a scene, whose `q` is a slice, is a vector of sites: `Vec<f64>`,
@@ -123,10 +123,9 @@ pub trait FixedSize: Configuration<Momentum: Copy> + Copy {
     fn add_transport(momentum: &[f64], velocity: &[f64], to: &mut [f64]) {
         let _ = (momentum, velocity, to);
     }
-    /// Returns the square of the longest Cayley vector in an increment; 0 in a vector space. A
-    /// rotation by the angle θ has a Cayley vector of the length 2 tan(θ/2).
+    /// Returns the square of the largest angle of a rotation in an increment; 0 in a vector space.
     #[inline(always)]
-    fn cayley_square(increment: &[f64]) -> f64 {
+    fn turn_square(increment: &[f64]) -> f64 {
         let _ = increment;
         0.0
     }

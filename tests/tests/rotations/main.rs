@@ -1,5 +1,6 @@
 //! Rotations as configurations: rigid bodies, alone, several, and beside vectors.
 
+mod accuracy;
 mod charts;
 mod gradients;
 mod motion;

@@ -10,20 +10,23 @@ use sve_runtime::system::{Dims, System};
 
 use crate::starts::{attitude, body, pair, three};
 use crate::systems::{
-    DRIVEN, Driven, FreeBody, HeavyTop, I, NOISY_BODY, SYMMETRIC_TOP, TETHERED, THREE, TOP, Three,
+    DRIVEN, Driven, FreeBody, HeavyTop, I, NOISY_BODY, SYMMETRIC_TOP, SymmetricTop, TETHERED,
+    THREE, TOP, Three,
 };
 
 /// Makes a step and the step back. Returns the largest difference from the start.
-fn there_and_back<S, Q, const N: usize, const M: usize>(
+fn there_and_back<S, R, Q, const N: usize, const M: usize>(
     system: S,
+    rule: R,
     start: State<Q>,
     dw: [f64; M],
 ) -> f64
 where
-    S: Variational<Midpoint> + System<Dims = Dims<N, M, Q>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    R: Copy,
     Q: Coordinates<N>,
 {
-    let integrator = Integrator::new(system, Midpoint);
+    let integrator = Integrator::new(system, rule);
     let mut state = start;
     integrator.step(&mut state, 0.2, &dw).unwrap();
     integrator.step(&mut state, -0.2, &dw.map(|w| -w)).unwrap();
@@ -34,11 +37,15 @@ where
 #[test]
 fn a_step_and_the_step_back_return_to_the_start() {
     let errors = [
-        there_and_back(FreeBody { i: I }, body(), []),
-        there_and_back(NOISY_BODY, body(), [0.3, -0.4]),
-        there_and_back(TOP, body(), [0.5]),
-        there_and_back(TETHERED, pair(), [0.4, -0.3]),
-        there_and_back(THREE, three(), [0.4]),
+        there_and_back(FreeBody { i: I }, Midpoint, body(), []),
+        there_and_back(NOISY_BODY, Midpoint, body(), [0.3, -0.4]),
+        there_and_back(TOP, Midpoint, body(), [0.5]),
+        there_and_back(TETHERED, Midpoint, pair(), [0.4, -0.3]),
+        there_and_back(THREE, Midpoint, three(), [0.4]),
+        there_and_back(TOP, StormerVerlet, body(), [0.5]),
+        there_and_back(SYMMETRIC_TOP, StormerVerlet, body(), [0.3, -0.2]),
+        there_and_back(TETHERED, StormerVerlet, pair(), [0.4, -0.3]),
+        there_and_back(THREE, StormerVerlet, three(), [0.4]),
     ];
     println!("{errors:?}");
     assert!(errors.iter().all(|&e| e < 1e-14), "{errors:?}");
@@ -73,18 +80,26 @@ fn a_free_body_keeps_its_casimir_and_its_spatial_momentum() {
 
 #[test]
 fn momenta_of_symmetries_are_kept() {
+    assert_momenta_of_symmetries_are_kept(Midpoint);
+    assert_momenta_of_symmetries_are_kept(StormerVerlet);
+}
+
+fn assert_momenta_of_symmetries_are_kept<R: Copy>(rule: R)
+where
+    SymmetricTop: Variational<R>,
+    Three: Variational<R>,
+{
     let system = SYMMETRIC_TOP;
-    let integrator = Integrator::new(system, Midpoint);
+    let integrator = Integrator::new(system, rule);
     let start = body();
     let spatial = (start.q * start.p).z;
     assert!((system.vertical_momentum(&start) - spatial).abs() < 1e-15);
     assert!((system.figure_axis_momentum(&start) - start.p.z).abs() < 1e-15);
     let mut worst: f64 = 0.0;
-    for state in integrator
-        .trajectory(start, 0.05, Wiener::new(3))
-        .take(3000)
-    {
-        let state = state.unwrap();
+    let mut state = start;
+    for step in 0..3000 {
+        let dw = [0, 1].map(|process| Wiener::new(3).increment(step, process, 0.05));
+        integrator.step(&mut state, 0.05, &dw).unwrap();
         worst = worst.max((system.vertical_momentum(&state) - spatial).abs());
         worst = worst.max((state.p.z - start.p.z).abs());
     }
@@ -95,7 +110,7 @@ fn momenta_of_symmetries_are_kept() {
     let start = three();
     let before = system.together_momentum(&start);
     let mut state = start;
-    let integrator = Integrator::new(system, Midpoint);
+    let integrator = Integrator::new(system, rule);
     for _ in 0..1000 {
         integrator.step(&mut state, 0.05, &[0.0]).unwrap();
     }

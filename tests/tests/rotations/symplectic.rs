@@ -14,13 +14,19 @@ use crate::systems::{
 };
 
 /// Compares the tangent map of a step with differences. Returns the symplectic defects of both.
-fn check<S, Q, const N: usize, const M: usize>(system: S, start: State<Q>, dw: [f64; M]) -> [f64; 2]
+fn check<S, R, Q, const N: usize, const M: usize>(
+    system: S,
+    rule: R,
+    start: State<Q>,
+    dw: [f64; M],
+) -> [f64; 2]
 where
-    S: Variational<Midpoint> + System<Dims = Dims<N, M, Q>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    R: Copy,
     Q: Coordinates<N>,
     State<Q>: Chart,
 {
-    let integrator = Integrator::new(system, Midpoint);
+    let integrator = Integrator::new(system, rule);
     let h = 0.1;
     let tangent = integrator.tangent(&start, h, &dw).unwrap();
     let numeric = differences(&start, |state| {
@@ -44,26 +50,35 @@ fn assert_symplectic(defects: [f64; 2]) {
 
 #[test]
 fn steps_of_one_body_are_symplectic() {
-    assert_symplectic(check(FreeBody { i: I }, body(), []));
-    assert_symplectic(check(NOISY_BODY, body(), [0.3, -0.4]));
-    assert_symplectic(check(TOP, body(), [0.4]));
-    assert_symplectic(check(SYMMETRIC_TOP, body(), [0.4, -0.3]));
+    assert_symplectic(check(FreeBody { i: I }, Midpoint, body(), []));
+    assert_symplectic(check(NOISY_BODY, Midpoint, body(), [0.3, -0.4]));
+    assert_symplectic(check(TOP, Midpoint, body(), [0.4]));
+    assert_symplectic(check(SYMMETRIC_TOP, Midpoint, body(), [0.4, -0.3]));
+    assert_symplectic(check(NOISY_BODY, StormerVerlet, body(), [0.3, -0.4]));
+    assert_symplectic(check(TOP, StormerVerlet, body(), [0.4]));
+    assert_symplectic(check(SYMMETRIC_TOP, StormerVerlet, body(), [0.4, -0.3]));
 }
 
 #[test]
 fn steps_beside_a_vector_are_symplectic() {
-    assert_symplectic(check(TETHERED, pair(), [0.4, -0.3]));
+    assert_symplectic(check(TETHERED, Midpoint, pair(), [0.4, -0.3]));
+    assert_symplectic(check(TETHERED, StormerVerlet, pair(), [0.4, -0.3]));
 }
 
 #[test]
 fn steps_of_three_bodies_are_symplectic() {
-    assert_symplectic(check(THREE, three(), [0.4]));
+    assert_symplectic(check(THREE, Midpoint, three(), [0.4]));
+    assert_symplectic(check(THREE, StormerVerlet, three(), [0.4]));
 }
 
 #[test]
 fn friction_is_not_symplectic_and_its_tangent_map_is_that_of_differences() {
-    let [exact, numeric] = check(DRIVEN, body(), []);
-    assert!(exact > 1e-3 && (exact - numeric).abs() < 1e-9);
+    for [exact, numeric] in [
+        check(DRIVEN, Midpoint, body(), []),
+        check(DRIVEN, StormerVerlet, body(), []),
+    ] {
+        assert!(exact > 1e-3 && (exact - numeric).abs() < 1e-9);
+    }
 }
 
 /// The midpoint rule in the chart around R₀, frozen during the step: S = h L(R₀ cay(½(x₀ + x₁)),

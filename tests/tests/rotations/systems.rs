@@ -50,7 +50,7 @@ pub(crate) struct FreeBody {
     pub(crate) i: Vector3<f64>,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl FreeBody {
     pub(crate) fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * w.dot(&self.i.component_mul(&w))
@@ -70,7 +70,7 @@ pub(crate) struct NoisyBody {
     pub(crate) k: Vector3<f64>,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl NoisyBody {
     pub(crate) fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * w.dot(&self.i.component_mul(&w))
@@ -89,7 +89,7 @@ pub(crate) struct HeavyTop {
     pub(crate) s: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl HeavyTop {
     pub(crate) fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         let axis = r * Vector3::z();
@@ -109,7 +109,7 @@ pub(crate) struct SymmetricTop {
     pub(crate) s: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl SymmetricTop {
     pub(crate) fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * (self.i.x * (w.x * w.x + w.y * w.y) + self.i.z * w.z * w.z)
@@ -146,7 +146,7 @@ pub(crate) struct Tethered {
     pub(crate) s: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl Tethered {
     pub(crate) fn lagrangian(
         &self,
@@ -178,7 +178,7 @@ pub(crate) struct Three {
     pub(crate) s: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl Three {
     pub(crate) fn lagrangian(&self, r: [Rotation3<f64>; 3], w: [Vector3<f64>; 3]) -> f64 {
         let mut l = 0.0;
@@ -191,7 +191,8 @@ impl Three {
     }
     #[h1]
     fn kicks(&self, r: [Rotation3<f64>; 3], pi: [Vector3<f64>; 3]) -> f64 {
-        self.s * ((r[0] * pi[0]).dot(&(r[1] * pi[1])) + pi[2].z)
+        let relative = r[0].inverse() * r[1];
+        self.s * ((r[0] * pi[0]).dot(&(r[1] * pi[1])) + pi[2].z + relative[(2, 2)] * pi[2].x)
     }
     /// Turns all bodies about the first axis of space.
     #[symmetry]
@@ -209,7 +210,7 @@ pub(crate) struct Driven {
     pub(crate) torque: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl Driven {
     pub(crate) fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * w.dot(&self.i.component_mul(&w)) - self.weight * r[(2, 2)]

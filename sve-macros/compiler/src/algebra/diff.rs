@@ -4,7 +4,7 @@
 //! Each node is differentiated once for each symbol, operands first, so shared subexpressions stay
 //! shared.
 
-use super::expr::{Arena, Expr, Node, Symbol};
+use super::expr::{Arena, Expr, Identity, Node, Slope, Symbol};
 
 impl Arena {
     /// Returns `∂expr/∂symbol`.
@@ -28,6 +28,20 @@ impl Arena {
         self.derivatives.insert((expr, symbol), derivative);
     }
 
+    /// Differentiates intermediate results with an identity by a shorter rule than that of their
+    /// operands. The two must give equal derivatives.
+    pub(crate) fn differentiate_by(&mut self, identity: Identity, slope: Slope) {
+        self.slopes.insert(identity, slope);
+    }
+
+    /// Returns the derivative of an intermediate result by the rule of its identity.
+    fn by_rule(&mut self, expr: Expr, identity: Identity, symbol: Symbol) -> Option<Expr> {
+        let slope = *self.slopes.get(&identity)?;
+        let [argument, outer] = slope(self, expr)?;
+        let inner = self.known(argument, symbol);
+        Some(self.mul(outer, inner))
+    }
+
     /// Returns the derivative of an operand; zero if the symbol does not occur in it.
     fn known(&mut self, expr: Expr, symbol: Symbol) -> Expr {
         match self.derivatives.get(&(expr, symbol)) {
@@ -40,7 +54,9 @@ impl Arena {
         match self.node(expr).clone() {
             Node::Constant(_) => self.constant(0.0),
             Node::Symbol(s) => self.constant(f64::from(u8::from(s == symbol))),
-            Node::Opaque(x, _) => self.known(x, symbol),
+            Node::Opaque(x, identity) => identity
+                .and_then(|identity| self.by_rule(expr, identity, symbol))
+                .unwrap_or_else(|| self.known(x, symbol)),
             Node::Sum(_, terms) => {
                 let mut slopes = Vec::new();
                 for &(x, c) in &terms {

@@ -26,9 +26,13 @@ impl Expr {
 pub(crate) struct Symbol(pub(crate) u32);
 
 /// The mark by which later stages recognise an intermediate result. The algebra does not interpret
-/// it.
+/// it, beside the rules of [`Arena::differentiate_by`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Identity(pub(crate) u64);
+
+/// Returns the argument of an intermediate result that is a function of one argument, and the
+/// derivative with respect to it; `None` if the result has not the form of the function any more.
+pub(crate) type Slope = fn(&mut Arena, Expr) -> Option<[Expr; 2]>;
 
 /// A constant, compared and hashed by its bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -84,6 +88,7 @@ pub(crate) struct Arena {
     sets: Vec<Vec<u64>>,
     set_names: Map<Vec<u64>, SetId>,
     pub(super) derivatives: Map<(Expr, Symbol), Expr>,
+    pub(super) slopes: Map<Identity, Slope>,
     /// The nodes that walks have visited.
     marks: RefCell<Marks>,
     /// True if folding has lost a constant: one too small to change the constant it was added to,
@@ -110,6 +115,7 @@ impl Arena {
             sets: vec![Vec::new()],
             set_names: Map::from_iter([(Vec::new(), 0)]),
             derivatives: Map::default(),
+            slopes: Map::default(),
             marks: RefCell::default(),
             has_lost_constants: Cell::new(false),
             budget: Cell::new(usize::MAX),

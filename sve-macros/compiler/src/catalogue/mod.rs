@@ -81,6 +81,7 @@ pub(crate) static RULES: [Entry; 12] = [
         nodes: Nodes::Ends,
         order: 2,
         takes: Takes {
+            rotations: true,
             options: &[RuleOption::Weak2],
             ..EVERYTHING
         },

@@ -8,7 +8,7 @@
 //! 0 = ∂S/∂x   (each internal x)        0 = ∂S/∂d − ∂S/∂q₀ − p₀        p₁ − p₀ = ∂S/∂q₀
 //! ```
 //!
-//! These are the equations of a vector; [`configuration`](crate::model::configuration) has the
+//! These are the equations of a vector; [`chart`](crate::model::chart) has the
 //! equations of a rotation. If a momentum is a function of the configuration, this function
 //! replaces p₀ and p₁, and equations at the end may be added
 //! ([`Ends`](crate::rules::action::Ends)). If there is a force, its work under a variation of x is
@@ -19,12 +19,12 @@ use std::collections::HashMap;
 use super::constrained;
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::model::Symbols;
-use crate::model::configuration::{
-    Block, Factor, cross, directions_of_rotation, momentum_at_start,
-};
+use crate::model::chart::{Chart, Momenta};
+use crate::model::configuration::{Block, Factor, cross, directions_of_rotation};
 use crate::model::domain::Condition;
-use crate::rules::action::{Action, Place, Work, values_at_nodes};
+use crate::rules::action::{Action, Place, Work};
 use crate::rules::constraints::MeanValue;
+use crate::rules::rotations::{NodePlace, values_at_nodes};
 
 /// The equations of a step.
 pub(crate) struct Equations {
@@ -185,7 +185,7 @@ struct MomentaOfRotation {
 }
 
 /// Derives the momenta of a rotation from `g = ∂S/∂x` and τ, the derivative in the rotation at the
-/// node ([`configuration`](crate::model::configuration)): `Π₁ − Π₀ = τ − x × g`.
+/// node ([`chart`](crate::model::chart)): `Π₁ − Π₀ = τ − x × g`.
 fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> MomentaOfRotation {
     let displacement = &action.displacement[block.directions.clone()];
     let x: Vec<Expr> = displacement.iter().map(|&s| arena.symbol(s)).collect();
@@ -193,7 +193,30 @@ fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> Mom
         .iter()
         .map(|&s| variation(action, s, arena))
         .collect();
-    let start = momentum_at_start(&x, &g, arena);
+    let at_nodes = action.rotations.iter();
+    let at_nodes = at_nodes.filter(|node| node.first == block.entries.start);
+    let mut torques = Vec::new();
+    for node in at_nodes {
+        let slopes: Vec<Expr> = node
+            .entries
+            .iter()
+            .map(|&s| variation(action, s, arena))
+            .collect();
+        let mut torque = directions_of_rotation(&slopes, &node.entries, arena);
+        for (k, i) in block.directions.clone().enumerate() {
+            torque[k] = with_torque(torque[k], [node.node, i], &action.work, arena);
+        }
+        let zero = arena.constant(0.0);
+        if torque.iter().any(|&torque| torque != zero) {
+            torques.push((torque, node.place));
+        }
+    }
+    let is_inner = |(_, place): &(_, NodePlace)| matches!(place, NodePlace::Middle { .. });
+    let start = if torques.iter().any(is_inner) {
+        Chart::new(&x, arena).momenta().at_start(&g, arena)
+    } else {
+        Momenta::new(&x, arena).at_start(&g, arena)
+    };
     let turned = cross(&x, &g, arena);
     let mut balance: Vec<Vec<(f64, Expr)>> = Vec::new();
     let mut change = Vec::new();
@@ -202,20 +225,17 @@ fn momenta_of_rotation(action: &Action, block: &Block, arena: &mut Arena) -> Mom
         balance.push(vec![(1.0, start[k]), (-1.0, p0)]);
         change.push(vec![(-1.0, turned[k])]);
     }
-    let at_nodes = action.rotations.iter();
-    for node in at_nodes.filter(|node| node.first == block.entries.start) {
-        let slopes: Vec<Expr> = node
-            .entries
-            .iter()
-            .map(|&s| variation(action, s, arena))
-            .collect();
-        let mut torque = directions_of_rotation(&slopes, &node.entries, arena);
-        for (k, i) in block.directions.clone().enumerate() {
-            torque[k] = with_torque(torque[k], i, &action.work, arena);
-        }
-        let across = cross(&node.half, &torque, arena);
+    for (torque, place) in torques {
+        let across = cross(&x, &torque, arena);
         for k in 0..torque.len() {
-            balance[k].extend([(-0.5, torque[k]), (-0.25, across[k])]);
+            match place {
+                NodePlace::Start => balance[k].push((-1.0, torque[k])),
+                NodePlace::Middle { quarter } => {
+                    let across = arena.mul(quarter, across[k]);
+                    balance[k].extend([(-0.5, torque[k]), (-0.5, across)]);
+                }
+                NodePlace::End => {}
+            }
             change[k].push((1.0, torque[k]));
         }
     }
@@ -255,10 +275,10 @@ fn variation(action: &Action, x: Symbol, arena: &mut Arena) -> Expr {
 }
 
 /// Returns the derivative in a direction of a rotation at a node, plus the torque of the force
-/// about this axis.
-fn with_torque(slope: Expr, direction: usize, work: &[Work], arena: &mut Arena) -> Expr {
+/// about this axis. `turned` has the numbers of the node and of the direction.
+fn with_torque(slope: Expr, turned: [usize; 2], work: &[Work], arena: &mut Arena) -> Expr {
     let turns = work.iter().filter_map(|work| match work.place {
-        Place::Turn(turned) if turned == direction => Some((1.0, work.impulse)),
+        Place::Turn { node, direction } if [node, direction] == turned => Some((1.0, work.impulse)),
         _ => None,
     });
     let terms: Vec<(f64, Expr)> = [(1.0, slope)].into_iter().chain(turns).collect();

@@ -163,7 +163,7 @@ fn ends(action: &Action, scheme: &Scheme<Expr>, page: &mut Page<'_>) -> Vec<Stri
     });
     let mut ends = Page::list(moved.collect(), n, "of these");
     if action.configuration.has_rotations() {
-        ends.push("R₁ = R₀·cay(x)".to_owned());
+        ends.push("R₁ = R₀·exp(x)".to_owned());
     }
     let pushed = (0..shown(n)).map(|i| end("p", i, action.start_p[i], dp[i], page));
     ends.extend(Page::list(pushed.collect(), n, "of these"));

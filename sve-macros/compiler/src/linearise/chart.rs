@@ -3,17 +3,20 @@
 //! Input: the derivatives of a step in the entries of R₀, in Π₀ and in the parameters. Output: the
 //! derivatives in canonical coordinates.
 //!
-//! Near a rotation R with momentum Π the coordinates are the Cayley vector ε of a small rotation, R
-//! cay(ε), and the momentum y conjugate to ε. To first order `Π = y − ½ ε × Π`, so that
+//! Near a rotation R with momentum Π the coordinates are the vector ε of a small rotation, R exp(ε̂),
+//! and the momentum y conjugate to ε. To first order `Π = y − ½ ε × Π`, so that
 //! `δy = δΠ + ½ ε × Π`. The form `dε ∧ dy` is canonical, and the tangent map of a step is a
-//! symplectic matrix. At the end of a step R₁ = R₀ cay(x),
+//! symplectic matrix. At the end of a step R₁ = R₀ exp(x̂),
 //!
 //! ```text
-//! ε₁ = A(x) δx + cay(x)ᵀ ε₀        A(x) = (1 − ½ x̂)/(1 + ¼|x|²)
+//! ε₁ = D(x) δx + exp(x̂)ᵀ ε₀
 //! ```
+//!
+//! with the differential D of the exponential.
 
 use crate::algebra::{Arena, Expr, Symbol};
-use crate::model::configuration::{Block, Factor, cross, differential, transposed_cayley};
+use crate::model::chart::Chart;
+use crate::model::configuration::{Block, Factor, cross};
 use crate::rules::action::Action;
 use crate::structure::Scheme;
 
@@ -129,9 +132,10 @@ impl Frame {
         let directions = block.directions.clone().zip(&start);
         let end = directions.map(|(i, &p)| arena.add(p, scheme.dp[i]));
         let end = end.collect();
+        let chart = Chart::new(&x, arena);
         Self {
-            differential: differential(&x, arena),
-            turn: transposed_cayley(&x, arena),
+            differential: chart.differential(arena),
+            turn: chart.transposed(arena),
             start,
             end,
         }

@@ -6,37 +6,19 @@
 //! rotation, by columns. Its *directions* are its degrees of freedom: one for each coordinate, and
 //! three for a rotation, in which R moves by R ξ̂ (left trivialisation; ξ̂ a = ξ × a).
 //!
-//! The increment of a rotation is the Cayley vector x of `R₀ᵀR₁`, with
-//! `cay(x) = 1 + (x̂ + ½ x̂²)/(1 + ¼|x|²)`. The chart moves with R₀. An action S(x, R̄) depends on
-//! the ends through x and the middle R̄ of the geodesic between them, R̄ = R₀ cay(y), R₁ = R̄
-//! cay(y). If the start turns by ε₀ and the end by ε₁,
-//!
-//! ```text
-//! δx = (1 + ½ x̂ + ¼ x xᵀ) ε₁ − (1 − ½ x̂ + ¼ x xᵀ) ε₀
-//! (R̄ᵀδR̄)^∨ = ½ (1 + ½ ŷ) ε₁ + ½ (1 − ½ ŷ) ε₀
-//! ```
-//!
-//! so that with g = ∂S/∂x and the left-trivialised derivative τ of S in R̄ the momenta −∂S/∂ε₀ and
-//! ∂S/∂ε₁ are
-//!
-//! ```text
-//! Π₀ = g + ½ x × g + ¼ x (x·g) − ½ τ − ¼ y × τ        Π₁ = g − ½ x × g + ¼ x (x·g) + ½ τ − ¼ y × τ
-//! ```
-//!
-//! Source: Bou-Rabee, Marsden, *Hamilton–Pontryagin integrators on Lie groups* (2009). The second
-//! variation is a Jacobi field on a group with a bi-invariant metric, at the middle of its
-//! geodesic.
+//! The increment of a rotation is the rotation vector of `R₀ᵀR₁`; [`chart`](super::chart) has the
+//! momenta.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::algebra::{Arena, Expr, Function, Symbol};
+use crate::algebra::{Arena, Expr, Symbol};
 
 /// Number of directions in which a rotation moves.
-const DIRECTIONS: usize = 3;
+pub(super) const DIRECTIONS: usize = 3;
 
 /// Number of entries of the matrix of a rotation.
-const ENTRIES: usize = 9;
+pub(super) const ENTRIES: usize = 9;
 
 /// A factor of a configuration space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -202,118 +184,6 @@ pub(crate) struct RotationEntry {
     pub(crate) number: Option<usize>,
     pub(crate) row: usize,
     pub(crate) column: usize,
-}
-
-/// The middle of the geodesic between two rotations.
-pub(crate) struct Midpoint {
-    /// The entries of the matrix.
-    pub(crate) entries: Vec<Expr>,
-    /// The Cayley vector of the rotation from the start to the middle.
-    pub(crate) half: Vec<Expr>,
-}
-
-/// Returns the midpoint R₀ cay(y) of a rotation, halfway along a geodesic: `y = x/(1 + s)` with
-/// `s = √(1 + ¼|x|²)`, and `cay(y) = 1 + x̂/(2s) + x̂²/(4s(1 + s))`.
-pub(crate) fn midpoint_of_rotation(start: &[Expr], x: &[Expr], arena: &mut Arena) -> Midpoint {
-    let squares: Vec<(f64, Expr)> = x.iter().map(|&x| (0.25, arena.pow(x, 2))).collect();
-    let square = arena.sum(1.0, &squares);
-    let s = arena.call(Function::Sqrt, square);
-    let s = arena.opaque(s);
-    let sum = arena.sum(1.0, &[(1.0, s)]);
-    let ratio = arena.pow(sum, -1);
-    let ratio = arena.opaque(ratio);
-    let half: Vec<Expr> = x.iter().map(|&x| arena.mul(x, ratio)).collect();
-    let half: Vec<Expr> = half.into_iter().map(|y| arena.opaque(y)).collect();
-    // 1/(1 + ¼|y|²)
-    let scale = arena.product(&[(sum, 1), (s, -1)]);
-    let scale = arena.scale(0.5, scale);
-    let scale = arena.opaque(scale);
-    // row by row: cay(y)ᵀ a for each row a of R₀ is a + scale (a × y + ½ (a × y) × y)
-    let mut entries = vec![arena.constant(0.0); ENTRIES];
-    for row in 0..3 {
-        let a: Vec<Expr> = (0..3).map(|column| start[3 * column + row]).collect();
-        let once = cross(&a, &half, arena);
-        let once: Vec<Expr> = once.into_iter().map(|e| arena.opaque(e)).collect();
-        let twice = cross(&once, &half, arena);
-        for column in 0..3 {
-            let change = arena.sum(0.0, &[(1.0, once[column]), (0.5, twice[column])]);
-            let change = arena.mul(scale, change);
-            entries[3 * column + row] = arena.add(a[column], change);
-        }
-    }
-    Midpoint { entries, half }
-}
-
-/// Returns `g + ½ x × g + ¼ x (x·g)`, the part of the momentum at the start that depends on the
-/// derivative g in the increment.
-pub(crate) fn momentum_at_start(x: &[Expr], g: &[Expr], arena: &mut Arena) -> Vec<Expr> {
-    let products: Vec<(f64, Expr)> = x
-        .iter()
-        .zip(g)
-        .map(|(&x, &g)| (1.0, arena.mul(x, g)))
-        .collect();
-    let along = arena.sum(0.0, &products);
-    let along = arena.opaque(along);
-    let across = cross(x, g, arena);
-    let momentum = (0..DIRECTIONS).map(|k| {
-        let along = arena.mul(x[k], along);
-        arena.sum(0.0, &[(1.0, g[k]), (0.5, across[k]), (0.25, along)])
-    });
-    momentum.collect()
-}
-
-/// Returns the matrix A(x) of the differential of the Cayley transform,
-/// `(cay(x)ᵀ d cay(x))^∨ = A dx`: `(1 − ½ x̂)/(1 + ¼|x|²)`, by rows.
-pub(crate) fn differential(x: &[Expr], arena: &mut Arena) -> [[Expr; 3]; 3] {
-    let scale = shortening(x, arena);
-    by_columns(arena, |unit, arena| {
-        let across = cross(x, unit, arena);
-        std::array::from_fn(|row| {
-            let entry = arena.sum(0.0, &[(1.0, unit[row]), (-0.5, across[row])]);
-            arena.mul(scale, entry)
-        })
-    })
-}
-
-/// Returns cay(x)ᵀ, by rows: the image of a direction at R₀ in the frame of R₁ = R₀ cay(x).
-pub(crate) fn transposed_cayley(x: &[Expr], arena: &mut Arena) -> [[Expr; 3]; 3] {
-    let scale = shortening(x, arena);
-    by_columns(arena, |unit, arena| {
-        let once = cross(x, unit, arena);
-        let twice = cross(x, &once, arena);
-        std::array::from_fn(|row| {
-            let change = arena.sum(0.0, &[(-1.0, once[row]), (0.5, twice[row])]);
-            let change = arena.mul(scale, change);
-            arena.add(unit[row], change)
-        })
-    })
-}
-
-/// Returns the matrix of a linear map, by rows, from the images of the unit vectors.
-fn by_columns(
-    arena: &mut Arena,
-    image: impl Fn(&[Expr; 3], &mut Arena) -> [Expr; 3],
-) -> [[Expr; 3]; 3] {
-    let zero = arena.constant(0.0);
-    let one = arena.constant(1.0);
-    let mut matrix = [[zero; 3]; 3];
-    for k in 0..3 {
-        let mut unit = [zero; 3];
-        unit[k] = one;
-        let column = image(&unit, arena);
-        for row in 0..3 {
-            matrix[row][k] = column[row];
-        }
-    }
-    matrix
-}
-
-/// Returns `1/(1 + ¼|x|²)`.
-fn shortening(x: &[Expr], arena: &mut Arena) -> Expr {
-    let squares: Vec<(f64, Expr)> = x.iter().map(|&x| (0.25, arena.pow(x, 2))).collect();
-    let square = arena.sum(1.0, &squares);
-    let scale = arena.pow(square, -1);
-    arena.opaque(scale)
 }
 
 /// Returns the derivative of an expression in the directions of a rotation, from the derivatives in

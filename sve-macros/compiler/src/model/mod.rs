@@ -6,6 +6,7 @@
 
 use proc_macro2::TokenStream;
 
+pub(crate) mod chart;
 pub(crate) mod configuration;
 pub(crate) mod domain;
 mod names;

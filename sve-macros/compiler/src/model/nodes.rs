@@ -6,6 +6,9 @@ use crate::algebra::{Arena, Expr, Identity, Node};
 /// The node at the end of a step with constraints. No rule uses this number.
 pub(crate) const END: usize = 1 << 20;
 
+/// The bit of identities of other intermediate results.
+pub(super) const OTHERS: u64 = 1 << 63;
+
 /// A quantity at a quadrature node of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct AtNode {
@@ -31,6 +34,9 @@ impl AtNode {
         let Node::Opaque(_, Some(Identity(bits))) = *arena.node(expr) else {
             return None;
         };
+        if bits & OTHERS != 0 {
+            return None;
+        }
         let index = (bits & 0xffff_ffff) as usize;
         let quantity = match bits >> 32 & 3 {
             0 => NodeQuantity::Time,

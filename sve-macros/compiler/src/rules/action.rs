@@ -10,6 +10,7 @@ use std::collections::{BTreeSet, HashMap};
 use super::constraints::{self, Enforced};
 use super::degenerate;
 use super::discretisation;
+use super::rotations::{RotationAtNode, values_at_nodes};
 use super::weak2::Potential;
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::catalogue::{Rule, RuleOption};
@@ -42,16 +43,6 @@ pub(crate) struct Action {
     pub(crate) enforced: Option<Enforced>,
 }
 
-/// A rotation at the node in the middle of a step.
-pub(crate) struct RotationAtNode {
-    /// Number of its first entry in the configuration.
-    pub(crate) first: usize,
-    pub(crate) entries: Vec<Symbol>,
-    pub(crate) values: Vec<Expr>,
-    /// The Cayley vector of half of the step.
-    pub(crate) half: Vec<Expr>,
-}
-
 /// Virtual work of a component of the force (Lagrange–d'Alembert): `impulse · δ place` is added to
 /// δS.
 pub(crate) struct Work {
@@ -65,9 +56,9 @@ pub(crate) struct Work {
 pub(crate) enum Place {
     /// A coordinate of the node.
     Coordinate(Expr),
-    /// The rotation at the node, which turns in this direction of the configuration, about an axis
-    /// of the body.
-    Turn(usize),
+    /// The rotation at the node of this number among those of the rule, which turns in a direction of
+    /// the configuration, about an axis of the body.
+    Turn { node: usize, direction: usize },
 }
 
 /// Conditions and equations at the two ends of a step beside the momentum balance of each
@@ -169,14 +160,6 @@ pub(crate) fn discretise(
     };
     let action = variables.action(discrete, ends);
     constraints::enforce(action, model, symbols, arena)
-}
-
-/// Returns the values of the entries of rotations at the nodes.
-pub(crate) fn values_at_nodes(rotations: &[RotationAtNode]) -> HashMap<Symbol, Expr> {
-    let pairs = rotations
-        .iter()
-        .flat_map(|r| r.entries.iter().zip(&r.values));
-    pairs.map(|(&entry, &value)| (entry, value)).collect()
 }
 
 impl Variables<'_> {
@@ -322,8 +305,13 @@ impl Variables<'_> {
             .collect()
     }
 
-    /// Returns the work of the force at a node, for a part of the step.
-    pub(super) fn work(&mut self, part: f64, node: &HashMap<Symbol, Expr>) -> Vec<Work> {
+    /// Returns the work of the force at a node, for a part of the step. `number` is that of the node.
+    pub(super) fn work(
+        &mut self,
+        part: f64,
+        number: usize,
+        node: &HashMap<Symbol, Expr>,
+    ) -> Vec<Work> {
         let h = self.arena.symbol(self.h);
         let Some(force) = &self.model.force else {
             return Vec::new();
@@ -337,7 +325,10 @@ impl Variables<'_> {
                 let impulse = self.arena.scale(part, impulse);
                 let place = match block.factor {
                     Factor::Vector(_) => Place::Coordinate(node[&entries[k]]),
-                    Factor::Rotation => Place::Turn(direction),
+                    Factor::Rotation => Place::Turn {
+                        node: number,
+                        direction,
+                    },
                 };
                 work.push(Work { impulse, place });
             }

@@ -72,7 +72,7 @@ impl Discretisation for Gauss {
             if let Some((factor, term)) = x.weak2(&node) {
                 terms.push((weight * factor, term));
             }
-            work.extend(x.work(weight, &node));
+            work.extend(x.work(weight, 0, &node));
         }
         for k in 0..n {
             let mut path = vec![(1.0, x.arena.symbol(x.displacement[k]))];

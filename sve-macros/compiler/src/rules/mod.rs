@@ -8,6 +8,7 @@ pub(crate) mod constraints;
 pub(crate) mod degenerate;
 pub(crate) mod gauss;
 mod one_node;
+pub(crate) mod rotations;
 mod stormer_verlet;
 mod taylor2;
 pub(crate) mod textbook;

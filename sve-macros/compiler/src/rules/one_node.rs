@@ -10,12 +10,14 @@
 use std::collections::HashMap;
 
 use super::Discretisation;
-use super::action::{Discrete, RotationAtNode, Variables};
+use super::action::{Discrete, Variables};
 use super::degenerate::{END, INNER, SHIFTED};
+use super::rotations::{NodePlace, RotationAtNode};
 use super::textbook::{self, Features, Point, Textbook};
 use crate::algebra::{Expr, Symbol};
-use crate::model::configuration::{Block, Factor, Midpoint, midpoint_of_rotation};
-use crate::model::{Family, Meaning, NodeQuantity, Unknown};
+use crate::model::chart::{Chart, Midpoint};
+use crate::model::configuration::{Block, Factor};
+use crate::model::{Family, NodeQuantity, Unknown};
 
 /// A rule with one node.
 pub(super) struct OneNode {
@@ -68,7 +70,7 @@ impl Discretisation for OneNode {
         Discrete {
             value,
             internal: v.into_iter().chain(p).collect(),
-            work: x.work(1.0, &node),
+            work: x.work(1.0, 0, &node),
             rotations,
         }
     }
@@ -116,34 +118,15 @@ impl OneNode {
     }
 }
 
-/// Adds the entries of a rotation at the node of the midpoint rule, halfway along the geodesic. The
-/// other rules do not apply to rotations ([`applicable`](super::applicable)).
+/// Adds the entries of a rotation at the node of the midpoint rule, halfway along the geodesic. Other
+/// rules with one node do not apply to rotations ([`applicable`](super::applicable)).
 fn rotation_at_midpoint(
     x: &mut Variables<'_>,
     block: &Block,
     node: &mut HashMap<Symbol, Expr>,
 ) -> RotationAtNode {
-    let start: Vec<Expr> = x.start_q[block.entries.clone()]
-        .iter()
-        .map(|&s| x.arena.symbol(s))
-        .collect();
-    let increment: Vec<Expr> = x.displacement[block.directions.clone()]
-        .iter()
-        .map(|&s| x.arena.symbol(s))
-        .collect();
-    let Midpoint { entries, half } = midpoint_of_rotation(&start, &increment, x.arena);
-    let mut rotation = RotationAtNode {
-        first: block.entries.start,
-        entries: Vec::new(),
-        values: Vec::new(),
-        half,
-    };
-    for (entry, at) in block.entries.clone().zip(entries) {
-        let symbol = x.symbols.declare(Meaning::NodeEntry(entry));
-        node.insert(x.model.q[entry], x.arena.symbol(symbol));
-        rotation.entries.push(symbol);
-        let value = x.at_node(0, NodeQuantity::Position(entry), at);
-        rotation.values.push(value);
-    }
-    rotation
+    let [start, increment] = x.motion(block);
+    let Midpoint { entries, quarter } = Chart::new(&increment, x.arena).midpoint(&start, x.arena);
+    let place = NodePlace::Middle { quarter };
+    x.rotation(block, (0, place), entries, node)
 }

@@ -14,8 +14,11 @@ use std::collections::HashMap;
 
 use super::Discretisation;
 use super::action::{Discrete, Variables};
+use super::rotations::{NodePlace, RotationAtNode};
 use super::textbook::{self, Features, Point, Textbook};
 use crate::algebra::{Expr, Symbol};
+use crate::model::chart::Chart;
+use crate::model::configuration::Factor;
 use crate::model::{Family, NodeQuantity, Unknown};
 
 pub(super) struct StormerVerlet;
@@ -28,7 +31,7 @@ impl Discretisation for StormerVerlet {
         let n = x.model.dof();
         let v = x.symbols.declare_all(n, Unknown::of(Family::Velocity));
         let p = x.symbols.declare_all(n, Unknown::of(Family::Momentum));
-        let nodes = ends(x, &v, &p);
+        let (nodes, rotations) = ends(x, &v, &p);
         let mut terms = Vec::new();
         for node in &nodes {
             terms.push((0.5, x.lagrangian(node)));
@@ -36,12 +39,14 @@ impl Discretisation for StormerVerlet {
         }
         terms.extend((0..n).map(|i| x.displaced(i, v[i], p[i])));
         let value = x.arena.sum(0.0, &terms);
-        let work = nodes.iter().flat_map(|node| x.work(0.5, node)).collect();
+        let numbered = nodes.iter().enumerate();
+        let work = numbered.flat_map(|(number, node)| x.work(0.5, number, node));
+        let work = work.collect();
         Discrete {
             value,
             internal: v.into_iter().chain(p).collect(),
             work,
-            rotations: Vec::new(),
+            rotations,
         }
     }
 
@@ -55,22 +60,37 @@ impl Discretisation for StormerVerlet {
     }
 }
 
-/// Returns the values of the model's variables at the start and at the end.
-fn ends(x: &mut Variables<'_>, v: &[Symbol], p: &[Symbol]) -> [HashMap<Symbol, Expr>; 2] {
+/// Returns the values of the model's variables at the start and at the end, and the rotations there.
+fn ends(
+    x: &mut Variables<'_>,
+    v: &[Symbol],
+    p: &[Symbol],
+) -> ([HashMap<Symbol, Expr>; 2], Vec<RotationAtNode>) {
     let (mut start, mut end) = (HashMap::new(), HashMap::new());
     let (t, h) = (x.arena.symbol(x.model.time), x.arena.symbol(x.h));
     let t_end = x.arena.add(t, h);
     end.insert(x.model.time, x.at_node(END, NodeQuantity::Time, t_end));
-    for i in 0..x.model.dof() {
-        let [q, d] = [x.start_q[i], x.displacement[i]].map(|s| x.arena.symbol(s));
-        let q_end = x.arena.add(q, d);
-        let q_end = x.at_node(END, NodeQuantity::Position(i), q_end);
-        start.insert(x.model.q[i], q);
-        end.insert(x.model.q[i], q_end);
-        for node in [&mut start, &mut end] {
-            node.insert(x.model.v[i], x.arena.symbol(v[i]));
-            node.insert(x.model.p[i], x.arena.symbol(p[i]));
+    let mut rotations = Vec::new();
+    for block in x.model.configuration().blocks() {
+        let [from, moved] = x.motion(&block);
+        if block.factor == Factor::Rotation {
+            let to = Chart::new(&moved, x.arena).end(&from, x.arena);
+            rotations.push(x.rotation(&block, (0, NodePlace::Start), from, &mut start));
+            rotations.push(x.rotation(&block, (1, NodePlace::End), to, &mut end));
+        } else {
+            for (entry, (q, d)) in block.entries.clone().zip(from.into_iter().zip(moved)) {
+                let q_end = x.arena.add(q, d);
+                let q_end = x.at_node(END, NodeQuantity::Position(entry), q_end);
+                start.insert(x.model.q[entry], q);
+                end.insert(x.model.q[entry], q_end);
+            }
+        }
+        for i in block.directions {
+            for node in [&mut start, &mut end] {
+                node.insert(x.model.v[i], x.arena.symbol(v[i]));
+                node.insert(x.model.p[i], x.arena.symbol(p[i]));
+            }
         }
     }
-    [start, end]
+    ([start, end], rotations)
 }

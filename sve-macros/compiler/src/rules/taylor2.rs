@@ -78,8 +78,8 @@ impl Discretisation for Taylor2 {
             terms.push((0.5, x.arena.product(&[(h, 2), (nu, 1), (flow, 1)])));
         }
         let value = x.arena.sum(0.0, &terms);
-        let mut work = x.work(0.5, &start);
-        work.extend(x.work(0.5, &end));
+        let mut work = x.work(0.5, 0, &start);
+        work.extend(x.work(0.5, 1, &end));
         Discrete {
             value,
             internal: [v, a, mu, nu].concat(),

@@ -7,7 +7,7 @@ use super::block::Replacement;
 use super::elimination::Reduced;
 use super::scheme::{Linear, Refinement};
 use crate::algebra::{Expr, Symbol};
-use crate::model::Meaning;
+use crate::model::{Meaning, chart};
 
 impl Reduced<'_> {
     /// Returns the Newton step from zero of the equations to leading order.
@@ -22,9 +22,9 @@ impl Reduced<'_> {
     /// Returns a cheap guess from the limit of h = 0 and no noise, where the equations of most
     /// systems are linear: the explicit velocity. The guess of a single unknown that noise kicks
     /// includes the kick. The guess of several unknowns is refined to first order in h and the
-    /// increments, with the same matrix. The equations of a rotation are short polynomials; their
-    /// guess is refined to second order by two steps of Newton's method with this matrix. `None` if
-    /// the matrix does not exist.
+    /// increments, with the same matrix. The guess of a rotation is refined to second order by two
+    /// steps of Newton's method with this matrix, in which the functions of its chart are short
+    /// polynomials. `None` if the matrix does not exist.
     pub(super) fn guess(
         &mut self,
         residual: &[Expr],
@@ -116,10 +116,11 @@ impl Reduced<'_> {
         Refinement { first, rhs }
     }
 
-    /// Returns `−R` at the previous stage.
+    /// Returns `−R` at the previous stage, for small rotations.
     fn chord_step(&mut self, residual: &[Expr], unknowns: &[Symbol]) -> Refinement<Expr> {
         let (first, point) = self.stage_names(unknowns);
-        let residual = self.arena.substitute_all(residual, &point).into_iter();
+        let residual = chart::of_small_angles(residual, self.arena);
+        let residual = self.arena.substitute_all(&residual, &point).into_iter();
         let rhs = residual.map(|r| self.arena.neg(r)).collect();
         Refinement { first, rhs }
     }

@@ -43,7 +43,7 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
         if model.configuration().has_rotations() && !rule.takes_rotations() {
             errors.push(
                 listed.place,
-                format!("`{name}` is not for rotations, and the configuration of this block has one: use `midpoint`, or a composition of it (`Composed::new(Midpoint, KahanLi8)`)"),
+                format!("`{name}` is not for rotations, and the configuration of this block has one: use `midpoint`, `stormer_verlet`, or a composition of them (`Composed::new(Midpoint, KahanLi8)`)"),
             );
         }
         if !model.constraints.is_empty() {

@@ -98,12 +98,12 @@ impl<Q: FixedSize, const B: usize> FixedSize for [Q; B] {
     }
 
     #[inline(always)]
-    fn cayley_square(increment: &[f64]) -> f64 {
+    fn turn_square(increment: &[f64]) -> f64 {
         if !Q::HAS_ROTATIONS {
             return 0.0;
         }
         let bodies = increment.chunks(Q::DEGREES_OF_FREEDOM);
-        bodies.map(Q::cayley_square).fold(0.0, f64::max)
+        bodies.map(Q::turn_square).fold(0.0, f64::max)
     }
 
     #[inline(always)]

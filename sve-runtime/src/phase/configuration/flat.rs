@@ -44,9 +44,9 @@ pub trait FlatConfiguration<const N: usize>: Configuration<Momentum = [f64; N]> 
         self.store(&mut values);
         values
     }
-    /// Returns the square of the longest Cayley vector in an increment, see
-    /// [`FixedSize::cayley_square`].
-    fn cayley_square(increment: &[f64; N]) -> f64;
+    /// Returns the square of the largest angle of a rotation in an increment, see
+    /// [`FixedSize::turn_square`].
+    fn turn_square(increment: &[f64; N]) -> f64;
     /// Adds the change of the momentum by its transport with a velocity, see
     /// [`FixedSize::add_transport`].
     fn add_transport(momentum: &[f64; N], velocity: &[f64; N], to: &mut [f64; N]);
@@ -114,7 +114,7 @@ impl<const N: usize> FlatConfiguration<N> for [f64; N] {
     }
 
     #[inline(always)]
-    fn cayley_square(_: &[f64; N]) -> f64 {
+    fn turn_square(_: &[f64; N]) -> f64 {
         0.0
     }
 

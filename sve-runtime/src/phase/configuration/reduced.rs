@@ -129,8 +129,8 @@ impl<Q: FixedSize> FixedSize for Reduced<Q> {
     }
 
     #[inline(always)]
-    fn cayley_square(increment: &[f64]) -> f64 {
-        Q::cayley_square(increment)
+    fn turn_square(increment: &[f64]) -> f64 {
+        Q::turn_square(increment)
     }
 
     #[inline(always)]

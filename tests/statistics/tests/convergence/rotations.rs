@@ -10,12 +10,11 @@ use sve_runtime::plan::StrongOrder;
 use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
 
-/// Steps 2⁻⁷ … 2⁻¹¹, the smallest against 2⁻¹². Half of the paths give 1.4 times the
-/// standard error.
+/// Steps 2⁻⁷ … 2⁻¹¹, the smallest against 2⁻¹².
 const PATHS: Paths = Paths {
     seed: 2026,
     batches: 16,
-    count: if cfg!(feature = "thorough") { 20 } else { 10 },
+    count: if cfg!(feature = "thorough") { 20 } else { 14 },
     coarsest: 7,
     levels: 5,
     finest: 12,
@@ -91,7 +90,7 @@ struct HeavyTop {
     s: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl HeavyTop {
     fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * (w.x * w.x + 2.0 * w.y * w.y + 3.0 * w.z * w.z) - 2.0 * r[(2, 2)]
@@ -118,7 +117,7 @@ struct SpaceAndBody {
     s: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl SpaceAndBody {
     fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * (w.x * w.x + 2.0 * w.y * w.y + 3.0 * w.z * w.z)
@@ -153,23 +152,25 @@ impl Tethered {
     }
 }
 
-/// Checks the strong order of the midpoint rule.
-fn check<S, Q, const N: usize, const M: usize>(
+/// Checks the strong order of a rule.
+fn check<S, R, Q, const N: usize, const M: usize>(
     system: &S,
+    rule: R,
     noise: &str,
     order: StrongOrder,
     start: State<Q>,
 ) where
-    S: Variational<Midpoint> + System<Dims = Dims<N, M, Q>>,
+    S: Variational<R> + System<Dims = Dims<N, M, Q>>,
+    R: Copy + 'static,
     Q: Coordinates<N>,
 {
-    let integrator = Integrator::new(system, Midpoint);
+    let integrator = Integrator::new(system, rule);
     assert_eq!(integrator.plan().strong_order, order, "{noise}");
     let path = |path| Path {
         fine: PATHS.record(path, M),
         end: None,
     };
-    PATHS.check(noise, &[Row::new(system, Midpoint, start)], path);
+    PATHS.check(noise, &[Row::new(system, rule, start)], path);
 }
 
 fn body() -> State<UnitQuaternion<f64>> {
@@ -187,10 +188,10 @@ fn pair() -> State<(Vector3<f64>, UnitQuaternion<f64>)> {
 fn noises_of_the_body_momentum() {
     let one = StrongOrder::One;
     let chi = Vector3::new(0.3, -0.2, 0.5);
-    check(&Linear { chi }, "χ·Π", one, body());
+    check(&Linear { chi }, Midpoint, "χ·Π", one, body());
     let k = Vector3::new(0.5, 0.2, -0.3);
-    check(&Quadratic { k }, "½ Π·KΠ", one, body());
-    check(&Commuting { chi }, "χ·Π, ½ (χ·Π)²", one, body());
+    check(&Quadratic { k }, Midpoint, "½ Π·KΠ", one, body());
+    check(&Commuting { chi }, Midpoint, "χ·Π, ½ (χ·Π)²", one, body());
 }
 
 #[test]
@@ -198,15 +199,30 @@ fn noises_of_the_body_momentum_that_do_not_commute() {
     let half = StrongOrder::Half {
         pair: ("kicks[0]", "kicks[1]"),
     };
-    check(&Isotropic { s: 0.4 }, "σΠ₁, σΠ₂, σΠ₃", half, body());
+    check(
+        &Isotropic { s: 0.4 },
+        Midpoint,
+        "σΠ₁, σΠ₂, σΠ₃",
+        half,
+        body(),
+    );
 }
 
 #[test]
 fn noises_of_the_attitude() {
     let one = StrongOrder::One;
-    check(&HeavyTop { s: 0.5 }, "γ = s R₁₁", one, body());
-    check(&SpaceAndBody { s: 0.4 }, "s (RΠ)₁, s Π₃", one, body());
-    check(&Tethered { s: 0.3 }, "s (p·RΠ + q₃Π₁)", one, pair());
+    let (top, shaken) = (HeavyTop { s: 0.5 }, SpaceAndBody { s: 0.4 });
+    check(&top, Midpoint, "γ = s R₁₁", one, body());
+    check(&shaken, Midpoint, "s (RΠ)₁, s Π₃", one, body());
+    check(&top, StormerVerlet, "γ = s R₁₁", one, body());
+    check(&shaken, StormerVerlet, "s (RΠ)₁, s Π₃", one, body());
+    check(
+        &Tethered { s: 0.3 },
+        Midpoint,
+        "s (p·RΠ + q₃Π₁)",
+        one,
+        pair(),
+    );
 }
 
 #[test]

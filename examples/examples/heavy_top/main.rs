@@ -3,10 +3,13 @@
 //!
 //! The attitude is a rotation: there are no Euler angles, and the upright position is not singular.
 //! The shaking is a noise in the weight, γ = s R₃₃: it changes the energy and keeps the momenta
-//! about the vertical and about the figure axis, as every step does.
+//! about the vertical and about the figure axis, as every step does. Steps in the exponential chart of
+//! rotations are compared with steps in Cayley's, which are written by hand.
 //!
 //! `cargo run --release --example heavy_top` draws `target/heavy_top/heavy_top.svg` and `.png`, and
 //! exits with status 1 if a number is off.
+
+mod charts;
 
 use std::error::Error;
 use std::fs;
@@ -28,7 +31,7 @@ struct Top {
     s: f64,
 }
 
-#[variational(midpoint)]
+#[variational(midpoint, stormer_verlet)]
 impl Top {
     fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         let axis = r * Vector3::z();
@@ -143,7 +146,7 @@ fn view(title: &str, axis: &[Vector3<f64>], color: palette::Color) -> Panel {
     .with(Layer::new("axis", points, Pen::line(color, 1.1)).unlisted())
 }
 
-fn figure(motions: [&Motion; 3]) -> Figure {
+fn figure(motions: [&Motion; 3], errors: Panel) -> Figure {
     let colors = [palette::BLUE, palette::ORANGE, palette::BLACK];
     let titles = ["steady precession", "nutation from rest", "support shaken"];
     let views = titles.iter().zip(motions).zip(colors);
@@ -169,7 +172,7 @@ fn figure(motions: [&Motion; 3]) -> Figure {
             },
             Row {
                 height: 260,
-                panels: vec![tilt],
+                panels: vec![tilt, errors],
             },
         ],
     }
@@ -188,6 +191,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let steady = run(top, start(top, rate))?;
     let nutating = run(top, start(top, 0.0))?;
     let noisy = run(shaken, start(shaken, 0.0))?;
+
+    let errors = charts::errors(top, start(top, 0.0))?;
+    let gain = |errors: &[f64], over: &[f64]| errors[errors.len() - 1] / over[over.len() - 1];
+    let over_cayley = gain(&errors.cayley, &errors.exponential);
+    let over_midpoint = gain(&errors.exponential, &errors.verlet);
 
     let time = STEPS as f64 * H;
     let kept = "kept by every step, to rounding over 10⁵ steps";
@@ -215,13 +223,23 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             399.0,
             "the noise changes the energy",
         ),
+        Check::new(
+            "error of the attitude in Cayley's chart over the one here",
+            over_cayley,
+        )
+        .near(450.0, 50.0, "the same small steps"),
+        Check::new(
+            "that of midpoint over that of Störmer and Verlet",
+            over_midpoint,
+        )
+        .near(1.3, 0.2, "the same small steps"),
     ];
     println!(
         "{}",
         check::table("heavy top, h = 0.01, 10⁵ steps", &checks)
     );
 
-    let figure = figure([&steady, &nutating, &noisy]);
+    let figure = figure([&steady, &nutating, &noisy], charts::panel(&errors, SPIN));
     let folder = Path::new("target/heavy_top");
     fs::create_dir_all(folder)?;
     fs::write(folder.join("heavy_top.svg"), render::svg(&figure)?)?;
