@@ -114,9 +114,9 @@ pub(crate) fn panel(errors: &Errors, rate: f64) -> Panel {
         &errors.exponential,
         palette::BLUE,
     ))
-    .with(layer(
+    .with(Layer::new(
         "the same, Störmer and Verlet",
-        &errors.verlet,
-        palette::GREEN,
+        points(&errors.verlet),
+        Pen::dashed(palette::BLUE, 1.4, (5.0, 4.0)),
     ))
 }
