@@ -88,7 +88,7 @@ pub enum StepError {
     /// The equations for the forces of velocities and for the `#[h1]` of a scene are not solved by
     /// the iteration over its sites. With `midpoint` and an `#[h1]`, it is not certain to contract.
     #[error(
-        "the forces of velocities or the `#[h1]` in the step from t = {t} with h = {h:e} are too strong for its iteration, whose errors have the ratio {ratio:.3}, or one not proved to be smaller: \
+        "the forces of velocities or the `#[h1]` in the step from t = {t} with h = {h:e} are too strong for its iteration: the ratio of successive changes, or with `midpoint` the bound of it, is {ratio:.3}; \
          take h below about {wanted:.1e}; without `#[h1]`, the rule `endpoint` has explicit forces of velocities; with it, truncated increments (`Truncated`) bound the noise"
     )]
     Contraction {

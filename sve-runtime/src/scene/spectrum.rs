@@ -64,6 +64,7 @@ pub(super) struct Spectrum<'a, N, U> {
     pub(super) to: U,
 }
 
+/// The boxes of velocities.
 pub(super) struct BoxesOfVelocities<'a, N> {
     pub(super) boxes: &'a mut [N],
     pub(super) h: f64,
@@ -91,25 +92,23 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
             let [q, p] = [self.q, self.p].map(|x| &x[here.clone()]);
             let (factors, largest) = (factors.within(here.clone()), self.largest);
             let first = |at: usize| factors.of(at) * p[at];
-            let velocities = self.velocities.as_mut().map(|velocities| {
-                let BoxesOfVelocities { boxes, h, around } = velocities;
-                let around = around.map(|(v, largest)| (&v[here.clone()], largest));
-                (N::numbers_mut(&mut boxes[tiles]), *h, around)
-            });
-            let of_displacements = match velocities {
-                Some((of_v, h, Some((v, largest)))) => {
-                    let motion = |at: usize| box_of_motion(h * v[at], first(at), largest);
-                    write_boxes_of_motions(of_v, size, motion, h);
-                    None
-                }
-                Some((of_v, h, None)) => Some((of_v, h)),
-                None => None,
-            };
-            if self.d.is_empty() {
-                write_boxes(boxes, q, size, first, largest, of_displacements);
+            let d = if self.d.is_empty() {
+                write_boxes(boxes, q, size, first, largest);
+                &[]
             } else {
-                let d = &self.d[here];
-                write_boxes(boxes, q, size, |at| d[at], largest, of_displacements);
+                let d = &self.d[here.clone()];
+                write_boxes(boxes, q, size, |at| d[at], largest);
+                d
+            };
+            if let Some(BoxesOfVelocities { boxes, h, around }) = &mut self.velocities {
+                let (boxes, h, around) = (N::numbers_mut(&mut boxes[tiles]), *h, *around);
+                write_boxes_of_velocities(boxes, size, h, |at| match around {
+                    Some((v, largest)) => box_of_motion(h * v[here.start + at], first(at), largest),
+                    None => {
+                        let d = d.get(at).copied().unwrap_or_else(|| first(at));
+                        [0.5 * d, 2.0 * half_width(d, largest)]
+                    }
+                });
             }
         }
         self.boxes
@@ -143,16 +142,9 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
     }
 }
 
-/// Writes the boxes of nodes m, and those of their velocities v = 2 (m − q₀)/h.
+/// Writes the boxes of nodes m.
 #[inline(always)]
-fn write_boxes(
-    boxes: &mut [f64],
-    q: &[f64],
-    size: usize,
-    d: impl Fn(usize) -> f64,
-    largest: f64,
-    mut velocities: Option<(&mut [f64], f64)>,
-) {
+fn write_boxes(boxes: &mut [f64], q: &[f64], size: usize, d: impl Fn(usize) -> f64, largest: f64) {
     for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
         for k in 0..size {
             let at = site * size + k;
@@ -161,24 +153,15 @@ fn write_boxes(
             row[size + k] = half_width(d, largest);
         }
     }
-    if let Some((of_v, h)) = &mut velocities {
-        for (site, row) in of_v.chunks_exact_mut(2 * size).enumerate() {
-            for k in 0..size {
-                let d = d(site * size + k);
-                row[k] = 0.5 * d / *h;
-                row[size + k] = 2.0 * half_width(d, largest) / h.abs();
-            }
-        }
-    }
 }
 
-/// Writes the boxes of velocities with these middles and half widths of the motions h v.
+/// Writes the boxes of velocities v, from the middles and half widths of the motions h v.
 #[inline(always)]
-fn write_boxes_of_motions(
+fn write_boxes_of_velocities(
     boxes: &mut [f64],
     size: usize,
-    motion: impl Fn(usize) -> [f64; 2],
     h: f64,
+    motion: impl Fn(usize) -> [f64; 2],
 ) {
     for (site, row) in boxes.chunks_exact_mut(2 * size).enumerate() {
         for k in 0..size {

@@ -30,6 +30,8 @@
 //! bi-invariant metric, at the middle of its geodesic.
 
 mod parts;
+#[cfg(test)]
+mod tests;
 
 use super::configuration::{DIRECTIONS, ENTRIES, cross};
 use crate::algebra::{Arena, Expr};
