@@ -262,3 +262,15 @@ fn a_quaternion_that_is_not_finite_is_an_error() {
     let error = integrator.step(&mut state, 0.1, &[]).unwrap_err();
     assert!(error.to_string().contains("q[1] is NaN"), "{error}");
 }
+
+#[test]
+fn plans_name_the_attitudes_of_their_nodes() {
+    let plan = Integrator::new(TOP, StormerVerlet).plan().to_string();
+    assert!(
+        plan.contains("R₀[2, 1]") && plan.contains("R₁[2, 1]"),
+        "{plan}"
+    );
+    assert!(!plan.contains("R̄["), "{plan}");
+    let plan = Integrator::new(TOP, Midpoint).plan().to_string();
+    assert!(plan.contains("R̄[2, 1]") && !plan.contains("R₁["), "{plan}");
+}

@@ -79,7 +79,11 @@ impl<'a> Names<'a> {
         };
         let name = match quantity {
             NodeQuantity::Time => letter.to_owned(),
-            NodeQuantity::Position(i) => self.symbols.entry(letter, "R̄", i),
+            NodeQuantity::Position(i) => {
+                let is_end = rule.point(node).is_end();
+                let rotation = if is_end { "R₁" } else { "R̄" };
+                self.symbols.entry(letter, rotation, i)
+            }
             NodeQuantity::Velocity(i) => self.symbols.component(letter, i),
         };
         self.call(expr, name);
