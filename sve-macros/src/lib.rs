@@ -40,6 +40,7 @@ use sve_compiler::Settings;
 /// | `#[gamma] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; M]` | γ: one Wiener process a component |
 /// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: one Wiener process a component |
 /// | `#[force] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | F, a force that no potential has (Lagrange–d'Alembert); several add up |
+/// | `#[force(noise)] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | f, a force that acts with a Wiener process of its own: dp = … + f ∘ dW; each function is a process, numbered after those of γ and H₁ |
 /// | `#[symmetry] fn …` | `(&self, q: [f64; N]) -> [f64; N]` | ξ, the generator of a symmetry of everything else in the block |
 /// | `#[constraint] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; K]` | φ, a holonomic constraint φ = 0 a component |
 /// | other `fn` | anything in the language below | helpers, inlined |
@@ -223,6 +224,9 @@ use sve_compiler::Settings;
 /// | degenerate Lagrangians with an H₁ of massless coordinates, with a force, with a noise of an algebraic coordinate; by other rules; by the one-sided rules without the form with half of the velocities | the equation would have no solution, or the step would integrate another equation |
 /// | `taylor2` with noise | the rule is defined for deterministic systems |
 /// | `weak2` with noises that do not commute, an H₁ that depends on p, a force that is not affine in v, no noise; `gauss(s, weak2)` takes an H₁ that depends on p where there is no force | the term would not raise the weak order |
+/// | `weak2` with a `#[force(noise)]` that depends on v, or with masses that depend on the position or time | its term is not derived |
+/// | `initial_point` and `endpoint` with a `#[force(noise)]` of velocities and more than three coordinates coupled by masses that depend on the configuration | the correction needs the inverse of the mass matrix as a formula |
+/// | constraints with a `#[force(noise)]` of velocities beside other noises, or by `initial_point` and `endpoint` | whether projected noises commute, and their correction, are not derived |
 /// | `weak2` with ∂²L/∂v² that depends on v | the term would not be a function of time and configuration |
 /// | `weak2` with more than three coordinates coupled by masses that depend on the configuration | the inverse of the mass matrix is a formula, which would grow too long |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |

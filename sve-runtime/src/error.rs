@@ -223,6 +223,26 @@ pub enum StepError {
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         reached: f64,
     },
+    /// A noise force that depends on velocities is too strong for the step: its equations become
+    /// singular on the way to its increment. For `f = σp` the midpoint rule divides by 1 − σΔW/2.
+    #[error(
+        "the step from t = {t} with h = {h:e} and the increments {dw:?}: its solution was followed from no noise and lost at {reached:.3} of the increments, \
+         and a noise force depends on velocities: with it a step by this rule may have a pole where an increment is large; \
+         `gauss(2)` and `endpoint` have none where the force is linear in p, truncated increments (`Truncated`) do not reach it, and a smaller h makes it rare"
+    )]
+    NoisePole {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// Increments of the noise.
+        dw: Vec<f64>,
+        /// Fraction of the increments up to which the solution was followed at the whole step size.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        reached: f64,
+    },
     /// The configuration at the start of a step does not satisfy a constraint.
     #[error(
         "the constraint `{constraint}` is {value:e} at t = {t}, and its terms are of size {magnitude:e}: a step starts where the constraints hold; \

@@ -57,7 +57,14 @@ fn count(attribute: TokenStream, block: ItemImpl) -> syn::Result<Operations> {
         let message = "operations are counted for rules without options";
         return Err(syn::Error::new(block.arguments.rules[0].place, message));
     }
-    let action = action::discretise(rule, &model, None, None, &mut symbols, &mut arena);
+    let action = action::discretise(
+        rule,
+        &model,
+        None,
+        action::Terms::NONE,
+        &mut symbols,
+        &mut arena,
+    );
     let equations = equations::equations(&action, &symbols, &mut arena);
     let Ok(scheme) = structure::analyse(equations, &action, &mut symbols, &mut arena) else {
         return Err(syn::Error::new(

@@ -9,8 +9,8 @@
 //! with additive noise), deterministic order 1. The scheme is stable and damps oscillations: its
 //! energy settles where the exact energy grows.
 
+use crate::mechanics::Noises;
 use crate::mechanics::legendre;
-use crate::mechanics::{correction_of, noise_of};
 use crate::phase::Field;
 use crate::phase::configuration::VectorCoordinates;
 use crate::phase::state::State;
@@ -102,10 +102,10 @@ impl<S> BackwardEulerMaruyama<S> {
         S: System<Dims = Dims<N, M, Q>>,
         Q: VectorCoordinates<N>,
     {
-        let jets = self.system.noise_jets(state.t, &state.q, &state.p);
-        let mut n = noise_of(&jets, dw);
+        let noises = Noises::at(&self.system, state);
+        let mut n = noises.field(dw);
         if self.is_corrected {
-            let correction = correction_of(&jets);
+            let correction = noises.correction();
             n.add_scaled(h, &correction);
         }
         drift_implicit(&self.system, &self.newton, state, h, &n)

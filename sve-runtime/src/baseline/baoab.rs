@@ -17,8 +17,8 @@
 
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
+use crate::mechanics::Noises;
 use crate::mechanics::legendre;
-use crate::mechanics::noise_of;
 use crate::method::OneStepMethod;
 use crate::phase::Field;
 use crate::phase::configuration::VectorCoordinates;
@@ -196,11 +196,13 @@ impl<S> Baoab<S> {
             StepError::NotLangevin { t, what }
         };
         let rates = self.rates(at, v, mass).map_err(refused)?;
-        let jets = self.system.noise_jets(at.t, &at.q, &at.p);
-        if jets.iter().any(|jet| jet.dp.iter().any(|x| *x != 0.0)) {
+        let noises = Noises::at(&self.system, at);
+        let moves_position = noises.jets.iter().flat_map(|jet| jet.dp).any(|x| x != 0.0);
+        if moves_position || noises.read_velocity() {
             return Err(refused("a noise depends on the momentum"));
         }
-        let covariance = |i: usize, j: usize| jets.iter().map(|g| g.dq[i] * g.dq[j]).sum::<f64>();
+        let kicks = noises.kicks();
+        let covariance = |i: usize, j: usize| kicks.iter().map(|g| g[i] * g[j]).sum::<f64>();
         for i in 0..N {
             for j in 0..i {
                 let are_equal = (rates[i] - rates[j]).abs() <= ROUNDING * rates[i].abs();
@@ -212,7 +214,7 @@ impl<S> Baoab<S> {
                 }
             }
         }
-        let noise = noise_of(&jets, dw).p;
+        let noise = noises.field(dw).p;
         Ok(core::array::from_fn(|i| {
             let x = rates[i] * h;
             (-x).exp_m1() * at.p[i] + shrinkage(x) * noise[i]

@@ -10,7 +10,7 @@
 use crate::error::{StepError, step_error};
 use crate::integrator::accept;
 use crate::lanes::{ALL, LANES, Lane, Mask, needs_scalar_step};
-use crate::mechanics::{correction_of, noise_of, solve_drift};
+use crate::mechanics::{Noises, solve_drift};
 use crate::phase::Field;
 use crate::phase::configuration::{FlatConfiguration, VectorCoordinates};
 use crate::phase::lanes::StateLanes;
@@ -250,10 +250,10 @@ where
         return Err(SolveError::NonFinite);
     }
     let drift = solve_drift(system, at)?;
-    let jets = system.noise_jets(at.t, &at.q, &at.p);
-    let mut increment = noise_of(&jets, dw);
+    let noises = Noises::at(system, at);
+    let mut increment = noises.field(dw);
     increment.add_scaled(h, &drift);
-    let mut correction = correction_of(&jets);
+    let mut correction = noises.correction();
     for i in 0..N {
         correction.q[i] *= h;
         correction.p[i] *= h;

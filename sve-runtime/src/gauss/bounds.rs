@@ -51,40 +51,43 @@ pub struct NodeBounds<const N: usize, const M: usize> {
     pub force_by_position: [[f64; N]; N],
     /// Magnitudes of the derivatives of `∂L/∂q + F` by v.
     pub force_by_velocity: [[f64; N]; N],
-    /// The bounds of each noise Hamiltonian.
+    /// The bounds of each noise.
     pub noises: [NoiseBounds<N>; M],
     /// True if the bounds hold: the functions are defined in the whole box.
     pub hold: bool,
 }
 
-/// Magnitudes of derivatives of a noise Hamiltonian in a box.
+/// Magnitudes of derivatives of a noise in a box, with the Hamiltonian G and the force f.
 #[derive(Clone, Copy, Debug)]
 pub struct NoiseBounds<const N: usize> {
-    /// Magnitudes of `∂G/∂q`.
-    pub dq: [f64; N],
+    /// Magnitudes of `∂G/∂q − f`.
+    pub against: [f64; N],
     /// Magnitudes of `∂G/∂p`.
     pub dp: [f64; N],
-    /// Magnitudes of `∂²G/∂q∂t`.
-    pub dqt: [f64; N],
+    /// Magnitudes of `∂(∂G/∂q − f)/∂t`.
+    pub against_t: [f64; N],
     /// Magnitudes of `∂²G/∂p∂t`.
     pub dpt: [f64; N],
-    /// Magnitudes of `∂²G/∂q²`.
-    pub dqq: [[f64; N]; N],
+    /// Magnitudes of `∂(∂G/∂q − f)/∂q`.
+    pub against_q: [[f64; N]; N],
     /// Magnitudes of `∂²G/∂q∂p`, with rows by q.
     pub dqp: [[f64; N]; N],
     /// Magnitudes of `∂²G/∂p²`.
     pub dpp: [[f64; N]; N],
+    /// Magnitudes of `∂f/∂v`.
+    pub force_v: [[f64; N]; N],
 }
 
 impl<const N: usize> NoiseBounds<N> {
     const UNBOUNDED: Self = Self {
-        dq: [f64::INFINITY; N],
+        against: [f64::INFINITY; N],
         dp: [f64::INFINITY; N],
-        dqt: [f64::INFINITY; N],
+        against_t: [f64::INFINITY; N],
         dpt: [f64::INFINITY; N],
-        dqq: [[f64::INFINITY; N]; N],
+        against_q: [[f64::INFINITY; N]; N],
         dqp: [[f64::INFINITY; N]; N],
         dpp: [[f64::INFINITY; N]; N],
+        force_v: [[f64::INFINITY; N]; N],
     };
 }
 

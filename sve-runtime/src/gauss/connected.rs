@@ -187,7 +187,7 @@ where
         for a in 0..M {
             let reach = tableau.reach * increments[a];
             for n in 0..N {
-                impulse[n] += reach * bounds.noises[a].dq[n];
+                impulse[n] += reach * bounds.noises[a].against[n];
                 shift[n] += reach * bounds.noises[a].dp[n];
             }
         }
@@ -282,9 +282,12 @@ where
         for a in 0..M {
             let of = &bounds.noises[a];
             for n in 0..N {
-                let mut force = of.dqt[n] * time;
+                let mut force = of.against_t[n] * time;
                 for k in 0..N {
-                    force += of.dqq[n][k] * near.q[k] + of.dqp[n][k] * p[k];
+                    force += of.against_q[n][k] * near.q[k] + of.dqp[n][k] * p[k];
+                    if Sys::NOISE_FORCED {
+                        force += of.force_v[n][k] * near.v[k];
+                    }
                 }
                 impulses[n] += increments[a] * force;
             }

@@ -19,9 +19,9 @@ pub struct ParameterJet<const N: usize, const M: usize> {
     pub dv: [f64; N],
     /// Derivatives of the force.
     pub force: [f64; N],
-    /// Derivatives of `∂G_a/∂q` for each noise Hamiltonian.
-    pub noise_dq: [[f64; N]; M],
-    /// Derivatives of `∂G_a/∂p` for each noise Hamiltonian.
+    /// Derivatives of `∂G_a/∂q − f_a` for each noise.
+    pub noise_against: [[f64; N]; M],
+    /// Derivatives of `∂G_a/∂p` for each noise.
     pub noise_dp: [[f64; N]; M],
 }
 
@@ -155,7 +155,7 @@ where
                 let mut shift = 0.0;
                 for a in 0..M {
                     let part = self.noise[a][j];
-                    impulse -= part * jet.noise_dq[a][m];
+                    impulse -= part * jet.noise_against[a][m];
                     shift += part * jet.noise_dp[a][m];
                     for k in 0..N {
                         // through the momentum of the stage

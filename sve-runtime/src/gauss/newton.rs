@@ -178,6 +178,15 @@ where
                 kick[m] += self.h * force.value[m];
             }
         }
+        if Sys::NOISE_FORCED {
+            let forces = system.noise_force_jets(state.t, &state.q, v);
+            for (force, parts) in forces.iter().zip(&self.noise) {
+                let dw: f64 = parts.iter().sum();
+                for m in 0..N {
+                    kick[m] += dw * force.value[m];
+                }
+            }
+        }
         let noises = system.noise_jets(state.t, &state.q, &state.p);
         for (jet, parts) in noises.iter().zip(&self.noise) {
             let dw: f64 = parts.iter().sum();

@@ -19,6 +19,13 @@ pub trait WithPotential<const N: usize, const E: usize>: System {
     /// Returns the jets of every noise Hamiltonian and of `½ Σ_a K_a`, with first and second
     /// derivatives.
     fn noise_jets(&self, t: f64, q: &[f64; N], p: &[f64; N]) -> [NoiseJet<N>; E];
+    /// True if a noise has a force.
+    const NOISE_FORCED: bool = false;
+    /// Returns the force of every noise, with its first derivatives.
+    fn noise_force_jets(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> [ForceJet<N>; E] {
+        let _ = (t, q, v);
+        [ForceJet::NONE; E]
+    }
 }
 
 /// A system whose last noise is its potential.
@@ -55,6 +62,7 @@ where
     const AFFINE_MOMENTUM: bool = Sys::AFFINE_MOMENTUM;
     const ROLES: &'static [CoordinateRole] = Sys::ROLES;
     const FORCED: bool = Sys::FORCED;
+    const NOISE_FORCED: bool = <Sys as WithPotential<N, E>>::NOISE_FORCED;
     const PARAMETERS: &'static [&'static str] = Sys::PARAMETERS;
     const FORMULAS: u64 = Sys::FORMULAS;
 
@@ -79,6 +87,11 @@ where
     #[inline]
     fn force_jet(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> ForceJet<N> {
         self.0.force_jet(t, q, v)
+    }
+
+    #[inline]
+    fn noise_force_jets(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> [ForceJet<N>; E] {
+        WithPotential::noise_force_jets(self.0, t, q, v)
     }
 }
 

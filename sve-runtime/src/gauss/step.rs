@@ -15,7 +15,7 @@
 use super::tableau::Tableau;
 use crate::phase::configuration::VectorCoordinates;
 use crate::phase::state::State;
-use crate::system::{Dims, LagrangianJet, System};
+use crate::system::{Dims, ForceJet, LagrangianJet, System};
 
 /// A step of the rule with `S` stages.
 #[derive(Clone, Copy)]
@@ -82,6 +82,18 @@ impl<const N: usize> Response<N> {
         by_position: [[0.0; N]; N],
         by_velocity: [[0.0; N]; N],
     };
+
+    /// Adds `part` times a force.
+    #[inline(always)]
+    fn add(&mut self, part: f64, force: &ForceJet<N>) {
+        for m in 0..N {
+            self.value[m] += part * force.value[m];
+            for n in 0..N {
+                self.by_position[m][n] += part * force.dq[m][n];
+                self.by_velocity[m][n] += part * force.dv[m][n];
+            }
+        }
+    }
 }
 
 impl<'a, Sys, Q, const S: usize, const N: usize, const M: usize> Step<'a, Sys, S, N, M>
@@ -126,13 +138,12 @@ where
             }
         }
         if Sys::FORCED {
-            let force = self.system.force_jet(t, q, v);
-            for m in 0..N {
-                impulse.value[m] += weight * force.value[m];
-                for n in 0..N {
-                    impulse.by_position[m][n] += weight * force.dq[m][n];
-                    impulse.by_velocity[m][n] += weight * force.dv[m][n];
-                }
+            impulse.add(weight, &self.system.force_jet(t, q, v));
+        }
+        if Sys::NOISE_FORCED {
+            let forces = self.system.noise_force_jets(t, q, v);
+            for (force, parts) in forces.iter().zip(&self.noise) {
+                impulse.add(parts[i], force);
             }
         }
         let mut shift = Response::ZERO;

@@ -9,6 +9,7 @@ use crate::error::{StepError, step_error};
 use crate::mechanics::constraints::explain::{constraint_error, gradient_error};
 use crate::mechanics::degenerate::{self, is_degenerate};
 use crate::mechanics::legendre;
+use crate::mechanics::{self};
 use crate::phase::configuration::{Coordinates, FlatConfiguration};
 use crate::phase::state::State;
 use crate::rule::Walker;
@@ -67,6 +68,15 @@ where
     Err(explain_step(walker, error, state, h, dw))
 }
 
+/// Returns whether the force of a noise depends on velocities at the start of the step.
+fn reads_velocity<S, Q, const N: usize, const M: usize>(system: &S, state: &State<Q::Flat>) -> bool
+where
+    S: System<Dims = Dims<N, M, Q>>,
+    Q: Coordinates<N>,
+{
+    S::NOISE_FORCED && mechanics::Noises::at(system, state).read_velocity()
+}
+
 /// The increments and unknowns of a step, or the failure of its solve.
 type Solved<S, R, const N: usize> =
     Result<([f64; N], [f64; N], <S as StepEquations<R>>::Unknowns), SolveError>;
@@ -100,6 +110,14 @@ where
                 step,
                 reached: noise,
             };
+            if step == 1.0 && reads_velocity(system, state) {
+                return Err(StepError::NoisePole {
+                    t: state.t,
+                    h,
+                    dw: dw.as_ref().to_vec(),
+                    reached: noise,
+                });
+            }
             if const { is_degenerate::<S>() } {
                 lost = degenerate::explained(system, state, lost);
             }

@@ -7,9 +7,11 @@
 //! Checks without a cost come first: the mass matrix of parameters was tested in `prepare`; a rule
 //! whose equations cannot be solved where the mass matrix is singular
 //! ([`StepEquations::PROVES_START`]) tests nothing. A lane that is not sure takes the scalar step.
+//! Increments of forces of velocities divide: an infinite one would give a finite state, so they are
+//! tested. All other increments that are not finite show in the state.
 
 use super::modes::LanesMode;
-use crate::lanes::{ALL, LANES, Mask};
+use crate::lanes::{ALL, LANES, Mask, marked};
 use crate::mechanics::legendre;
 use crate::phase::configuration::Coordinates;
 use crate::phase::state::State;
@@ -59,6 +61,9 @@ where
     }
     if const { tests_state::<S, R>() } && !system.state_gives_regular_mass(state.t, &state.q) {
         return Err(NO_START);
+    }
+    if S::NOISE_FORCED && !is_finite(dw.as_ref()) {
+        return Err(SolveError::NonFinite);
     }
     let solver = BlockSolver::new(walker.newton);
     let step = system.increment(&prepared.coefficients, memory, state, h, dw, &solver)?;
@@ -122,15 +127,32 @@ where
     }
     let coefficients = &prepared.coefficients;
     let unsolved = system.increment_lanes(coefficients, states, next, h, dw, newton, unknowns);
-    if !const { tests_state::<S, R>() } {
-        return unsolved;
+    let mut unsure = 0;
+    if S::NOISE_FORCED {
+        let processes = dw.as_ref().iter();
+        let sizes = processes.fold([0.0; LANES], |mut sizes, process| {
+            for lane in 0..LANES {
+                // NaN for a number that is not finite
+                sizes[lane] += 0.0 * process[lane];
+            }
+            sizes
+        });
+        unsure |= marked(&sizes);
     }
-    let unsure = system.lanes_of_singular_mass(states);
-    let unsure = unsure.unwrap_or_else(|| singular_masses(system, states));
+    if const { tests_state::<S, R>() } {
+        let singular = system.lanes_of_singular_mass(states);
+        unsure |= singular.unwrap_or_else(|| singular_masses(system, states));
+    }
     if unsure != 0 {
         restore::<S>(unsure, states, next);
     }
     unsolved | unsure
+}
+
+#[inline(always)]
+fn is_finite(increments: &[f64]) -> bool {
+    // NaN if a number is not finite
+    increments.iter().fold(0.0, |sum, dw| sum + 0.0 * dw) == 0.0
 }
 
 /// Returns the lanes where the mass matrix is singular, tested lane by lane.

@@ -14,7 +14,7 @@ mod rates;
 mod starts;
 
 pub(crate) use dual_state::with_dual_state;
-pub(crate) use rates::{Motion, correction_of, noise_of, solve_drift, solve_motion};
+pub(crate) use rates::{Motion, Noises, solve_drift, solve_motion};
 
 use crate::error::{StepError, step_error};
 use crate::phase::Field;
@@ -124,8 +124,8 @@ pub trait Mechanics: System {
     /// As [`velocity`](Self::velocity).
     fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
-    /// Returns `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, −∂G_a/∂q)` combined with the given
-    /// increments. Does not compile for a system with constraints, whose forces balance a part of
+    /// Returns `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, f_a − ∂G_a/∂q)` combined with the
+    /// given increments. The force f of a noise is NaN if no velocity has the momentum. Does not compile for a system with constraints, whose forces balance a part of
     /// the noise:
     ///
     /// ```compile_fail
@@ -250,9 +250,9 @@ where
     fn noise(&self, state: &State<Q>, dw: &[f64; M]) -> Field<Q::Momentum> {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
-        let State { t, q, p } = state.to_coordinates();
-        let mut noise = noise_of(&self.noise_jets(t, &q, &p), dw);
-        Q::Flat::add_transport(&p, &noise.q, &mut noise.p);
+        let state = state.to_coordinates();
+        let mut noise = Noises::at(self, &state).field(dw);
+        Q::Flat::add_transport(&state.p, &noise.q, &mut noise.p);
         noise.of::<Q>()
     }
 
@@ -263,8 +263,9 @@ where
     {
         const { assert!(S::ROLES.is_empty(), "{}", NEEDS_REGULAR) };
         const { assert!(S::CONSTRAINTS.is_empty(), "{}", LEAVES_OUT_FORCES) };
-        let State { t, q, p } = state.to_coordinates();
-        correction_of(&self.noise_jets(t, &q, &p)).of::<Q>()
+        Noises::at(self, &state.to_coordinates())
+            .correction()
+            .of::<Q>()
     }
 }
 

@@ -8,7 +8,7 @@ use crate::phase::Field;
 use crate::phase::configuration::{Coordinates, FlatConfiguration};
 use crate::phase::state::State;
 use crate::solve::{SolveError, dense};
-use crate::system::jets::NoiseJet;
+use crate::system::jets::{ForceJet, NoiseJet};
 use crate::system::{Dims, System};
 
 /// Returns the drift `(v, ∂L/∂q + F)`. Only the velocity is checked to be finite.
@@ -81,41 +81,96 @@ where
     })
 }
 
-/// Returns `Σ_a g_a dW_a`.
-#[inline]
-pub(crate) fn noise_of<const N: usize, const M: usize>(
-    jets: &[NoiseJet<N>; M],
-    dw: &[f64; M],
-) -> Field<[f64; N]> {
-    let mut sum = Field {
-        q: [0.0; N],
-        p: [0.0; N],
-    };
-    for (jet, dw) in jets.iter().zip(dw) {
-        for i in 0..N {
-            sum.q[i] += jet.dp[i] * dw;
-            sum.p[i] -= jet.dq[i] * dw;
-        }
-    }
-    sum
+/// The noises at a state.
+pub(crate) struct Noises<const N: usize, const M: usize> {
+    /// The Hamiltonians.
+    pub(crate) jets: [NoiseJet<N>; M],
+    /// The forces and the mass matrix; `None` if no noise is a force.
+    forces: Option<([ForceJet<N>; M], [[f64; N]; N])>,
 }
 
-/// Returns `½ Σ_a (Dg_a) g_a`.
-#[inline]
-pub(crate) fn correction_of<const N: usize, const M: usize>(
-    jets: &[NoiseJet<N>; M],
-) -> Field<[f64; N]> {
-    let mut sum = Field {
-        q: [0.0; N],
-        p: [0.0; N],
-    };
-    for g in jets {
-        for i in 0..N {
-            for j in 0..N {
-                sum.q[i] += 0.5 * (g.dqp[j][i] * g.dp[j] - g.dpp[i][j] * g.dq[j]);
-                sum.p[i] -= 0.5 * (g.dqq[i][j] * g.dp[j] - g.dqp[i][j] * g.dq[j]);
+impl<const N: usize, const M: usize> Noises<N, M> {
+    /// Evaluates the noises. If no velocity has the momentum, forces are NaN.
+    #[inline]
+    pub(crate) fn at<S, Q>(system: &S, state: &State<Q::Flat>) -> Self
+    where
+        S: System<Dims = Dims<N, M, Q>> + ?Sized,
+        Q: Coordinates<N>,
+    {
+        let jets = system.noise_jets(state.t, &state.q, &state.p);
+        let forces = S::NOISE_FORCED.then(|| {
+            let v = legendre::velocity(system, state).unwrap_or([f64::NAN; N]);
+            let forces = system.noise_force_jets(state.t, &state.q, &v);
+            (forces, system.lagrangian_jet(state.t, &state.q, &v).dvv)
+        });
+        Self { jets, forces }
+    }
+
+    /// Returns `Σ_a g_a dW_a`.
+    #[inline]
+    pub(crate) fn field(&self, dw: &[f64; M]) -> Field<[f64; N]> {
+        let mut sum = Field {
+            q: [0.0; N],
+            p: [0.0; N],
+        };
+        for (jet, dw) in self.jets.iter().zip(dw) {
+            for i in 0..N {
+                sum.q[i] += jet.dp[i] * dw;
+                sum.p[i] -= jet.dq[i] * dw;
             }
         }
+        let forces = self.forces.iter().flat_map(|(forces, _)| forces);
+        for (force, dw) in forces.zip(dw) {
+            for i in 0..N {
+                sum.p[i] += force.value[i] * dw;
+            }
+        }
+        sum
     }
-    sum
+
+    /// Returns the rates of the momentum by each noise, `f_a − ∂G_a/∂q`.
+    pub(crate) fn kicks(&self) -> [[f64; N]; M] {
+        core::array::from_fn(|a| {
+            let mut dw = [0.0; M];
+            dw[a] = 1.0;
+            self.field(&dw).p
+        })
+    }
+
+    /// Returns whether a noise has a force that depends on the velocity.
+    pub(crate) fn read_velocity(&self) -> bool {
+        let forces = self.forces.iter().flat_map(|(forces, _)| forces);
+        let mut slopes = forces.flat_map(|force| force.dv.as_flattened());
+        slopes.any(|&slope| slope != 0.0)
+    }
+
+    /// Returns `½ Σ_a (Dg_a) g_a`. A noise is either a Hamiltonian or a force.
+    #[inline]
+    pub(crate) fn correction(&self) -> Field<[f64; N]> {
+        let mut sum = Field {
+            q: [0.0; N],
+            p: [0.0; N],
+        };
+        for g in &self.jets {
+            for i in 0..N {
+                for j in 0..N {
+                    sum.q[i] += 0.5 * (g.dqp[j][i] * g.dp[j] - g.dpp[i][j] * g.dq[j]);
+                    sum.p[i] -= 0.5 * (g.dqq[i][j] * g.dp[j] - g.dqp[i][j] * g.dq[j]);
+                }
+            }
+        }
+        let Some((forces, mass)) = &self.forces else {
+            return sum;
+        };
+        for force in forces {
+            // the change of the velocity by the force
+            let change = dense::solve(mass, &force.value).unwrap_or([f64::NAN; N]);
+            for i in 0..N {
+                for j in 0..N {
+                    sum.p[i] += 0.5 * force.dv[i][j] * change[j];
+                }
+            }
+        }
+        sum
+    }
 }

@@ -1,4 +1,4 @@
-//! Values of L, of the noise Hamiltonians and of the force at a point, with their derivatives, as
+//! Values of L, of the noise Hamiltonians and of the forces at a point, with their derivatives, as
 //! generated code returns them.
 
 /// `L(t, q, v)` with its first and second derivatives; `dqv[i][j] = ∂²L/∂qᵢ∂vⱼ`.
@@ -62,6 +62,16 @@ pub struct ForceJet<const N: usize> {
     pub dv: [[f64; N]; N],
     /// `∂F/∂t`.
     pub dt: [f64; N],
+}
+
+impl<const N: usize> ForceJet<N> {
+    /// No force.
+    pub const NONE: Self = Self {
+        value: [0.0; N],
+        dq: [[0.0; N]; N],
+        dv: [[0.0; N]; N],
+        dt: [0.0; N],
+    };
 }
 
 /// The form in which the velocity of a coordinate occurs in the Lagrangian.

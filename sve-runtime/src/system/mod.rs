@@ -89,6 +89,8 @@ pub trait System:
     const ROLES: &'static [CoordinateRole] = &[];
     /// True if the system has a force.
     const FORCED: bool = false;
+    /// True if a noise is a force.
+    const NOISE_FORCED: bool = false;
     /// The names of the parameters in the source: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
     /// The names in L of the coordinates that a state stores: `q`, `q[0]`, `q.x`, or `x` and `y`
@@ -164,7 +166,7 @@ pub trait System:
         v: &VectorOf<Self>,
     ) -> <Self::Dims as Dimensions>::LagrangianJet;
     /// Returns every noise Hamiltonian (`−γᵢ` or `H₁ⱼ`, in the order of `dw`) with its first and
-    /// second derivatives.
+    /// second derivatives; zero for noises that are forces.
     fn noise_jets(
         &self,
         t: f64,
@@ -181,6 +183,18 @@ pub trait System:
     ) -> <Self::Dims as Dimensions>::ForceJet {
         let _ = (t, q, v);
         <Self::Dims as Dimensions>::NO_FORCE
+    }
+    /// Returns the force of every noise with its first derivatives, in the order of `dw`; zero for
+    /// noise Hamiltonians.
+    #[inline]
+    fn noise_force_jets(
+        &self,
+        t: f64,
+        q: &FlatOf<Self>,
+        v: &VectorOf<Self>,
+    ) -> <Self::Dims as Dimensions>::NoiseForceJets {
+        let _ = (t, q, v);
+        <Self::Dims as Dimensions>::NO_NOISE_FORCES
     }
     /// Visits the constraints with their first derivatives, in the order of
     /// [`CONSTRAINTS`](Self::CONSTRAINTS).
@@ -220,6 +234,7 @@ impl<S: System> System for &S {
     const AFFINE_MOMENTUM: bool = S::AFFINE_MOMENTUM;
     const ROLES: &'static [CoordinateRole] = S::ROLES;
     const FORCED: bool = S::FORCED;
+    const NOISE_FORCED: bool = S::NOISE_FORCED;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
     const COORDINATES: &'static [&'static str] = S::COORDINATES;
     const MOMENTA: &'static [&'static str] = S::MOMENTA;
@@ -297,6 +312,16 @@ impl<S: System> System for &S {
         v: &VectorOf<S>,
     ) -> <S::Dims as Dimensions>::ForceJet {
         (**self).force_jet(t, q, v)
+    }
+
+    #[inline]
+    fn noise_force_jets(
+        &self,
+        t: f64,
+        q: &FlatOf<S>,
+        v: &VectorOf<S>,
+    ) -> <S::Dims as Dimensions>::NoiseForceJets {
+        (**self).noise_force_jets(t, q, v)
     }
 
     fn constraint_jets(

@@ -120,6 +120,8 @@ pub trait Dimensions {
     type NoiseJets;
     /// [`ForceJet<N>`](ForceJet).
     type ForceJet;
+    /// `[ForceJet<N>; M]`.
+    type NoiseForceJets;
     /// [`ConstraintJet<N>`](ConstraintJet).
     type ConstraintJet;
     /// Increments of all lanes that are zero.
@@ -130,6 +132,8 @@ pub trait Dimensions {
     type DualState<'a>;
     /// The force zero with its derivatives.
     const NO_FORCE: Self::ForceJet;
+    /// No force of any noise.
+    const NO_NOISE_FORCES: Self::NoiseForceJets;
     /// Returns the same state in each lane.
     fn splat(state: &State<Self::Configuration>) -> Self::StateLanes;
     /// Returns the state of a lane.
@@ -165,12 +169,9 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type ConstraintJet = ConstraintJet<N>;
     const ZERO: [f64; N] = [0.0; N];
     type DualState<'a> = DualState<'a, N, Q::Dual>;
-    const NO_FORCE: ForceJet<N> = ForceJet {
-        value: [0.0; N],
-        dq: [[0.0; N]; N],
-        dv: [[0.0; N]; N],
-        dt: [0.0; N],
-    };
+    type NoiseForceJets = [ForceJet<N>; M];
+    const NO_FORCE: ForceJet<N> = ForceJet::NONE;
+    const NO_NOISE_FORCES: [ForceJet<N>; M] = [ForceJet::NONE; M];
     const NO_INCREMENT_LANES: [Lane; M] = [[0.0; crate::lanes::LANES]; M];
     fn splat(state: &State<Q>) -> Self::StateLanes {
         LaneStates::splat(&state.to_coordinates())

@@ -154,6 +154,17 @@ pub struct Force {
     pub dt: Vector,
 }
 
+impl Force {
+    fn of<const N: usize>(ForceJet { value, dq, dv, dt }: &ForceJet<N>) -> Self {
+        Self {
+            value: value.to_vec(),
+            dq: rows(dq),
+            dv: rows(dv),
+            dt: dt.to_vec(),
+        }
+    }
+}
+
 /// A model: its user's functions, and the functions that were derived from them without a rule.
 pub trait Functions: Debug {
     /// Returns L as the user wrote it.
@@ -162,7 +173,9 @@ pub trait Functions: Debug {
     fn g(&self, t: f64, q: &[f64], p: &[f64]) -> Vector;
     /// Returns the force; zero for a system without a force.
     fn f(&self, t: f64, q: &[f64], v: &[f64]) -> Vector;
-    /// Returns whether the block has a force.
+    /// Returns the force of each noise; zero for Hamiltonians.
+    fn w(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<Vector>;
+    /// Returns whether the block has a force or a noise that is a force.
     fn is_forced(&self) -> bool;
     /// Returns a random point in whose neighbourhood everything is regular.
     fn point(&self, random: &mut Random) -> Point;
@@ -174,6 +187,8 @@ pub trait Functions: Debug {
     fn noises(&self, t: f64, q: &[f64], p: &[f64]) -> Vec<NoiseDerivatives>;
     /// Returns the generated force and its derivatives.
     fn force(&self, t: f64, q: &[f64], v: &[f64]) -> Force;
+    /// Returns the generated force of each noise and its derivatives.
+    fn noise_forces(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<Force>;
 }
 
 /// A model with the numbers of its coordinates and noises.
@@ -204,8 +219,13 @@ where
         self.0.f(t, array(q), array(v)).to_vec()
     }
 
+    fn w(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<Vector> {
+        let forces = self.0.w(t, array(q), array(v));
+        forces.iter().map(|force| force.to_vec()).collect()
+    }
+
     fn is_forced(&self) -> bool {
-        S::FORCED
+        S::FORCED || S::NOISE_FORCED
     }
 
     fn point(&self, random: &mut Random) -> Point {
@@ -243,12 +263,11 @@ where
     }
 
     fn force(&self, t: f64, q: &[f64], v: &[f64]) -> Force {
-        let ForceJet { value, dq, dv, dt } = self.0.force_jet(t, &array(q), &array(v));
-        Force {
-            value: value.to_vec(),
-            dq: rows(&dq),
-            dv: rows(&dv),
-            dt: dt.to_vec(),
-        }
+        Force::of(&self.0.force_jet(t, &array(q), &array(v)))
+    }
+
+    fn noise_forces(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<Force> {
+        let forces = self.0.noise_force_jets(t, &array(q), &array(v));
+        forces.iter().map(Force::of).collect()
     }
 }

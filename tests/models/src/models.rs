@@ -16,7 +16,7 @@ pub use constrained::{OnSphere, TurnedSphere, TwoRods};
 pub use deterministic::{
     HenonHeiles, Magnetic, PlanarDoublePendulum, Quartic, Relativistic, SphericalPendulum,
 };
-pub use forced::{Damped, Stirred, Towed};
+pub use forced::{Damped, Rubbed, Sail, Stirred, Towed};
 pub use noisy::{Actions, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron};
 pub use small::{Bath, Kicked, Pushed, Rotor};
 pub use surfaces::{Breathing, Curved, Ellipsoid, Saddle, Thermal, Torus};

@@ -9,7 +9,7 @@ use crate::configured::Configured;
 use crate::models::{
     Actions, Central, Chain, Charges, Clashing, Damped, DoublePendulum, Driven, HenonHeiles, Kubo,
     Magnetic, Mixed, OneMomentum, Oscillator, Pendulum, PlanarDoublePendulum, Polar, Quartic,
-    Rails, Relativistic, SphericalPendulum, Stirred, Stretched, Synchrotron, Towed,
+    Rails, Relativistic, Rubbed, Sail, SphericalPendulum, Stirred, Stretched, Synchrotron, Towed,
 };
 use crate::random::Random;
 
@@ -22,12 +22,17 @@ pub trait Model<const N: usize, const M: usize>:
 {
     /// Returns L as the user wrote it.
     fn l(&self, t: f64, q: [f64; N], v: [f64; N]) -> f64;
-    /// Returns the noise Hamiltonians, −γ and H₁, in source order.
+    /// Returns the noise Hamiltonians, −γ and H₁, in the order of the processes; zero for forces.
     fn g(&self, t: f64, q: [f64; N], p: [f64; N]) -> [f64; M];
     /// Returns the force; zero for a system without a force.
     fn f(&self, t: f64, q: [f64; N], v: [f64; N]) -> [f64; N] {
         let _ = (t, q, v);
         [0.0; N]
+    }
+    /// Returns the force of each noise, in the order of the processes; zero for Hamiltonians.
+    fn w(&self, t: f64, q: [f64; N], v: [f64; N]) -> [[f64; N]; M] {
+        let _ = (t, q, v);
+        [[0.0; N]; M]
     }
     /// Returns a point in whose neighbourhood, of the size of a step, all functions are regular.
     fn point(random: &mut Random) -> State<[f64; N]>;
@@ -90,7 +95,7 @@ pub fn cases() -> Vec<Box<dyn Case>> {
     );
     add!(
         oscillator(), kubo(), double_pendulum(), mixed(), polar(), driven(), synchrotron(), actions(), clashing(),
-        chain(), one_momentum(), central(), damped(), towed(), charges(), rails();
+        chain(), one_momentum(), central(), damped(), towed(), charges(), rails(), sail(), rubbed();
         (InitialPoint, Endpoint, Midpoint, StormerVerlet)
     );
     cases
@@ -102,6 +107,7 @@ macro_rules! models {
         l($lt:ident, $lq:ident, $lv:ident, $ls:ident) = $l:expr;
         g($t:ident, $q:ident, $p:ident, $s:ident) = $g:expr;
         $(f($ft:ident, $fq:ident, $fv:ident, $fs:ident) = $f:expr;)?
+        $(w($wt:ident, $wq:ident, $wv:ident, $ws:ident) = $w:expr;)?
         point($random:ident) = $point:expr;
     )*) => {$(
         #[doc = concat!("`", stringify!($model), "` with generic parameters.")]
@@ -121,6 +127,10 @@ macro_rules! models {
             $(fn f(&self, $ft: f64, $fq: [f64; $n], $fv: [f64; $n]) -> [f64; $n] {
                 let $fs = self;
                 $f
+            })?
+            $(fn w(&self, $wt: f64, $wq: [f64; $n], $wv: [f64; $n]) -> [[f64; $n]; $m] {
+                let $ws = self;
+                $w
             })?
             fn point($random: &mut Random) -> State<[f64; $n]> {
                 let (q, p) = $point;
@@ -249,6 +259,19 @@ models! {
     g(_t, q, p, s) = [s.jitter(q, p), -s.push(q)];
     f(_t, q, v, s) = s.tow(q, v);
     point(r) = (r.array(-1.0, 1.0), r.array(-1.0, 1.0));
+
+    sail: Sail<2, 3> = Sail { c: 0.5, s: [0.4, 0.3, 0.6] };
+    l(_t, q, v, s) = s.lagrangian(q, v);
+    g(_t, q, p, s) = [s.jitter(q, p), -s.push(q), 0.0];
+    f(_t, q, v, s) = s.drag(q, v);
+    w(t, q, v, s) = [[0.0; 2], [0.0; 2], s.gust(t, q, v)];
+    point(r) = (r.array(-1.0, 1.0), r.array(-1.0, 1.0));
+
+    rubbed: Rubbed<1, 2> = Rubbed { m: 1.3, s: [0.5, 0.3] };
+    l(_t, q, v, s) = s.lagrangian(q[0], v[0]);
+    g(_t, _q, _p, _s) = [0.0; 2];
+    w(_t, q, v, s) = [[s.rub(q[0], v[0])], [s.grind(q[0], v[0])]];
+    point(r) = (r.array(-1.5, 1.5), r.array(-1.0, 1.0));
 
     charges: FlatCharges<6, 3> = Configured::new(Charges { m: [1.0, 0.6], b: 0.7, s: [0.3, 0.2, 0.4] });
     l(_t, q, v, s) = s.0.lagrangian(pair(q), pair(v));

@@ -1,6 +1,7 @@
 //! Tangent maps and sensitivities against differences of steps, symplecticity with noise, momenta,
 //! and steps back.
 
+use sve_models::oracle::{rubbed, sail};
 use sve_models::random::Random;
 use sve_models::steps::{check_return, check_sensitivity, check_tangent};
 use sve_runtime::Variational;
@@ -58,6 +59,29 @@ fn tangent_maps_are_derivatives_and_symplectic_and_steps_return() {
     check::<_, _, 1, 0>(&relativistic, Gauss::<4>, false);
     check::<_, _, 2, 2>(&everything(), Gauss::<2>, true);
     check::<_, _, 2, 2>(&everything(), Gauss::<4>, true);
+    check::<_, _, 2, 3>(&sail(), Gauss::<2>, true);
+    check::<_, _, 2, 3>(&sail(), Gauss::<3>, true);
+    check::<_, _, 2, 3>(&sail(), Gauss::<4>, true);
+    check::<_, _, 1, 2>(&rubbed(), Gauss::<4>, true);
+}
+
+#[test]
+fn sensitivities_with_noise_forces_are_derivatives() {
+    let names = ["c", "s[0]", "s[1]", "s[2]"];
+    let mut random = Random::new(6);
+    for _ in 0..10 {
+        let start = random_state::<2>(&mut random);
+        let dw = random.array(-0.2, 0.2);
+        let system = |name: &str, by: f64| {
+            let mut sail = sail();
+            match name {
+                "c" => sail.c += by,
+                _ => sail.s[usize::from(name.as_bytes()[2] - b'0')] += by,
+            }
+            sail
+        };
+        check_sensitivity(system, Gauss::<3>, &names, &start, (H, &dw));
+    }
 }
 
 #[test]

@@ -263,6 +263,54 @@ fn a_quaternion_that_is_not_finite_is_an_error() {
     assert!(error.to_string().contains("q[1] is NaN"), "{error}");
 }
 
+/// An isotropic body under a torque that turns with it.
+struct Sphere;
+
+#[variational(midpoint, stormer_verlet)]
+impl Sphere {
+    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        0.65 * w.norm_squared()
+    }
+    #[force(noise)]
+    fn torque(&self, _r: Rotation3<f64>, _w: Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(0.3, -0.2, 0.5)
+    }
+}
+
+/// Π_N = Π₀ + f W_N, path by path: the momentum of an isotropic body is parallel to its velocity, so
+/// that nothing turns it.
+#[test]
+fn a_torque_of_the_body_adds_its_increments_to_the_momentum() {
+    let torque = Vector3::new(0.3, -0.2, 0.5);
+    let State { q, .. } = body();
+    for p in [Vector3::zeros(), 0.7 * torque, Vector3::new(0.7, 1.1, -0.4)] {
+        let mut total = 0.0;
+        let (mut midpoint, mut verlet) = (State::new(q, p), State::new(q, p));
+        for step in 0..200 {
+            let dw = [Wiener::new(3).increment(step, 0, 0.02)];
+            total += dw[0];
+            Integrator::new(Sphere, Midpoint)
+                .step(&mut midpoint, 0.02, &dw)
+                .unwrap();
+            Integrator::new(Sphere, StormerVerlet)
+                .step(&mut verlet, 0.02, &dw)
+                .unwrap();
+        }
+        let expected = p + torque * total;
+        println!(
+            "{:e} {:e}",
+            (midpoint.p - expected).norm(),
+            (verlet.p - expected).norm()
+        );
+        for state in [midpoint, verlet] {
+            assert!(
+                (state.p - expected).norm() < 1e-14 * 20.0,
+                "{state:?} {expected}"
+            );
+        }
+    }
+}
+
 #[test]
 fn plans_name_the_attitudes_of_their_nodes() {
     let plan = Integrator::new(TOP, StormerVerlet).plan().to_string();

@@ -57,7 +57,7 @@ fn a_step_back_by_the_adjoint_rule_returns_to_the_start() {
         returns(&**there, &**back, &mut random);
         count += 1;
     }
-    assert_eq!(count, 100);
+    assert_eq!(count, 108);
 }
 
 #[test]

@@ -37,7 +37,12 @@ fn generated_derivatives_are_differences_of_the_users_functions() {
             let v = model.velocity(t, &q, &p);
             lagrangian(name, &*model, t, &q, &v);
             noises(name, &*model, t, &q, &p);
-            force(name, &*model, t, &q, &v);
+            let f = |t, q: &[f64], v: &[f64]| model.f(t, q, v);
+            force(&format!("{name}: F"), model.force(t, &q, &v), f, t, &q, &v);
+            for (a, jet) in model.noise_forces(t, &q, &v).into_iter().enumerate() {
+                let f = |t, q: &[f64], v: &[f64]| model.w(t, q, v).swap_remove(a);
+                force(&format!("{name}: noise {a}"), jet, f, t, &q, &v);
+            }
         }
     }
 }
@@ -97,17 +102,55 @@ fn noises(name: &str, model: &dyn Functions, t: f64, q: &[f64], p: &[f64]) {
     }
 }
 
-fn force(name: &str, model: &dyn Functions, t: f64, q: &[f64], v: &[f64]) {
-    let Force { value, dq, dv, dt } = model.force(t, q, v);
-    let what = |entry: &str| format!("{name}: {entry} of F at t = {t}, q = {q:?}, v = {v:?}");
+fn force(
+    name: &str,
+    jet: Force,
+    f: impl Fn(f64, &[f64], &[f64]) -> Vec<f64>,
+    t: f64,
+    q: &[f64],
+    v: &[f64],
+) {
+    let Force { value, dq, dv, dt } = jet;
+    let what = |entry: &str| format!("{name}: {entry} at t = {t}, q = {q:?}, v = {v:?}");
     // the same terms in another order
-    assert_relative(&value, &model.f(t, q, v), 1e-14, what("value"));
-    let in_time = derivatives(|d| model.f(t + d, q, v));
+    assert_relative(&value, &f(t, q, v), 1e-14, what("value"));
+    let in_time = derivatives(|d| f(t + d, q, v));
     assert_relative(&dt, &in_time, FIRST, what("dt"));
-    let along_q = |j| derivatives(|d| model.f(t, &moved(q, j, d), v));
+    let along_q = |j| derivatives(|d| f(t, &moved(q, j, d), v));
     assert_matrix(&dq, along_q, FIRST, &what("dq"));
-    let along_v = |j| derivatives(|d| model.f(t, q, &moved(v, j, d)));
+    let along_v = |j| derivatives(|d| f(t, q, &moved(v, j, d)));
     assert_matrix(&dv, along_v, FIRST, &what("dv"));
+}
+
+/// `h F + Σ f_a ΔW_a`.
+fn impulse(model: &dyn Functions, t: f64, step: &Step, q: &[f64], v: &[f64]) -> Vec<f64> {
+    let mut impulse: Vec<f64> = model.f(t, q, v).iter().map(|f| step.h * f).collect();
+    for (force, dw) in model.w(t, q, v).iter().zip(&step.dw) {
+        impulse = sum(&impulse, *dw, force);
+    }
+    impulse
+}
+
+/// `Σ_ab E_ab ΔW_a ΔW_b` with `E_ab = ∂_q X_a · X_b^q − ∂_p X_a · X_b^p` for the fields
+/// `X_a = (∂G_a/∂p, f_a − ∂G_a/∂q)`, less the same without forces: in q and in p.
+fn correction(model: &dyn Functions, t: f64, dw: &[f64], q: &[f64], p: &[f64]) -> [Vec<f64>; 2] {
+    let noise = |q: &[f64], p: &[f64]| product(&model.g(t, q, p), dw);
+    let field = |q: &[f64], p: &[f64], part: f64| {
+        let mut rate: Vec<f64> = gradient(q, |q| noise(q, p)).iter().map(|x| -x).collect();
+        let v = model.velocity(t, q, p);
+        for (force, dw) in model.w(t, q, &v).iter().zip(dw) {
+            rate = sum(&rate, part * dw, force);
+        }
+        [gradient(p, |p| noise(q, p)), rate].concat()
+    };
+    let along = |part: f64| {
+        let direction = field(q, p, part);
+        let (in_q, in_p) = direction.split_at(q.len());
+        derivatives(|d| field(&sum(q, d, in_q), &sum(p, -d, in_p), part))
+    };
+    let all = sum(&along(1.0), -1.0, &along(0.0));
+    let (in_q, in_p) = all.split_at(q.len());
+    [in_q.to_vec(), in_p.to_vec()]
 }
 
 /// The data of a step other than its end points.
@@ -231,24 +274,25 @@ fn one_node_equations(
     let (q0, q1) = (&start.q, &end.q);
     // p₀ = p − (1−c) g and p₁ = p + c g
     let p = between(&end.p, &start.p, c);
-    // ∂S/∂p = 0 is affine in v, with the coefficient −h
-    let at_rest = gradient(&p, |p| action(q0, q1, &vec![0.0; q0.len()], p));
+    let (node, time) = (between(q0, q1, c), step.t + c * step.h);
+    let [shift, kick] = correction(model, time, &step.dw, &node, &p);
+    // the correction acts on δp too: 0 = ∂S/∂p + (c − ½) shift is affine in v, with the
+    // coefficient −h
+    let rest = vec![0.0; q0.len()];
+    let at_rest = gradient(&p, |p| action(q0, q1, &rest, p));
+    let at_rest = sum(&at_rest, c - 0.5, &shift);
     let v: Vec<f64> = at_rest.iter().map(|defect| defect / step.h).collect();
-    let node = between(q0, q1, c);
-    let impulse = model.f(step.t + c * step.h, &node, &v);
+    let impulse = impulse(model, time, step, &node, &v);
+    let impulse = sum(&impulse, 0.5 - c, &kick);
     let stationary = gradient(&v, |v| action(q0, q1, v, &p));
     let by_start = gradient(q0, |q| action(q, q1, &v, &p));
     let by_end = gradient(q1, |q| action(q0, q, &v, &p));
     vanishes(&stationary, what, "∂S/∂v");
-    // the force does the work h⟨F, (1−c)δq₀ + cδq₁⟩
+    // the forces do the work ⟨hF + Σ f ΔW, (1−c)δq₀ + cδq₁⟩
     let at_start = sum(&start.p, 1.0, &by_start);
-    vanishes(
-        &sum(&at_start, (1.0 - c) * step.h, &impulse),
-        what,
-        "p₀ + ∂S/∂q₀",
-    );
+    vanishes(&sum(&at_start, 1.0 - c, &impulse), what, "p₀ + ∂S/∂q₀");
     let at_end = sum(&end.p, -1.0, &by_end);
-    vanishes(&sum(&at_end, -c * step.h, &impulse), what, "p₁ − ∂S/∂q₁");
+    vanishes(&sum(&at_end, -c, &impulse), what, "p₁ − ∂S/∂q₁");
 }
 
 /// The action of the rule of Störmer and Verlet.
@@ -279,12 +323,12 @@ fn verlet_equations(
         v = at_rest.iter().map(|defect| defect / h).collect();
         // p₀ + ∂S/∂q₀ = 0 is affine in its first p, with the coefficient −1
         let defect = sum(&start.p, 1.0, &gradient(q0, |q| action(q, q1, &v, &p)));
-        let defect = sum(&defect, 0.5 * h, &model.f(step.t, q0, &v));
+        let defect = sum(&defect, 0.5, &impulse(model, step.t, step, q0, &v));
         p = sum(&p, 1.0, &defect);
     }
     vanishes(&gradient(&v, |v| action(q0, q1, v, &p)), what, "∂S/∂v");
     let at_end = sum(&end.p, -1.0, &gradient(q1, |q| action(q0, q, &v, &p)));
-    let at_end = sum(&at_end, -0.5 * h, &model.f(step.t + h, q1, &v));
+    let at_end = sum(&at_end, -0.5, &impulse(model, step.t + h, step, q1, &v));
     vanishes(&at_end, what, "p₁ − ∂S/∂q₁");
 }
 

@@ -9,6 +9,7 @@ mod failures;
 mod forces;
 mod literals;
 mod momentum;
+mod noise_forces;
 mod reference;
 mod tangent;
 mod units;

@@ -126,12 +126,26 @@ impl Systems {
         let what = |line: (&str, &str)| format!("{}: {} = {}", plan.system, line.0, line.1);
 
         let force = model.f(t, q, v);
-        let g = model.g(t, q, p);
+        let (g, of_noises) = (model.g(t, q, p), model.w(t, q, v));
         let lines = equations(plan.formulas.system);
         let mut known = values.clone();
         follow(&lines, &mut known);
         let mut noises = g.iter();
+        let mut of_noises = of_noises.iter().skip_while(|f| f.iter().all(|x| *x == 0.0));
         for line in lines {
+            if line.0.starts_with("f ") {
+                let components = line.1.trim_matches(['(', ')']).split(", ");
+                let forces = of_noises.next().unwrap();
+                let components: Vec<&str> = match forces.len() {
+                    1 => vec![line.1],
+                    _ => components.collect(),
+                };
+                for (text, &expected) in components.into_iter().zip(forces) {
+                    close(read(text, &known).unwrap(), expected, ROUNDING, &what(line));
+                    self.lines += 1;
+                }
+                continue;
+            }
             let expected = match line.0.split_once(' ') {
                 None if line.0 == "L" => model.l(t, q, v),
                 Some(("γ", _)) => -noises.next().unwrap(),
@@ -149,6 +163,7 @@ impl Systems {
         }
 
         let (jet, jets) = (model.lagrangian(t, q, v), model.noises(t, q, p));
+        let pushes = model.w(t, q, v);
         let m = jets.len();
         let lines = equations(plan.formulas.motion);
         let mut known = values;
@@ -177,7 +192,7 @@ impl Systems {
                     ("dq", false) => v[index],
                     ("dq", true) => jets[a].dp[index],
                     ("dp", false) => jet.dq[index] + force[index],
-                    ("dp", true) => -jets[a].dq[index],
+                    ("dp", true) => pushes[a][index] - jets[a].dq[index],
                     _ => continue,
                 };
                 close(

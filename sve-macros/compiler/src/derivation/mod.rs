@@ -13,6 +13,7 @@ use std::borrow::Cow;
 use crate::algebra::Arena;
 use crate::catalogue::RuleOption;
 use crate::errors::Errors;
+use crate::rules::correction::{self, Correction};
 use crate::rules::weak2::{self, Potential};
 use crate::settings::Settings;
 use crate::structure::StartTest;
@@ -20,6 +21,7 @@ use crate::syntax::arguments::ListedRule;
 use crate::syntax::parse::Annotated;
 use crate::system::classify::Classified;
 use crate::system::functions::{Functions, functions};
+use crate::system::inverse_mass::NoFormula;
 use crate::system::size::Budget;
 pub(crate) use nodes::Nodes;
 pub(crate) use step::Derived;
@@ -86,6 +88,8 @@ struct Start<'a> {
     listed: &'a ListedRule,
     /// The potential of the option `weak2`, if it changes the step.
     potential: Option<Potential>,
+    /// The corrections of the noises with forces.
+    correction: Vec<Correction>,
     /// The expressions of the derivatives and of the potential.
     arena: Cow<'a, Arena>,
 }
@@ -99,8 +103,15 @@ impl<'a> Source<'a> {
             let mut start = Start {
                 listed,
                 potential: None,
+                correction: Vec::new(),
                 arena: Cow::Borrowed(arena),
             };
+            if listed.rule.has_correction() && self.system.has_noise_forces() {
+                match self.correction(start.arena.to_mut())? {
+                    Ok(correction) => start.correction = correction,
+                    Err(reason) => errors.push(listed.place, without_correction(listed, reason)),
+                }
+            }
             if listed.rule.options.contain(RuleOption::Weak2) {
                 let takes_h1 = listed.rule.weak2().is_some_and(|option| option.takes_h1);
                 let own = start.arena.to_mut();
@@ -120,4 +131,20 @@ impl<'a> Source<'a> {
         }
         errors.finish(starts)
     }
+
+    /// Returns the corrections of the noises with forces, for a rule with one node at an end.
+    fn correction(&self, arena: &mut Arena) -> syn::Result<Result<Vec<Correction>, NoFormula>> {
+        arena.grant(self.budget.work);
+        let stage = |arena: &mut Arena| correction::corrections(self.system, arena);
+        self.budget.stage(arena, stage)
+    }
+}
+
+/// Returns the message for a rule whose correction has no formula.
+fn without_correction(listed: &ListedRule, reason: NoFormula) -> String {
+    let (NoFormula::TooManyCoupled(coupled) | NoFormula::NoPivot(coupled)) = reason;
+    format!(
+        "the Stratonovich correction of `{}` for a noise force that depends on velocities needs the inverse of the mass matrix as a formula, and ∂²L/∂v² couples {coupled} coordinates: use `midpoint` or `stormer_verlet`",
+        listed.rule.name()
+    )
 }

@@ -6,8 +6,8 @@ use crate::catalogue::{Rule, RuleOption};
 use crate::discretise::equations::equations;
 use crate::linearise::{Linearisation, linearise};
 use crate::model::{Meaning, Symbols};
-use crate::rules::action::{Action, discretise};
-use crate::rules::weak2::{self, Potential};
+use crate::rules::action::{Action, Terms, discretise};
+use crate::rules::weak2;
 use crate::structure::{self, Degenerate, Scheme};
 use crate::system::applicable;
 use crate::system::size::{Exhausted, within_budget};
@@ -61,10 +61,14 @@ impl Source<'_> {
 
     /// Derives the step of a listed rule.
     fn step(&self, start: &Start<'_>, is_unstructured: bool) -> syn::Result<Derived> {
-        let (rule, potential) = (start.listed.rule, start.potential.as_ref());
+        let rule = start.listed.rule;
+        let terms = Terms {
+            potential: start.potential.as_ref(),
+            correction: &start.correction,
+        };
         let mut arena = start.arena.clone().into_owned();
         arena.grant(self.budget.work);
-        let derived = self.derive(rule, potential, is_unstructured, arena);
+        let derived = self.derive(rule, terms, is_unstructured, arena);
         derived.map_err(|obstacle| match obstacle {
             Obstacle::Work => self.rule_too_large(rule, &start.arena),
             Obstacle::Degenerate(degenerate, symbols) => self.singular(&degenerate, &symbols),
@@ -75,14 +79,14 @@ impl Source<'_> {
     fn derive(
         &self,
         rule: Rule,
-        potential: Option<&Potential>,
+        terms: Terms<'_>,
         is_unstructured: bool,
         mut arena: Arena,
     ) -> Result<Derived, Obstacle> {
         let (model, degeneracy) = (&self.system.model, self.system.degeneracy.as_ref());
         let mut symbols = model.symbols.clone();
         let (action, scheme) = within_budget(&mut arena, |arena| {
-            let action = discretise(rule, model, degeneracy, potential, &mut symbols, arena);
+            let action = discretise(rule, model, degeneracy, terms, &mut symbols, arena);
             let equations = equations(&action, &symbols, arena);
             let scheme = if is_unstructured {
                 Ok(structure::unstructured(equations, &mut symbols, arena))
@@ -125,7 +129,7 @@ impl Source<'_> {
             let mut own = arena.clone();
             own.grant(self.budget.work);
             match other.stages() {
-                None => self.derive(other, None, false, own).is_ok(),
+                None => self.derive(other, Terms::NONE, false, own).is_ok(),
                 Some(stages) => nodes::fits(stages, self.system, &mut own),
             }
         });

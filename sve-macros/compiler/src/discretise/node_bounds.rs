@@ -12,13 +12,14 @@ use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::domain;
 use crate::model::{Argument, Meaning, Model, Symbols};
-use crate::system::mechanics::{Mechanics, NoiseJet};
+use crate::system::mechanics::{Mechanics, NoiseJet, less};
 
 /// Largest number of coordinates of a system with bounds. The bounds take about as long to compute
 /// as the second derivatives.
 const BOUNDED: usize = 4;
 
-/// The number of solutions of a step of many stages, as far as it is known.
+/// The number of solutions of a step of many stages, as far as it is known. Linear equations of noise
+/// forces that depend on velocities have bounds too: see `structure/block.rs`.
 pub(crate) enum Uniqueness {
     /// The equations are linear and have one solution.
     Linear,
@@ -42,12 +43,12 @@ pub(crate) struct NodeBounds {
     pub(crate) conditions: Vec<Expr>,
 }
 
-/// Magnitudes of derivatives of a noise Hamiltonian G over a box.
+/// Magnitudes of derivatives of a noise over a box.
 pub(crate) struct NoiseBounds {
-    /// `∂G/∂q`, `∂G/∂p`, and their derivatives in time.
+    /// `∂G/∂q − f`, `∂G/∂p`, and their derivatives in time.
     pub(crate) vectors: [Vec<Expr>; 4],
-    /// `∂²G/∂q²`, `∂²G/∂q∂p` with rows by q, `∂²G/∂p²`.
-    pub(crate) matrices: [Vec<Vec<Expr>>; 3],
+    /// `∂(∂G/∂q − f)/∂q`, `∂²G/∂q∂p` with rows by q, `∂²G/∂p²`, `∂f/∂v`.
+    pub(crate) matrices: [Vec<Vec<Expr>>; 4],
 }
 
 /// Derives the bounds. Declares the radii of the box in `symbols`.
@@ -60,10 +61,12 @@ pub(crate) fn uniqueness(
     let derivatives = Derivatives::new(model, mechanics, arena);
     let moving = [&model.q[..], &model.v, &model.p].concat();
     let second = derivatives.second();
-    if second
+    let reads_velocity = mechanics
+        .noises
         .iter()
-        .all(|&e| !moving.iter().any(|&s| arena.contains(e, s)))
-    {
+        .any(|noise| noise.reads_velocity(arena));
+    let moves = |&e: &Expr| moving.iter().any(|&s| arena.contains(e, s));
+    if !reads_velocity && !second.iter().any(moves) {
         return Uniqueness::Linear;
     }
     if model.dof() > BOUNDED {
@@ -101,7 +104,7 @@ struct Derivatives {
     momentum: Vec<Vec<Expr>>,
     /// The derivatives of the force in time, position and velocity.
     force: Vec<Vec<Expr>>,
-    /// For each noise the gradient, its derivatives in time, and the second derivatives.
+    /// For each noise the rows of [`of_noise`].
     noises: Vec<Vec<Vec<Expr>>>,
 }
 
@@ -125,23 +128,9 @@ impl Derivatives {
                 }
             }
         }
-        let noises = mechanics.noises.iter().map(|jet| {
-            let NoiseJet {
-                dq,
-                dp,
-                dqq,
-                dqp,
-                dpp,
-            } = jet;
-            let mut by_time = |row: &[Expr]| -> Vec<Expr> {
-                row.iter().map(|&e| arena.diff(e, model.time)).collect()
-            };
-            let mut rows = vec![dq.clone(), dp.clone(), by_time(dq), by_time(dp)];
-            rows.extend([dqq, dqp, dpp].into_iter().flatten().cloned());
-            rows
-        });
+        let noises = mechanics.noises.iter();
         Self {
-            noises: noises.collect(),
+            noises: noises.map(|jet| of_noise(jet, model, arena)).collect(),
             momentum,
             force,
         }
@@ -166,7 +155,7 @@ impl Derivatives {
             |flat: &[Expr]| -> Vec<Vec<Expr>> { flat.chunks(n).map(<[Expr]>::to_vec).collect() };
         let noises = model.noises.iter().map(|noise| noise.hamiltonian);
         let mut defined: Vec<Expr> = noises.chain([model.lagrangian]).collect();
-        defined.extend(model.force.iter().flatten());
+        defined.extend(model.forces().flatten());
         let domain = domain::conditions(&defined, arena);
         let domain: Vec<Expr> = domain.iter().map(|c| c.value).collect();
         // The bounds use how much the derivatives of the momentum vary. For all other derivatives
@@ -197,6 +186,29 @@ impl Derivatives {
             conditions,
         })
     }
+}
+
+/// Returns the field of a noise, `∂G/∂q − f` and `∂G/∂p`, its derivatives in time, in positions and
+/// momenta, and that of f in velocities.
+fn of_noise(jet: &NoiseJet, model: &Model, arena: &mut Arena) -> Vec<Vec<Expr>> {
+    let against = jet.against(arena);
+    let mut by_position = jet.dqq.clone();
+    let mut by_velocity = vec![vec![arena.constant(0.0); model.dof()]; model.dof()];
+    if let Some(force) = &jet.force {
+        for (row, more) in by_position.iter_mut().zip(&force.dq) {
+            *row = less(row, more, arena);
+        }
+        by_velocity.clone_from(&force.dv);
+    }
+    let mut by_time =
+        |row: &[Expr]| -> Vec<Expr> { row.iter().map(|&e| arena.diff(e, model.time)).collect() };
+    let (against_by_time, dp_by_time) = (by_time(&against), by_time(&jet.dp));
+    let vectors = [against, jet.dp.clone(), against_by_time, dp_by_time];
+    let matrices = [by_position, jet.dqp.clone(), jet.dpp.clone(), by_velocity];
+    vectors
+        .into_iter()
+        .chain(matrices.into_iter().flatten())
+        .collect()
 }
 
 /// Returns `|middle| + radius`.

@@ -75,7 +75,7 @@ pub(crate) enum Form {
     General,
 }
 
-/// `w (∂L/∂q + F) − Σ ∂G/∂q ω`, and the conditions under which it is defined.
+/// `w (∂L/∂q + F) − Σ (∂G/∂q − f) ω`, and the conditions under which it is defined.
 pub(crate) struct Impulse {
     pub(crate) value: Vec<Expr>,
     pub(crate) domain: Vec<Condition<Expr>>,
@@ -86,7 +86,8 @@ pub(crate) struct ParameterJet {
     pub(crate) dq: Vec<Expr>,
     pub(crate) dv: Vec<Expr>,
     pub(crate) force: Vec<Expr>,
-    pub(crate) noise_dq: Vec<Vec<Expr>>,
+    /// Of `∂G/∂q − f` of each noise.
+    pub(crate) noise_against: Vec<Vec<Expr>>,
     pub(crate) noise_dp: Vec<Vec<Expr>>,
 }
 
@@ -117,6 +118,8 @@ fn parameter_jet(
     mechanics: &Mechanics,
     arena: &mut Arena,
 ) -> ParameterJet {
+    let noises = mechanics.noises.iter();
+    let against: Vec<Vec<Expr>> = noises.map(|g| g.against(arena)).collect();
     let mut by = |list: &[Expr]| -> Vec<Expr> {
         let derivatives = list.iter().map(|&e| arena.diff(e, parameter));
         let mut derivatives: Vec<Expr> = derivatives.collect();
@@ -127,7 +130,7 @@ fn parameter_jet(
         dq: by(&mechanics.lagrangian.dq),
         dv: by(&mechanics.lagrangian.dv),
         force: by(model.force.as_deref().unwrap_or_default()),
-        noise_dq: mechanics.noises.iter().map(|g| by(&g.dq)).collect(),
+        noise_against: against.iter().map(|row| by(row)).collect(),
         noise_dp: mechanics.noises.iter().map(|g| by(&g.dp)).collect(),
     }
 }
@@ -215,6 +218,8 @@ fn impulse(
     dw: &[Symbol],
     arena: &mut Arena,
 ) -> Impulse {
+    let noises = mechanics.noises.iter();
+    let against: Vec<Vec<Expr>> = noises.map(|g| g.against(arena)).collect();
     let value = (0..model.dof()).map(|k| {
         let force = model.force.as_ref().map(|force| force[k]);
         let forces: Vec<(f64, Expr)> = [Some(mechanics.lagrangian.dq[k]), force]
@@ -224,16 +229,16 @@ fn impulse(
             .collect();
         let (force, weight) = (arena.sum(0.0, &forces), arena.symbol(weight));
         let mut terms = vec![(1.0, arena.mul(weight, force))];
-        for (noise, &dw) in mechanics.noises.iter().zip(dw) {
+        for (against, &dw) in against.iter().zip(dw) {
             let dw = arena.symbol(dw);
-            terms.push((-1.0, arena.mul(noise.dq[k], dw)));
+            terms.push((-1.0, arena.mul(against[k], dw)));
         }
         arena.sum(0.0, &terms)
     });
     let value = value.collect();
     let noises = model.noises.iter().map(|noise| noise.hamiltonian);
     let mut roots: Vec<Expr> = noises.chain([model.lagrangian]).collect();
-    roots.extend(model.force.iter().flatten());
+    roots.extend(model.forces().flatten());
     Impulse {
         value,
         domain: domain::conditions(&roots, arena),

@@ -5,7 +5,7 @@ use super::names::Names;
 use super::page::Page;
 use crate::algebra::{Arena, Expr, Sum};
 use crate::catalogue::{Rule, RuleOption};
-use crate::model::{AtNode, Constraint, Meaning, Model, Symbols};
+use crate::model::{AtNode, Constraint, Meaning, Model, NoiseKind, NoiseTerm, Symbols};
 use crate::rules::action::Action;
 use crate::rules::textbook::{Features, Textbook};
 use crate::rules::{degenerate, discretisation};
@@ -14,10 +14,12 @@ use crate::system::classify::Classified;
 /// Returns the text of an action: its textbook form, the action written out if it is short, and the
 /// meanings of the symbols.
 pub(super) fn with_notation(
+    rule: Rule,
     textbook: Textbook,
     written_out: Vec<String>,
     features: &Features,
-    model: &Model,
+    system: &Classified,
+    arena: &Arena,
 ) -> String {
     let Textbook {
         action,
@@ -28,17 +30,37 @@ pub(super) fn with_notation(
         notation.push("Δq = q₁ − q₀".to_owned());
     }
     if features.potential.is_some() {
-        notation.push(potential(model).to_owned());
+        let has_potential = features.gammas + features.hamiltonians > 0;
+        notation.extend(has_potential.then(|| potential(&system.model).to_owned()));
+        let has_push = features.noise_forces > 0;
+        notation.extend(has_push.then(|| PUSH.to_owned()));
     }
     let mut lines = vec![action];
     lines.extend(written_out);
-    if model.force.is_some() {
-        lines.push(format!("with the virtual work h·{work} beside δS"));
+    if !work.is_empty() {
+        lines.push(format!("with the virtual work {work} beside δS"));
     }
     if !notation.is_empty() {
         lines.push(notation.join(", "));
     }
+    let noises = system.mechanics.noises.iter();
+    if noises.clone().any(|noise| noise.reads_velocity(arena)) {
+        lines.extend(pole(rule).map(ToOwned::to_owned));
+    }
     lines.join("\n")
+}
+
+/// The definition of D of the option `weak2`.
+const PUSH: &str = "D = Σ ∂f/∂q·M⁻¹·f with M = ∂²L/∂v²";
+
+/// Returns the remark on noise forces that depend on velocities.
+fn pole(rule: Rule) -> Option<&'static str> {
+    // the denominators for f = σp: 1 − y/2 of the symmetric rules, 1 − y + y²/2 of the initial point,
+    // none of the endpoint, and those of the diagonal Padé approximants
+    let has_none = rule.has_correction() || rule.stages().is_some_and(|s| s % 2 == 0);
+    (!has_none).then_some(
+        "a noise force depends on velocities: for f = σ·p this step has a pole at some σ·ΔW, so that its means by Gaussian increments do not exist; `gauss(2)` and `endpoint` have none, and `Truncated` bounds the increments",
+    )
 }
 
 /// Returns the constraints in the textbook form of an action.
@@ -75,26 +97,31 @@ pub(super) fn features(
     let (model, mechanics) = (&system.model, &system.mechanics);
     let timed = |e: Expr| arena.contains(e, model.time);
     let noises = &model.noises;
-    let gammas = noises.iter().filter(|g| g.is_gamma).count();
+    let count = |kind| noises.iter().filter(|noise| noise.kind == kind).count();
+    let (gammas, noise_forces) = (count(NoiseKind::Gamma), count(NoiseKind::Force));
     let given = |list: &[Expr]| list.iter().any(|&e| arena.constant_value(e) != Some(0.0));
     let moves_q = mechanics.noises.iter().any(|g| given(&g.dp));
     let moves_p = mechanics.noises.iter().any(|g| given(&g.dq));
+    let reads_velocity = (mechanics.noises.iter()).any(|g| g.reads_velocity(arena));
     Features {
         degrees_of_freedom: model.dof(),
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
-        force_is_timed: model.force.as_ref().map(|f| f.iter().any(|&e| timed(e))),
+        force_is_timed: (model.force.as_ref()).map(|_| model.forces().flatten().any(|&e| timed(e))),
         potential,
         has_stage_noise: rule.options.contain(RuleOption::StageNoise),
         gammas,
-        hamiltonians: noises.len() - gammas,
+        hamiltonians: noises.len() - gammas - noise_forces,
+        noise_forces,
+        corrects_forces: noise_forces > 0 && (moves_q || reads_velocity),
         moves_both: moves_q && moves_p,
     }
 }
 
 /// Returns the definition of K of the option `weak2`.
 fn potential(model: &Model) -> &'static str {
-    let is_gamma = model.noises.iter().all(|noise| noise.is_gamma);
-    match (is_gamma, model.noises.len(), model.dof()) {
+    let is_gamma = |noise: &NoiseTerm| noise.kind == NoiseKind::Gamma;
+    let are_gamma = model.noises.iter().all(is_gamma);
+    match (are_gamma, model.noises.len(), model.dof()) {
         (true, 1, 1) => "K = (∂γ/∂q)²/(∂²L/∂v²)",
         (true, _, 1) => "K = Σ (∂γ/∂q)²/(∂²L/∂v²)",
         (true, 1, _) => "K = ⟨∂γ/∂q, M⁻¹·∂γ/∂q⟩ with M = ∂²L/∂v²",

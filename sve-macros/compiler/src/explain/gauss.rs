@@ -23,7 +23,7 @@ pub(crate) fn gauss(
     let features = features(rule, system, half_factor, arena);
     let textbook = discretisation(rule).textbook(&features);
     StepTexts {
-        action: with_notation(textbook, Vec::new(), &features, &system.model),
+        action: with_notation(rule, textbook, Vec::new(), &features, system, arena),
         step: equations(count, stages, &features).join("\n"),
         domain: Vec::new(),
     }
@@ -55,6 +55,10 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
     }];
     if features.gammas > 0 {
         impulse.push(format!(" + {b}Σ ∂γ/∂q({t}Qᵢ)·{dw}"));
+    }
+    if features.noise_forces > 0 {
+        impulse.push(format!(" + {b}Σ f({point})·{dw}"));
+        impulse.push(features.push("h·|h|·bᵢ", &format!("D({t}Qᵢ)"), 1));
     }
     let mut p = "";
     if features.hamiltonians > 0 {

@@ -35,6 +35,8 @@ pub(super) fn motion(system: &Classified, arena: &Arena) -> Vec<String> {
     roots.extend(&jet.dv[..count]);
     for noise in &mechanics.noises {
         roots.extend(noise.dq[..count].iter().chain(&noise.dp[..count]));
+        let force = noise.force.iter().flat_map(|force| &force.value[..count]);
+        roots.extend(force);
     }
     if let Some(force) = &mechanics.force {
         roots.extend(&force.value[..count]);
@@ -74,11 +76,11 @@ impl Motion<'_> {
         let symbols = &self.page.names.symbols;
         let mut line = Line::new(&symbols.component("dq", i));
         line.push(false, &format!("{} dt", symbols.component("v", i)));
-        self.kicks(&mut line, |noise| (1.0, noise.dp[i]));
+        self.kicks(&mut line, |noise| vec![(1.0, noise.dp[i])]);
         line.text
     }
 
-    /// Returns `dp = (∂L/∂q + F) dt + Σ ∂φ/∂q ∘ dΛ − ∂G/∂q ∘ dW`.
+    /// Returns `dp = (∂L/∂q + F) dt + Σ ∂φ/∂q ∘ dΛ + (f − ∂G/∂q) ∘ dW`.
     fn pushed(&mut self, i: usize) -> String {
         let mut line = Line::new(&self.page.names.symbols.component("dp", i));
         // in the body frame the momentum is rotated against the rotation of the body
@@ -96,7 +98,10 @@ impl Motion<'_> {
             let differential = numbered("∘ dΛ", k, constraints.len());
             self.add(&mut line, [(1.0, constraint.dq[i])], &differential);
         }
-        self.kicks(&mut line, |noise| (-1.0, noise.dq[i]));
+        self.kicks(&mut line, |noise| {
+            let force = noise.force.iter().map(|force| (1.0, force.value[i]));
+            [(-1.0, noise.dq[i])].into_iter().chain(force).collect()
+        });
         line.text
     }
 
@@ -110,7 +115,7 @@ impl Motion<'_> {
                 let mut line = Line::new(&self.page.names.symbols.component("dp", i));
                 self.add(&mut line, [(1.0, slope)], "dt");
                 self.moving(&mut line, &degeneracy.slopes[i]);
-                self.kicks(&mut line, |noise| (-1.0, noise.dq[i]));
+                self.kicks(&mut line, |noise| vec![(-1.0, noise.dq[i])]);
                 vec![moved, line.text]
             }
             // `Σ_k ω_ik dq_k = −∂L₀/∂q_i dt + ∂G/∂q_i ∘ dW`
@@ -120,7 +125,7 @@ impl Motion<'_> {
                 let left = left.text;
                 let mut line = Line::new(left.strip_prefix(" = ").unwrap_or(&left));
                 self.add(&mut line, [(-1.0, slope)], "dt");
-                self.kicks(&mut line, |noise| (1.0, noise.dq[i]));
+                self.kicks(&mut line, |noise| vec![(1.0, noise.dq[i])]);
                 vec![line.text]
             }
             Role::Algebraic => {
@@ -166,10 +171,10 @@ impl Motion<'_> {
     }
 
     /// Adds the noises.
-    fn kicks(&mut self, line: &mut Line, of: impl Fn(&NoiseJet) -> (f64, Expr)) {
+    fn kicks(&mut self, line: &mut Line, of: impl Fn(&NoiseJet) -> Vec<(f64, Expr)>) {
         let noises = &self.mechanics.noises;
         for (at, noise) in noises.iter().enumerate() {
-            self.add(line, [of(noise)], &numbered("∘ dW", at, noises.len()));
+            self.add(line, of(noise), &numbered("∘ dW", at, noises.len()));
         }
     }
 }

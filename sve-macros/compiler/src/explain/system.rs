@@ -5,7 +5,7 @@ use super::names::Names;
 use super::page::Page;
 use super::shown;
 use crate::algebra::{Arena, Expr, Sum, Vanishing};
-use crate::model::{Constraint, Model, NoiseTerm};
+use crate::model::{Constraint, Model, NoiseKind, NoiseTerm};
 use crate::system::classify::Classified;
 use crate::system::commutation::Commutation;
 use crate::system::symmetry::MomentumMap;
@@ -71,29 +71,53 @@ fn lagrangian(model: &Model, page: &mut Page<'_>) -> Vec<String> {
 fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<String> {
     let count = shown(model.noises.len());
     let some = &model.noises[..count];
-    let roots: Vec<Expr> = some.iter().map(|noise| noise.hamiltonian).collect();
+    let mut roots: Vec<Expr> = some.iter().map(|noise| noise.hamiltonian).collect();
+    let forces = some.iter().filter_map(|noise| noise.force.as_ref());
+    roots.extend(forces.flat_map(|force| &force[..shown(force.len())]));
     page.name_parts(&roots);
-    let mut lines = Vec::new();
-    for noise in some {
-        let NoiseTerm {
-            name,
-            is_gamma,
-            is_tangent: _,
-            hamiltonian,
-        } = noise;
-        let (letter, sign) = if *is_gamma {
-            ("γ", -1.0)
-        } else {
-            ("H₁", 1.0)
-        };
-        let mut sum = Sum::default();
-        sum.add(sign, *hamiltonian, page.arena);
-        lines.push(format!("{letter} {name} = {}", page.sum(&sum)));
-    }
-    let mut lines = Page::list(lines, model.noises.len(), "noises");
+    let lines = some.iter().map(|noise| noise_line(noise, page));
+    let mut lines = Page::list(lines.collect(), model.noises.len(), "noises");
     lines.extend(page.explanations(|_| false));
     lines.extend(commutation_caveat(commutation).map(ToOwned::to_owned));
+    if model.noises.iter().any(|noise| noise.force.is_some()) {
+        lines.push(OF_NOISE_FORCES.to_owned());
+    }
     lines
+}
+
+/// The remark on noises that are forces.
+const OF_NOISE_FORCES: &str = "f is a force that acts with its process: a step keeps no symplectic form, and a momentum only if f does no work along its symmetry";
+
+/// Returns the formula of a noise; of a force its components.
+fn noise_line(noise: &NoiseTerm, page: &mut Page<'_>) -> String {
+    let NoiseTerm {
+        name,
+        kind,
+        hamiltonian,
+        force,
+    } = noise;
+    let (letter, sign) = match kind {
+        NoiseKind::Gamma => ("γ", -1.0),
+        NoiseKind::H1 | NoiseKind::TangentH1 => ("H₁", 1.0),
+        NoiseKind::Force => ("f", 1.0),
+    };
+    let formula = match force {
+        Some(force) => {
+            let some = &force[..shown(force.len())];
+            let components = some.iter().map(|&f| page.formula(f));
+            let components = Page::list(components.collect(), force.len(), "components");
+            match components.as_slice() {
+                [only] => only.clone(),
+                all => format!("({})", all.join(", ")),
+            }
+        }
+        None => {
+            let mut sum = Sum::default();
+            sum.add(sign, *hamiltonian, page.arena);
+            page.sum(&sum)
+        }
+    };
+    format!("{letter} {name} = {formula}")
 }
 
 fn constraints(model: &Model, page: &mut Page<'_>) -> Vec<String> {
@@ -115,10 +139,10 @@ fn commutation_caveat(commutation: &Commutation) -> Option<&'static str> {
     match commutation {
         Commutation::All(Vanishing::Proved) | Commutation::NonCommuting(..) => None,
         Commutation::All(Vanishing::Evaluated) => Some(
-            "that the noises commute is checked, not proved: their Poisson brackets are zero to 28 digits at random points",
+            "that the noises commute is checked, not proved: their brackets are zero to 28 digits at random points",
         ),
         Commutation::All(Vanishing::Undecided) => Some(
-            "whether the noises commute cannot be decided: their Poisson brackets are within the rounding of the constants",
+            "whether the noises commute cannot be decided: their brackets are within the rounding of the constants",
         ),
     }
 }

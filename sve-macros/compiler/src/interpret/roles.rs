@@ -10,7 +10,7 @@ use super::types::Shape;
 use super::value::Value;
 use crate::algebra::{Expr, Symbol};
 use crate::model::configuration::Configuration;
-use crate::model::{Constraint, Generator, Meaning, Model, NoiseTerm, Symbols};
+use crate::model::{Constraint, Generator, Meaning, Model, NoiseKind, NoiseTerm, Symbols};
 use crate::syntax::parse::RoleFunction;
 use crate::syntax::readable;
 use crate::syntax::roles::Role;
@@ -63,13 +63,16 @@ impl Lowering<'_> {
         let lagrangian = self.scalar_result(function, &result);
         let mut noises = Vec::new();
         for noise in &block.noises {
-            let arguments: &[&[Symbol]] = if noise.role == Role::Gamma {
-                &[&q]
-            } else {
-                &[&q, &p]
+            let arguments: &[&[Symbol]] = match noise.role {
+                Role::Gamma => &[&q],
+                Role::NoiseForce => &[&q, &v],
+                _ => &[&q, &p],
             };
             let result = self.run(noise, &space, time, arguments);
-            self.noise_terms(noise, result, &mut noises);
+            match noise.role {
+                Role::NoiseForce => noises.extend(self.noise_force(noise, &result, &space)),
+                _ => self.noise_terms(noise, result, &mut noises),
+            }
         }
         let force = self.force(&space, time, &[&q, &v]);
         let mut symmetries = Vec::new();
@@ -120,6 +123,28 @@ impl Lowering<'_> {
             });
         }
         force
+    }
+
+    /// Returns the noise of a force that acts with a Wiener process.
+    fn noise_force(
+        &mut self,
+        function: &RoleFunction,
+        value: &Value,
+        space: &Space,
+    ) -> Option<NoiseTerm> {
+        let force = self.vector_result(function, value, space)?;
+        let name = function.name.to_string();
+        if force.iter().all(|&f| self.arena.is_zero(f)) {
+            let message =
+                format!("the force of the noise `{name}` is zero, so it moves nothing: remove it");
+            self.errors.push(function.name.span(), message);
+        }
+        Some(NoiseTerm {
+            name,
+            kind: NoiseKind::Force,
+            hamiltonian: self.arena.constant(0.0),
+            force: Some(force),
+        })
     }
 
     /// Returns the shapes of the configuration and adds its space to the symbols; or reports an
@@ -278,17 +303,16 @@ impl Lowering<'_> {
             if !self.arena.symbols_of(value).any(is_moving) {
                 self.report_constant_noise(function, &name);
             }
-            let is_gamma = function.role == Role::Gamma;
-            let hamiltonian = if is_gamma {
-                self.arena.neg(value)
-            } else {
-                value
+            let (kind, hamiltonian) = match function.role {
+                Role::Gamma => (NoiseKind::Gamma, self.arena.neg(value)),
+                Role::TangentH1 => (NoiseKind::TangentH1, value),
+                _ => (NoiseKind::H1, value),
             };
             noises.push(NoiseTerm {
                 name,
-                is_gamma,
-                is_tangent: function.role == Role::TangentH1,
+                kind,
                 hamiltonian,
+                force: None,
             });
         }
     }

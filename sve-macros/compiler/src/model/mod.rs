@@ -1,6 +1,6 @@
 //! The mechanical system as expressions, which all later stages read.
 //!
-//! Invariant: the Lagrangian and the force contain only the symbols of time, `q`, `v` and
+//! Invariant: the Lagrangian and the forces contain only the symbols of time, `q`, `v` and
 //! parameters. A noise Hamiltonian contains only time, `q`, `p` and parameters, and a generator
 //! only time, `q` and parameters.
 
@@ -22,16 +22,28 @@ pub(crate) use nodes::{AtNode, END, NodeQuantity};
 pub(crate) use symbols::{Argument, Meaning, Quantity, Symbols};
 pub(crate) use unknowns::{Family, Unknown};
 
-/// A noise Hamiltonian: `−γ` or `H₁`.
+/// The noise of one Wiener process: the Hamiltonian `−γ` or `H₁`, or a force.
 #[derive(Clone)]
 pub(crate) struct NoiseTerm {
     /// Source name, with an index if the function returns an array.
     pub(crate) name: String,
-    /// True if the user wrote γ; the Hamiltonian is then −γ.
-    pub(crate) is_gamma: bool,
-    /// True if the momentum along the constraints replaces p.
-    pub(crate) is_tangent: bool,
+    pub(crate) kind: NoiseKind,
+    /// G, which is zero for a force.
     pub(crate) hamiltonian: Expr,
+    /// f, which adds `f ∘ dW` to dp, if there is one.
+    pub(crate) force: Option<Vec<Expr>>,
+}
+
+/// What the user wrote for a noise.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum NoiseKind {
+    /// γ; the Hamiltonian is −γ.
+    Gamma,
+    H1,
+    /// An H₁ in which the momentum along the constraints replaces p.
+    TangentH1,
+    /// A force f(q, v).
+    Force,
 }
 
 /// A generator ξ of a symmetry.
@@ -138,7 +150,18 @@ impl Model {
         arena.sum(constant.abs(), &sizes)
     }
 
-    /// Returns the model with one more noise Hamiltonian.
+    /// Returns the symbols of the configuration and of the velocity.
+    pub(crate) fn q_and_v(&self) -> Vec<Symbol> {
+        [&self.q[..], &self.v].concat()
+    }
+
+    /// Returns all forces: F and those of the noises.
+    pub(crate) fn forces(&self) -> impl Iterator<Item = &Vec<Expr>> {
+        let of_noises = self.noises.iter().filter_map(|noise| noise.force.as_ref());
+        self.force.iter().chain(of_noises)
+    }
+
+    /// Returns the model with one more noise.
     pub(crate) fn with_noise(&self, noise: NoiseTerm) -> Self {
         let mut model = self.clone();
         model.noises.push(noise);

@@ -8,6 +8,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use super::constraints::{self, Enforced};
+use super::correction::Correction;
 use super::degenerate;
 use super::discretisation;
 use super::rotations::{RotationAtNode, values_at_nodes};
@@ -34,6 +35,8 @@ pub(crate) struct Action {
     /// Variables in which the action is stationary.
     pub(crate) internal: Vec<Symbol>,
     pub(crate) work: Vec<Work>,
+    /// The increments of noise forces that depend on velocities.
+    pub(crate) dividing: Vec<Symbol>,
     /// The kinds of the entries of the start and of the components of the displacement.
     pub(crate) configuration: Configuration,
     pub(crate) ends: Ends,
@@ -43,10 +46,11 @@ pub(crate) struct Action {
     pub(crate) enforced: Option<Enforced>,
 }
 
-/// Virtual work of a component of the force (Lagrange–d'Alembert): `impulse · δ place` is added to
+/// Virtual work of a component of a force (Lagrange–d'Alembert): `impulse · δ place` is added to
 /// δS.
 pub(crate) struct Work {
-    /// A component of F at a node, times its weight in time.
+    /// A component of F or of the force of a noise at a node, times its weight in time or its
+    /// increment.
     pub(crate) impulse: Expr,
     pub(crate) place: Place,
 }
@@ -54,7 +58,7 @@ pub(crate) struct Work {
 /// The quantity that a component of the force moves.
 #[derive(Clone, Copy)]
 pub(crate) enum Place {
-    /// A coordinate of the node.
+    /// A coordinate of the node, or a momentum.
     Coordinate(Expr),
     /// The rotation at the node of this number among those of the rule, which turns in a direction of
     /// the configuration, about an axis of the body.
@@ -119,16 +123,36 @@ pub(crate) struct Variables<'a> {
     pub(super) dw: Vec<Symbol>,
     /// `½ κ` and `Σ_a K_a` of the option `weak2`.
     potential: Option<(f64, &'a Potential)>,
+    /// The corrections of the noises with forces.
+    pub(super) correction: &'a [Correction],
+}
+
+/// The terms of an action that are derived before it, from the system alone.
+#[derive(Clone, Copy)]
+pub(crate) struct Terms<'a> {
+    /// The potential of the option `weak2` (`weak2::potential`).
+    pub(crate) potential: Option<&'a Potential>,
+    /// The corrections of the noises with forces (`correction::corrections`).
+    pub(crate) correction: &'a [Correction],
+}
+
+impl Terms<'_> {
+    pub(crate) const NONE: Self = Self {
+        potential: None,
+        correction: &[],
+    };
 }
 
 /// Returns the discrete action of `rule`. If L does not determine every velocity, the action is the
-/// one of `degeneracy`. With the option `weak2` the action contains the potential
-/// (`weak2::potential`).
+/// one of `degeneracy`.
 pub(crate) fn discretise(
     rule: Rule,
     model: &Model,
     degeneracy: Option<&Degeneracy>,
-    potential: Option<&Potential>,
+    Terms {
+        potential,
+        correction,
+    }: Terms<'_>,
     symbols: &mut Symbols,
     arena: &mut Arena,
 ) -> Action {
@@ -153,6 +177,7 @@ pub(crate) fn discretise(
         displacement,
         dw,
         potential,
+        correction,
     };
     let (discrete, ends) = match (degeneracy, rule.node()) {
         (Some(degeneracy), Some(node)) => degenerate::action(node, degeneracy, &mut variables),
@@ -172,6 +197,7 @@ impl Variables<'_> {
             let values = values_at_nodes(&discrete.rotations);
             self.arena.substitute(varied, &values)
         };
+        let dividing = self.dividing();
         Action {
             value,
             varied,
@@ -182,11 +208,23 @@ impl Variables<'_> {
             displacement: self.displacement,
             internal: discrete.internal,
             work: discrete.work,
+            dividing,
             configuration: self.model.configuration().clone(),
             ends,
             half_factor: self.potential.map(|(half_factor, _)| half_factor),
             enforced: None,
         }
+    }
+
+    /// Returns the increments of noise forces that depend on velocities.
+    fn dividing(&self) -> Vec<Symbol> {
+        let reads_velocity = |force: &Vec<Expr>| {
+            let mut all = self.model.v.iter();
+            all.any(|&v| force.iter().any(|&f| self.arena.contains(f, v)))
+        };
+        let noises = self.model.noises.iter().zip(&self.dw);
+        let of_velocities = noises.filter(|(noise, _)| noise.force.iter().any(reads_velocity));
+        of_velocities.map(|(_, &dw)| dw).collect()
     }
 
     /// Returns an intermediate result for a quantity at a node.
@@ -211,6 +249,9 @@ impl Variables<'_> {
     /// expression.
     pub(super) fn weak2(&mut self, node: &HashMap<Symbol, Expr>) -> Option<(f64, Expr)> {
         let (half_factor, potential) = self.potential?;
+        if self.arena.constant_value(potential.value).is_some() {
+            return None;
+        }
         let potential = self.potential_at(potential, node);
         let h = self.arena.symbol(self.h);
         let size = self.arena.abs(h);
@@ -266,62 +307,56 @@ impl Variables<'_> {
         terms
     }
 
-    /// Returns the Stratonovich correction `Σ_a Σ_b ⟨shift by G_a, slope of G_b⟩ ΔW_a ΔW_b` at a
-    /// node. For each noise, `fields` has the shift and the slope along each coordinate.
-    pub(super) fn stratonovich(
-        &mut self,
-        fields: &[Vec<[Expr; 2]>],
-        node: &HashMap<Symbol, Expr>,
-    ) -> Expr {
-        let mut terms = Vec::new();
-        for (a, &dw_a) in fields.iter().zip(&self.dw) {
-            for (b, &dw_b) in fields.iter().zip(&self.dw) {
-                if self.arena.is_exhausted() {
-                    return self.arena.constant(0.0);
-                }
-                let [dw_a, dw_b] = [dw_a, dw_b].map(|s| self.arena.symbol(s));
-                for ([shift, _], [_, slope]) in a.iter().zip(b) {
-                    let product = self.arena.product(&[(*shift, 1), (*slope, 1)]);
-                    let at_node = self.arena.substitute(product, node);
-                    let factors = [(at_node, 1), (dw_a, 1), (dw_b, 1)];
-                    terms.push((1.0, self.arena.product(&factors)));
-                }
-            }
-        }
-        self.arena.sum(0.0, &terms)
-    }
-
-    /// Returns the shift and the slope of a noise along each of the coordinates.
-    pub(super) fn field(
-        &mut self,
-        noise: usize,
-        coordinates: impl IntoIterator<Item = usize>,
-    ) -> Vec<[Expr; 2]> {
-        let g = self.model.noises[noise].hamiltonian;
-        let coordinates = coordinates.into_iter();
-        let pairs = coordinates.map(|i| [self.model.p[i], self.model.q[i]]);
-        pairs
-            .map(|pair| pair.map(|s| self.arena.diff(g, s)))
-            .collect()
-    }
-
-    /// Returns the work of the force at a node, for a part of the step. `number` is that of the node.
+    /// Returns the work of all forces at a node, for a part of the step: `h F`, the forces of noises
+    /// times their increments, and that of the option `weak2`. `number` is that of the node.
     pub(super) fn work(
         &mut self,
         part: f64,
         number: usize,
         node: &HashMap<Symbol, Expr>,
     ) -> Vec<Work> {
-        let h = self.arena.symbol(self.h);
-        let Some(force) = &self.model.force else {
-            return Vec::new();
-        };
+        let model = self.model;
+        let mut work = Vec::new();
+        if let Some(force) = &model.force {
+            let h = self.arena.symbol(self.h);
+            work.extend(self.work_of(force, part, h, (number, node)));
+        }
+        for (at, noise) in model.noises.iter().enumerate() {
+            if let Some(force) = &noise.force {
+                let dw = self.arena.symbol(self.dw[at]);
+                work.extend(self.work_of(force, part, dw, (number, node)));
+            }
+        }
+        if let Some((
+            half_factor,
+            Potential {
+                push: Some(push), ..
+            },
+        )) = self.potential
+        {
+            let h = self.arena.symbol(self.h);
+            let size = self.arena.abs(h);
+            let duration = self.arena.mul(h, size);
+            let part = 2.0 * half_factor * part;
+            work.extend(self.work_of(push, part, duration, (number, node)));
+        }
+        work
+    }
+
+    /// Returns the work of a force with the impulse `part · duration · force` at a node.
+    fn work_of(
+        &mut self,
+        force: &[Expr],
+        part: f64,
+        duration: Expr,
+        (number, node): (usize, &HashMap<Symbol, Expr>),
+    ) -> Vec<Work> {
         let mut work = Vec::new();
         for block in self.model.configuration().blocks() {
             let entries = &self.model.q[block.entries];
             for (k, direction) in block.directions.enumerate() {
                 let f = self.arena.substitute(force[direction], node);
-                let impulse = self.arena.mul(h, f);
+                let impulse = self.arena.mul(duration, f);
                 let impulse = self.arena.scale(part, impulse);
                 let place = match block.factor {
                     Factor::Vector(_) => Place::Coordinate(node[&entries[k]]),

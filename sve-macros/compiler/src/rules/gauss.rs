@@ -140,9 +140,24 @@ impl Discretisation for Gauss {
         Textbook {
             action: terms.concat(),
             notation,
-            work: format!("Σᵢ bᵢ·{}", system.work(&STAGE)),
+            work: works(system),
         }
     }
+}
+
+/// Returns the virtual work of all forces at the stages.
+fn works(system: &Features) -> String {
+    let mut works = Vec::new();
+    if system.force_is_timed.is_some() {
+        works.push(format!("h·Σᵢ bᵢ·{}", system.work("F", &STAGE)));
+    }
+    if system.noise_forces > 0 {
+        let (b, dw) = system.increment_at_stage();
+        let sum = sum(system.noise_forces);
+        works.push(format!("Σᵢ {b}{sum}{}·{dw}", system.work("f", &STAGE)));
+    }
+    let push = system.work("D", &STAGE).replace(", Vᵢ)", ")");
+    works.join(" + ") + &system.push("h·|h|·Σᵢ bᵢ", &push, 1)
 }
 
 /// Returns the values of the model's variables at node `i`.

@@ -5,6 +5,7 @@
 
 pub(crate) mod action;
 pub(crate) mod constraints;
+pub(crate) mod correction;
 pub(crate) mod degenerate;
 pub(crate) mod gauss;
 mod one_node;

@@ -5,7 +5,8 @@
 //!       + (c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b
 //! ```
 //!
-//! The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`.
+//! The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`, that of a
+//! noise `⟨f_a(t̄,q̄,v) ΔW_a, δq̄⟩`, with a correction of its own ([`correction`](super::correction)).
 
 use std::collections::HashMap;
 
@@ -67,10 +68,14 @@ impl Discretisation for OneNode {
             terms.push((c - 0.5, correction));
         }
         let value = x.arena.sum(0.0, &terms);
+        let mut work = x.work(1.0, 0, &node);
+        if c != 0.5 {
+            work.extend(x.correction_work(c, &node));
+        }
         Discrete {
             value,
             internal: v.into_iter().chain(p).collect(),
-            work: x.work(1.0, 0, &node),
+            work,
             rotations,
         }
     }
@@ -102,9 +107,21 @@ impl Discretisation for OneNode {
             };
             textbook.action = format!("{} {sign} ½·{correction}", textbook.action);
         }
+        if self.place != 0.5 && system.corrects_forces {
+            let sign = if self.place > 0.5 { '−' } else { '+' };
+            let q = self.written().position;
+            textbook.work = format!(
+                "{} {sign} ½·Σ (⟨P[i, j], δ{q}⟩ − ⟨Q[i, j], δp⟩)·ΔW[i]·ΔW[j]",
+                textbook.work
+            );
+            textbook.notation.push(CORRECTED.to_owned());
+        }
         textbook
     }
 }
+
+/// The notation of the correction of noises that are forces.
+const CORRECTED: &str = "(Q, P)[i, j] the part with f of ∂X[i]/∂q·∂G[j]/∂p + ∂X[i]/∂p·(∂G[j]/∂q − f[j]), X = (∂G/∂p, f − ∂G/∂q)";
 
 impl OneNode {
     fn written(&self) -> Point {

@@ -60,16 +60,17 @@ pub(crate) struct Textbook {
     pub(crate) action: String,
     /// The meanings of its symbols.
     pub(crate) notation: Vec<String>,
-    /// The virtual work of the force for a step of unit length.
+    /// The virtual work of the forces; empty if there are none.
     pub(crate) work: String,
 }
 
 /// The properties of a system that show in the textbook form of an action.
+#[allow(clippy::struct_excessive_bools)] // properties that do not depend on one another
 pub(crate) struct Features {
     pub(crate) degrees_of_freedom: usize,
     /// True if L or a noise depends on time.
     pub(crate) is_timed: bool,
-    /// True if the force depends on time; `None` without a force.
+    /// True if a force depends on time; `None` without F.
     pub(crate) force_is_timed: Option<bool>,
     /// ½κ of the option `weak2`, if the action has its term.
     pub(crate) potential: Option<f64>,
@@ -78,6 +79,10 @@ pub(crate) struct Features {
     /// The number of γ's; `hamiltonians` is the number of H₁'s.
     pub(crate) gammas: usize,
     pub(crate) hamiltonians: usize,
+    /// The number of noises that are forces.
+    pub(crate) noise_forces: usize,
+    /// True if the correction of a rule with one node at an end has a part with forces.
+    pub(crate) corrects_forces: bool,
     /// True if some noise moves q and some noise moves p.
     pub(crate) moves_both: bool,
 }
@@ -109,8 +114,6 @@ impl Features {
             let sum = sum(self.hamiltonians);
             action.push(format!(" − {sum}{hamiltonian}·ΔW{part}"));
         }
-        let work = points.iter().map(|x| self.work(x));
-        let work: Vec<String> = work.collect();
         let mut notation: Vec<&str> = Vec::new();
         for point in points {
             notation.extend(point.others_are);
@@ -119,7 +122,39 @@ impl Features {
         Textbook {
             action: action.concat(),
             notation: notation.into_iter().map(ToOwned::to_owned).collect(),
-            work: format!("{}{part}", joined(&work)),
+            work: self.works(points, part),
+        }
+    }
+
+    /// Returns the virtual work of all forces at nodes of equal weights.
+    fn works(&self, points: &[Point], part: &str) -> String {
+        let at = |force: &str| {
+            let works: Vec<String> = points.iter().map(|x| self.work(force, x)).collect();
+            joined(&works)
+        };
+        let mut works = Vec::new();
+        if self.force_is_timed.is_some() {
+            works.push(format!("h·{}{part}", at("F")));
+        }
+        if self.noise_forces > 0 {
+            works.push(format!("{}{}·ΔW{part}", sum(self.noise_forces), at("f")));
+        }
+        let push = at("D").replace(", v)", ")");
+        works.join(" + ") + &self.push("h·|h|", &push, points.len())
+    }
+
+    /// Returns the work or the impulse of the option `weak2` for noises that are forces, in the form
+    /// of [`potential`](Self::potential).
+    pub(crate) fn push(&self, factor: &str, sum: &str, nodes: usize) -> String {
+        match self.potential {
+            // κ is twice the factor of the potential
+            Some(half) if self.noise_forces > 0 => {
+                format!(
+                    " − {factor}·{sum}/{}",
+                    (nodes as f64 / (2.0 * half)).round()
+                )
+            }
+            _ => String::new(),
         }
     }
 
@@ -154,8 +189,10 @@ impl Features {
     pub(crate) fn potential(&self, factor: &str, sum: &str, nodes: usize) -> String {
         match self.potential {
             // 1/κ is an integer
-            Some(half) => format!(" − {factor}·{sum}/{}", (nodes as f64 / half).round()),
-            None => String::new(),
+            Some(half) if self.gammas + self.hamiltonians > 0 => {
+                format!(" − {factor}·{sum}/{}", (nodes as f64 / half).round())
+            }
+            _ => String::new(),
         }
     }
 
@@ -169,8 +206,8 @@ impl Features {
         }
     }
 
-    /// Returns the virtual work of the force at a node.
-    pub(super) fn work(&self, point: &Point) -> String {
+    /// Returns the virtual work of a force at a node.
+    pub(super) fn work(&self, force: &str, point: &Point) -> String {
         let Point {
             time,
             position: q,
@@ -182,9 +219,9 @@ impl Features {
             _ => String::new(),
         };
         if self.degrees_of_freedom == 1 {
-            format!("F({t}{q}, {v})·δ{q}")
+            format!("{force}({t}{q}, {v})·δ{q}")
         } else {
-            format!("⟨F({t}{q}, {v}), δ{q}⟩")
+            format!("⟨{force}({t}{q}, {v}), δ{q}⟩")
         }
     }
 }

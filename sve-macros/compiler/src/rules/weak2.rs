@@ -14,7 +14,8 @@
 //! midpoint rule and the rule of Störmer and Verlet are flows of Hamiltonians that lack another
 //! `h ΔW² K_a/24` if `G_a` is a γ; this makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with
 //! `M = ∂²L/∂v²`. For an H₁, K also depends on the momentum and acts as a noise Hamiltonian with
-//! the increment `½ κ h |h| bᵢ` at node i. A force is then refused, since the leading error also
+//! the increment `½ κ h |h| bᵢ` at node i. A force f(q) of a noise, with constant masses, gives the
+//! impulse `− κ h |h| bᵢ ∂f/∂q M⁻¹ f`, which is that of `K` if f is the gradient of a γ. A force is then refused, since the leading error also
 //! contains the double bracket with the force. A Gauss rule with stage noise has
 //! `κ = 1/(4(2S − 1))`.
 //!
@@ -27,7 +28,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::catalogue::{Rule, RuleOption};
-use crate::model::{Model, NoiseTerm};
+use crate::model::{Model, NoiseKind, NoiseTerm};
 use crate::system::classify::Classified;
 use crate::system::commutation::Commutation;
 use crate::system::inverse_mass::{self, NoFormula};
@@ -45,6 +46,11 @@ pub(crate) enum Obstacle {
     },
     /// A noise moves the position, and there is a force.
     MovesPositionWithForce(String),
+    /// The force of a noise depends on velocities, or the masses depend on the configuration.
+    NoiseForce {
+        name: String,
+        reads_velocity: bool,
+    },
     /// ∂²L/∂v² depends on v.
     MomentumNotAffine,
     /// A force is not affine in v.
@@ -59,7 +65,10 @@ fn obstacle(system: &Classified, takes_h1: bool, arena: &mut Arena) -> Option<Ob
     if let Commutation::NonCommuting(a, b) = &system.commutation {
         return Some(Obstacle::NonCommuting(a.clone(), b.clone()));
     }
-    let is_forced = model.force.is_some();
+    if let Some(obstacle) = of_noise_force(model, mechanics, arena) {
+        return Some(obstacle);
+    }
+    let is_forced = model.forces().next().is_some();
     if !takes_h1 || is_forced {
         let moves_position = |at: &usize| {
             let dp = &mechanics.noises[*at].dp;
@@ -92,12 +101,34 @@ fn obstacle(system: &Classified, takes_h1: bool, arena: &mut Arena) -> Option<Ob
     None
 }
 
+/// Returns the reason why the option is refused for the force of a noise.
+fn of_noise_force(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Option<Obstacle> {
+    let masses = mechanics.lagrangian.dvv.iter().flatten();
+    let moving = [model.q_and_v(), vec![model.time]].concat();
+    let moves = |&e: &Expr| moving.iter().any(|&s| arena.contains(e, s));
+    let has_constant_masses = !masses.copied().any(|e| moves(&e));
+    for (noise, jet) in model.noises.iter().zip(&mechanics.noises) {
+        let reads_velocity = jet.reads_velocity(arena);
+        if jet.force.is_some() && (reads_velocity || !has_constant_masses) {
+            let name = noise.name.clone();
+            return Some(Obstacle::NoiseForce {
+                name,
+                reads_velocity,
+            });
+        }
+    }
+    None
+}
+
 /// `Σ_a K_a` as a function of time, position and momentum.
 #[derive(Clone)]
 pub(crate) struct Potential {
     pub(crate) value: Expr,
     /// The derivatives in q, if all other derivatives are zero.
     pub(crate) gradient: Option<Vec<Expr>>,
+    /// `− Σ_a ∂f_a/∂q M⁻¹ f_a`, if it does not vanish. For a force that is the gradient of a γ it
+    /// is the force of `½ K`.
+    pub(crate) push: Option<Vec<Expr>>,
 }
 
 /// Returns `Σ_a K_a`; `None` if it does not depend on the state and so would not change a step.
@@ -132,16 +163,48 @@ pub(crate) fn potential(
             .iter()
             .all(|&e| arena.constant_value(e) == Some(0.0))
     };
-    if mechanics.noises.iter().all(is_of_q) {
+    let are_of_q = mechanics.noises.iter().all(is_of_q);
+    let push = push(mechanics, model, arena).map_err(Obstacle::NoInverseMass)?;
+    if are_of_q {
         let is_constant = arena.zeros(&gradient).into_iter().all(|zero| zero);
         let gradient = Some(gradient);
-        return Ok((!is_constant).then_some(Potential { value, gradient }));
+        return Ok((!is_constant || push.is_some()).then_some(Potential {
+            value,
+            gradient,
+            push,
+        }));
     }
     let velocities = velocities(model, mechanics, arena).map_err(Obstacle::NoInverseMass)?;
     Ok(Some(Potential {
         value: arena.substitute(value, &velocities),
         gradient: None,
+        push,
     }))
+}
+
+/// Returns `− Σ_a ∂f_a/∂q M⁻¹ f_a`, unless it vanishes.
+fn push(
+    mechanics: &Mechanics,
+    model: &Model,
+    arena: &mut Arena,
+) -> Result<Option<Vec<Expr>>, NoFormula> {
+    let mut rows = vec![Vec::new(); model.dof()];
+    for force in mechanics
+        .noises
+        .iter()
+        .filter_map(|noise| noise.force.as_ref())
+    {
+        let mass = &mechanics.lagrangian.dvv;
+        let w = inverse_mass::solve(mass, &force.value, &model.q, arena)?;
+        for (row, slopes) in rows.iter_mut().zip(&force.dq) {
+            for (&slope, &w) in slopes.iter().zip(&w) {
+                row.push((-1.0, arena.mul(slope, w)));
+            }
+        }
+    }
+    let push: Vec<Expr> = rows.iter().map(|terms| arena.sum(0.0, terms)).collect();
+    let vanishes = arena.zeros(&push).into_iter().all(|zero| zero);
+    Ok((!vanishes).then_some(push))
 }
 
 /// Returns the velocity of a momentum, `M⁻¹ (p − a)` for `∂L/∂v = M v + a`.
@@ -165,20 +228,20 @@ fn velocities(
 }
 
 impl Potential {
-    /// Returns `½ Σ_a K_a` as a noise Hamiltonian, with its derivatives.
+    /// Returns `½ Σ_a K_a` and the push as a noise, with its derivatives.
     pub(crate) fn noise(&self, model: &Model, arena: &mut Arena) -> (NoiseTerm, NoiseJet) {
         let noise = NoiseTerm {
             name: "K".to_owned(),
-            is_gamma: false,
-            is_tangent: false,
+            kind: NoiseKind::H1,
             hamiltonian: arena.scale(0.5, self.value),
+            force: self.push.clone(),
         };
         let jet = match &self.gradient {
             Some(gradient) => {
                 let dq = gradient.iter().map(|&slope| arena.scale(0.5, slope));
                 let dq = dq.collect();
                 let dp = vec![arena.constant(0.0); model.dof()];
-                mechanics::noise_jet_of(dq, dp, model, arena)
+                mechanics::noise_jet_of([dq, dp], self.push.as_deref(), model, arena)
             }
             None => mechanics::noise_jet(&noise, model, arena),
         };
@@ -295,6 +358,19 @@ impl Obstacle {
                 format!(
                     "the noise `{name}` moves the position, and with such noise `{}` has weak order 1 as without the option: write `{without}`{other}",
                     rule.name()
+                )
+            }
+            Self::NoiseForce {
+                name,
+                reads_velocity,
+            } => {
+                let why = if *reads_velocity {
+                    "depends on velocities"
+                } else {
+                    "acts on masses that are not constant"
+                };
+                format!(
+                    "`weak2` is for noise forces of positions with constant masses, and `{name}` {why}: write `{without}`"
                 )
             }
             Self::MomentumNotAffine => format!(

@@ -367,9 +367,13 @@ impl Reduced<'_> {
         rotations.any(|rotation| rotation.directions.clone().eq(directions.iter().copied()))
     }
 
-    /// Returns whether no entry of the Jacobian depends on the unknowns.
+    /// Returns whether no entry of the Jacobian depends on the unknowns, nor on the increments of
+    /// noise forces of velocities: a solution beyond a singular matrix is not connected.
     fn is_linear(&mut self, jacobian: &[Vec<Expr>], unknowns: &[Symbol]) -> bool {
         for &entry in jacobian.iter().flatten() {
+            if self.dividing.iter().any(|&s| self.arena.contains(entry, s)) {
+                return false;
+            }
             for &u in unknowns {
                 if !self.arena.contains(entry, u) {
                     continue;

@@ -33,6 +33,8 @@ pub(super) struct Reduced<'a> {
     pub(super) guards: Vec<Expr>,
     /// Additional results of a step.
     pub(super) reported: Vec<Expr>,
+    /// The increments of noise forces that depend on velocities.
+    pub(super) dividing: Vec<Symbol>,
 }
 
 /// An unknown that an equation gives as `x = f(others)`.
@@ -60,6 +62,7 @@ impl<'a> Reduced<'a> {
     ) -> Self {
         Self {
             kept: Vec::new(),
+            dividing: Vec::new(),
             arena,
             symbols,
             unknowns: equations.unknowns,

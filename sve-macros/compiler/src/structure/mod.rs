@@ -58,6 +58,7 @@ pub(crate) fn analyse(
     let conditions = equations.conditions.clone();
     let mut system = Reduced {
         kept,
+        dividing: action.dividing.clone(),
         ..Reduced::new(equations, symbols, arena)
     };
     let roots = roots(action, system.arena);

@@ -38,7 +38,8 @@ pub(crate) struct Annotated {
     /// The block without its members.
     pub(crate) item: ItemImpl,
     pub(crate) lagrangian: RoleFunction,
-    /// `#[gamma]` and `#[h1]` functions in source order.
+    /// The functions of noises in the order of their processes: `#[gamma]` and `#[h1]` functions in
+    /// source order, then `#[force(noise)]` functions in source order.
     pub(crate) noises: Vec<RoleFunction>,
     /// `#[force]` functions, whose values are added.
     pub(crate) forces: Vec<RoleFunction>,
@@ -123,7 +124,13 @@ pub(crate) fn annotated(
         arguments,
         item,
         lagrangian: lagrangian?,
-        noises: of(&[Role::Gamma, Role::H1, Role::TangentH1]),
+        noises: [
+            of(&[Role::Gamma, Role::H1, Role::TangentH1]),
+            of(&[Role::NoiseForce]),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
         forces: of(&[Role::Force]),
         symmetries: of(&[Role::Symmetry]),
         constraints: of(&[Role::Constraint]),

@@ -19,6 +19,8 @@ pub(crate) enum Role {
     /// An H₁ evaluated at the momentum projected onto the constraints, `#[h1(tangent)]`.
     TangentH1,
     Force,
+    /// A force that acts with the increments of a Wiener process, `#[force(noise)]`.
+    NoiseForce,
     Symmetry,
     Constraint,
     Helper,
@@ -26,6 +28,9 @@ pub(crate) enum Role {
 
 /// The argument of `#[h1(tangent)]`.
 const TANGENT: &str = "tangent";
+
+/// The argument of `#[force(noise)]`.
+const NOISE: &str = "noise";
 
 /// Returns the role of each member and removes the attributes of roles.
 pub(crate) fn take_roles(item: &mut ItemImpl, errors: &mut Errors) -> Vec<Option<Role>> {
@@ -78,6 +83,7 @@ fn take_attributes(
         let role = role.with_arguments(attribute).unwrap_or_else(|| {
             let message = match role {
                 Role::H1 => format!("`#[{name}]` takes no argument but `{TANGENT}`, which puts the momentum along the constraints in the place of p: `#[{name}({TANGENT})]`"),
+                Role::Force => format!("`#[{name}]` takes no argument but `{NOISE}`, which makes the force act with a Wiener process: `#[{name}({NOISE})]`"),
                 _ => format!("`#[{name}]` takes no arguments: the signature says all"),
             };
             errors.push(attribute.span(), message);
@@ -141,7 +147,11 @@ impl Role {
             return Some(self);
         }
         let argument = attribute.parse_args::<Ident>().ok()?;
-        (self == Self::H1 && argument == TANGENT).then_some(Self::TangentH1)
+        match self {
+            Self::H1 if argument == TANGENT => Some(Self::TangentH1),
+            Self::Force if argument == NOISE => Some(Self::NoiseForce),
+            _ => None,
+        }
     }
 
     fn of_attribute(name: &str) -> Option<Self> {
@@ -174,7 +184,7 @@ impl Role {
         match self {
             Self::Gamma => "gamma",
             Self::H1 | Self::TangentH1 => "h1",
-            Self::Force => "force",
+            Self::Force | Self::NoiseForce => "force",
             Self::Symmetry => "symmetry",
             Self::Constraint => "constraint",
             Self::Lagrangian | Self::Helper => "",
@@ -190,7 +200,9 @@ impl Role {
                 "fn name(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]"
             }
             Self::Constraint => "fn name(&self, q: [f64; N]) -> f64` or `-> [f64; K]",
-            Self::Force => "fn name(&self, q: [f64; N], v: [f64; N]) -> [f64; N]",
+            Self::Force | Self::NoiseForce => {
+                "fn name(&self, q: [f64; N], v: [f64; N]) -> [f64; N]"
+            }
             Self::Symmetry => "fn name(&self, q: [f64; N]) -> [f64; N]",
             Self::Helper => "",
         }
@@ -216,10 +228,10 @@ impl Role {
             (Self::H1 | Self::TangentH1, _) => {
                 "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>, p: Vector3<f64>, pi: Vector3<f64>) -> f64"
             }
-            (Self::Force, 1) => {
+            (Self::Force | Self::NoiseForce, 1) => {
                 "fn name(&self, r: Rotation3<f64>, w: Vector3<f64>) -> Vector3<f64>"
             }
-            (Self::Force, _) => {
+            (Self::Force | Self::NoiseForce, _) => {
                 "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> (Vector3<f64>, Vector3<f64>)"
             }
             (Self::Symmetry, 1) => "fn name(&self, r: Rotation3<f64>) -> Vector3<f64>",
@@ -233,7 +245,7 @@ impl Role {
     pub(crate) fn quantities(self) -> &'static [&'static str] {
         match self {
             Self::Gamma | Self::Symmetry | Self::Constraint => &["q"],
-            Self::Lagrangian | Self::Force | Self::Helper => &["q", "v"],
+            Self::Lagrangian | Self::Force | Self::NoiseForce | Self::Helper => &["q", "v"],
             Self::H1 | Self::TangentH1 => &["q", "p"],
         }
     }

@@ -88,16 +88,15 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
             errors.push(place, message);
         }
     }
-    let tangent = block
-        .noises
-        .iter()
-        .filter(|f| f.role == FunctionRole::TangentH1);
+    let others = block.noises.iter();
+    let others = others.filter(|f| !matches!(f.role, FunctionRole::Gamma | FunctionRole::H1));
     for symmetry in &block.symmetries {
         check_name(symmetry, block, &mut errors);
     }
-    for function in tangent.chain(&block.constraints) {
+    for function in others.chain(&block.constraints) {
         let attribute = match function.role {
             FunctionRole::TangentH1 => "h1(tangent)",
+            FunctionRole::NoiseForce => "force(noise)",
             role => role.attribute(),
         };
         let message = format!(
@@ -211,7 +210,11 @@ pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> sy
         );
         errors.push(constraint.name.span(), message);
     }
-    for force in &block.forces {
+    let of_noises = block
+        .noises
+        .iter()
+        .filter(|f| f.role == FunctionRole::NoiseForce);
+    for force in block.forces.iter().chain(of_noises) {
         let message = format!(
             "{what}, and steps with a force are not derived there: write the force as a part of L, or give each velocity a kinetic term"
         );

@@ -23,6 +23,13 @@ pub(crate) struct Classified {
     pub(crate) momenta: Vec<MomentumMap>,
 }
 
+impl Classified {
+    /// Returns whether a noise is a force.
+    pub(crate) fn has_noise_forces(&self) -> bool {
+        self.model.noises.iter().any(|noise| noise.force.is_some())
+    }
+}
+
 /// Classifies a model. The noises of the result are tangent to the constraints.
 pub(crate) fn classify(
     block: &Annotated,

@@ -1,7 +1,7 @@
 //! The test whether the noises of a system commute, which decides the strong order of the rules.
 
 use super::degeneracy::{Degeneracy, Role, brackets as of_two_form};
-use super::mechanics::{Mechanics, NoiseJet};
+use super::mechanics::{Mechanics, NoiseJet, less};
 use crate::algebra::{Arena, Expr, Vanishing};
 use crate::model::Model;
 
@@ -25,7 +25,8 @@ impl Commutation {
 }
 
 /// Tests whether the noises commute. If L leaves velocities undetermined, the bracket of the
-/// two-form decides, otherwise the Poisson bracket.
+/// two-form decides, otherwise the Poisson bracket, or the bracket of fields with a force. A pair
+/// whose bracket is not known counts as one that does not commute.
 pub(crate) fn commutation(
     model: &Model,
     mechanics: &Mechanics,
@@ -37,38 +38,38 @@ pub(crate) fn commutation(
         Some(degeneracy) if !degeneracy.of(Role::Massless).is_empty() => {
             of_two_form::commutation(degeneracy, model, mechanics, arena)
         }
-        _ => brackets(model, &mechanics.noises, arena),
+        _ => brackets(model, mechanics, arena),
     }
 }
 
-/// Tests whether the Poisson bracket `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩`
-/// vanishes for all pairs. Each rotation adds `− Π·(∂G_a/∂Π × ∂G_b/∂Π)`, with left-trivialised
-/// derivatives in R.
-fn brackets(model: &Model, noises: &[NoiseJet], arena: &mut Arena) -> Commutation {
+/// Tests whether the brackets of all pairs vanish: the Poisson bracket of two Hamiltonians,
+/// otherwise the bracket of the fields.
+fn brackets(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Commutation {
+    let noises = &mechanics.noises;
     let jets: Vec<[Vec<Expr>; 2]> = noises.iter().map(|jet| scaled(jet, arena)).collect();
+    let fields = Fields::new(model, mechanics, arena);
     let mut evidence = Vanishing::Proved;
-    for (i, [a_q, a_p]) in jets.iter().enumerate() {
-        for (j, [b_q, b_p]) in jets.iter().enumerate().skip(i + 1) {
+    for i in 0..noises.len() {
+        for j in i + 1..noises.len() {
             if arena.is_exhausted() {
                 return Commutation::All(evidence);
             }
-            let mut terms = Vec::new();
-            for k in 0..model.dof() {
-                for (sign, x, y) in [(1.0, a_q[k], b_p[k]), (-1.0, a_p[k], b_q[k])] {
-                    // most noises depend on few coordinates, so most products vanish
-                    if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
-                        terms.push((sign, arena.mul(x, y)));
-                    }
+            let has_force = noises[i].force.is_some() || noises[j].force.is_some();
+            let bracket = if has_force {
+                let fields = fields.as_ref();
+                fields.map(|fields| fields.bracket(i, j, model, arena))
+            } else {
+                Some(vec![poisson_bracket(&jets[i], &jets[j], model, arena)])
+            };
+            let vanishes = |bracket: Vec<Expr>| {
+                let mut all = Vanishing::Proved;
+                for component in bracket {
+                    let component = model.on_rotations(component, arena);
+                    all = all.max(arena.vanishing(component)?);
                 }
-            }
-            if model.configuration().has_rotations() {
-                let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
-                let transport = model.configuration().transport(&p, a_p, b_p, arena);
-                terms.push((-1.0, transport));
-            }
-            let bracket = arena.sum(0.0, &terms);
-            let bracket = model.on_rotations(bracket, arena);
-            match arena.vanishing(bracket) {
+                Some(all)
+            };
+            match bracket.and_then(vanishes) {
                 Some(vanishing) => evidence = evidence.max(vanishing),
                 None => {
                     let [a, b] = [i, j].map(|at| model.noises[at].name.clone());
@@ -78,6 +79,118 @@ fn brackets(model: &Model, noises: &[NoiseJet], arena: &mut Arena) -> Commutatio
         }
     }
     Commutation::All(evidence)
+}
+
+/// Returns `{G_a, G_b} = ⟨∂G_a/∂q, ∂G_b/∂p⟩ − ⟨∂G_a/∂p, ∂G_b/∂q⟩`. Each rotation adds
+/// `− Π·(∂G_a/∂Π × ∂G_b/∂Π)`, with left-trivialised derivatives in R.
+fn poisson_bracket(
+    [a_q, a_p]: &[Vec<Expr>; 2],
+    [b_q, b_p]: &[Vec<Expr>; 2],
+    model: &Model,
+    arena: &mut Arena,
+) -> Expr {
+    let mut terms = Vec::new();
+    for k in 0..model.dof() {
+        for (sign, x, y) in [(1.0, a_q[k], b_p[k]), (-1.0, a_p[k], b_q[k])] {
+            // most noises depend on few coordinates, so most products vanish
+            if [x, y].iter().all(|&e| arena.constant_value(e) != Some(0.0)) {
+                terms.push((sign, arena.mul(x, y)));
+            }
+        }
+    }
+    if model.configuration().has_rotations() {
+        let p: Vec<Expr> = model.p.iter().map(|&s| arena.symbol(s)).collect();
+        let transport = model.configuration().transport(&p, a_p, b_p, arena);
+        terms.push((-1.0, transport));
+    }
+    arena.sum(0.0, &terms)
+}
+
+/// The fields of the noises as functions of t, q and v.
+struct Fields(Vec<Field>);
+
+/// The rates of change of the configuration, the momentum and the velocity by a noise. They are
+/// left-trivialised in rotations.
+struct Field {
+    q: Vec<Expr>,
+    p: Vec<Expr>,
+    v: Vec<Expr>,
+    /// True if the field moves momenta alone, by an amount that depends on t and q.
+    is_of_positions: bool,
+}
+
+impl Fields {
+    /// Returns the fields if a noise has a force; `None` too if M⁻¹ has no formula.
+    fn new(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Self> {
+        if !mechanics.noises.iter().any(|noise| noise.force.is_some()) {
+            return None;
+        }
+        let momenta = model.p.iter().copied();
+        let momenta = momenta
+            .zip(mechanics.lagrangian.dv.iter().copied())
+            .collect();
+        let field = |noise: &NoiseJet| {
+            let q = arena.substitute_all(&noise.dp, &momenta);
+            let against = noise.against(arena);
+            let against = arena.substitute_all(&against, &momenta);
+            // in the body frame the momentum is rotated against the rotation of the body
+            let p = &mechanics.lagrangian.dv;
+            let turned = model.configuration().commutator(p, &q, arena);
+            let p = less(&turned, &against, arena);
+            let factor = arena.scale_of(&[&q[..], &p].concat());
+            let [q, p] = [q, p]
+                .map(|row| -> Vec<Expr> { row.iter().map(|&e| arena.scale(factor, e)).collect() });
+            let is_zero = |&e: &Expr| arena.constant_value(e) == Some(0.0);
+            let is_of_positions = q.iter().all(is_zero) && !noise.reads_velocity(arena);
+            let v = mechanics.velocity_along([&q, &p], &[], arena).ok()?;
+            Some(Field {
+                q,
+                p,
+                v,
+                is_of_positions,
+            })
+        };
+        mechanics
+            .noises
+            .iter()
+            .map(field)
+            .collect::<Option<_>>()
+            .map(Self)
+    }
+
+    /// Returns the bracket of two fields in q and p.
+    fn bracket(&self, i: usize, j: usize, model: &Model, arena: &mut Arena) -> Vec<Expr> {
+        let [a, b] = [i, j].map(|at| &self.0[at]);
+        if a.is_of_positions && b.is_of_positions {
+            return Vec::new();
+        }
+        let turned = model.configuration().commutator(&a.q, &b.q, arena);
+        let mut bracket = Vec::new();
+        for (of_a, of_b) in a.q.iter().zip(&b.q).chain(a.p.iter().zip(&b.p)) {
+            let along_a = a.along(*of_b, model, arena);
+            let along_b = b.along(*of_a, model, arena);
+            bracket.push(arena.sub(along_a, along_b));
+        }
+        for (component, turned) in bracket.iter_mut().zip(turned) {
+            *component = arena.add(*component, turned);
+        }
+        bracket
+    }
+}
+
+impl Field {
+    /// Returns the derivative of an expression of t, q and v along the field.
+    fn along(&self, of: Expr, model: &Model, arena: &mut Arena) -> Expr {
+        let mut terms = Vec::new();
+        for (slope, &q) in model.gradient(of, arena).into_iter().zip(&self.q) {
+            terms.push((1.0, arena.mul(slope, q)));
+        }
+        for (&symbol, &v) in model.v.iter().zip(&self.v) {
+            let slope = arena.diff(of, symbol);
+            terms.push((1.0, arena.mul(slope, v)));
+        }
+        arena.sum(0.0, &terms)
+    }
 }
 
 /// Returns the gradients of a noise in q and p. If a product of two components might underflow or

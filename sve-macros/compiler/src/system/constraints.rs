@@ -60,6 +60,7 @@ pub(crate) fn check(
         return errors.finish(false);
     }
     let values: Vec<Values> = points.iter().map(|at| quantities.at(at, arena)).collect();
+    check_noise_forces(block, model, mechanics, arena, &mut errors);
     let is_regular = check_gradients(block, model, &points, &mut errors);
     if is_regular {
         check_tangency(block, model, &values, &mut errors);
@@ -203,6 +204,43 @@ fn check_gradients(
         }
     }
     true
+}
+
+/// Reports noise forces that depend on velocities beside other noises: the fields of the motion are
+/// projected on the constraints, and whether these commute is not derived. A rule with one node at
+/// an end needs a correction by projected fields.
+fn check_noise_forces(
+    block: &Annotated,
+    model: &Model,
+    mechanics: &Mechanics,
+    arena: &Arena,
+    errors: &mut Errors,
+) {
+    let noises = &mechanics.noises;
+    let Some(first) = noises.iter().position(|noise| noise.force.is_some()) else {
+        return;
+    };
+    let is_given = |e: &Expr| arena.constant_value(*e) != Some(0.0);
+    let moves_position = noises.iter().any(|noise| noise.dp.iter().any(is_given));
+    let reads_velocity = noises.iter().position(|noise| noise.reads_velocity(arena));
+    let Some(at) = reads_velocity.or(moves_position.then_some(first)) else {
+        return;
+    };
+    let name = &model.noises[at].name;
+    if noises.len() > 1 {
+        let message = format!(
+            "with constraints, whether the noise force `{name}` commutes with the other noises is not derived, since velocities are involved: give it no velocity and the others no momentum, or leave one noise"
+        );
+        errors.push(function(&block.noises, name).name.span(), message);
+    }
+    let listed = block.arguments.rules.iter();
+    for listed in listed.filter(|listed| listed.rule.has_correction()) {
+        let message = format!(
+            "the Stratonovich correction of `{}` is not derived for systems with constraints and the noise force `{name}`, which depends on velocities: use `midpoint` or `stormer_verlet`",
+            listed.rule.name()
+        );
+        errors.push(listed.place, message);
+    }
 }
 
 /// Reports noises that move the position off the constraints.

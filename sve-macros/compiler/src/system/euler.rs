@@ -11,7 +11,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::{Meaning, Model, Symbols};
-use crate::system::mechanics::{Mechanics, NoiseJet};
+use crate::system::mechanics::{ForceJet, Mechanics, NoiseJet};
 
 /// Largest number of coordinates that a mass matrix may couple.
 const MAX_COUPLED: usize = 6;
@@ -44,8 +44,8 @@ pub(crate) struct Solved {
 }
 
 /// Returns the increment of a system whose L determines every velocity. `None` if the velocity must
-/// be found by iteration, if the first-order form is not in a vector space, or if the system is too
-/// large.
+/// be found by iteration, if the first-order form is not in a vector space, if the system is too
+/// large, or if the Itô correction has to solve with a mass matrix.
 pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Euler> {
     let is_plain = mechanics.affine_momentum
         && model.constraints.is_empty()
@@ -54,7 +54,16 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     let n = model.dof();
     let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
     let is_diagonal = (0..n).all(|i| (0..n).all(|j| i == j || is_zero(jet.dvv[i][j])));
-    if !is_plain || n > MAX_COORDINATES || (!is_diagonal && n > MAX_COUPLED) {
+    let has_solved_correction = !is_diagonal
+        && mechanics
+            .noises
+            .iter()
+            .any(|noise| noise.reads_velocity(arena));
+    if !is_plain
+        || n > MAX_COORDINATES
+        || (!is_diagonal && n > MAX_COUPLED)
+        || has_solved_correction
+    {
         return None;
     }
     let zero = arena.constant(0.0);
@@ -71,11 +80,21 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
         let sum = kick.iter().zip(&force.value);
         kick = sum.map(|(&a, &b)| arena.add(a, b)).collect();
     }
+    let noises = &mechanics.noises;
+    let mut kicks: Vec<Vec<Expr>> = noises.iter().map(|noise| noise.against(arena)).collect();
     let mut v: Vec<Expr> = model.v.iter().map(|&v| arena.symbol(v)).collect();
+    let mut by_force = vec![arena.constant(0.0); n];
+    for force in noises.iter().filter_map(|noise| noise.force.as_ref()) {
+        add_correction(&mut by_force, force, &mass, arena);
+    }
     let solved = if is_diagonal {
         v = divided(&rhs, &mass, model, arena);
         let formulas = model.v.iter().copied().zip(v.iter().copied()).collect();
         kick = arena.substitute_all(&kick, &formulas);
+        by_force = arena.substitute_all(&by_force, &formulas);
+        for row in &mut kicks {
+            *row = arena.substitute_all(row, &formulas);
+        }
         None
     } else {
         let is_constant = !mass.iter().flatten().any(|&e| moves(e, model, arena));
@@ -90,20 +109,21 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     let h = arena.symbol(h);
     let dw = symbols.declare_all(mechanics.noises.len(), Meaning::Wiener);
     let dw: Vec<Expr> = dw.into_iter().map(|s| arena.symbol(s)).collect();
-    let noises = &mechanics.noises;
-    let mut row = |drift: &[Expr], sign: f64, slopes: fn(&NoiseJet) -> &[Expr]| {
+    let mut row = |drift: &[Expr], sign: f64, slopes: &[&[Expr]]| {
         let entries = (0..n).map(|i| {
             let mut terms = vec![(1.0, arena.mul(h, drift[i]))];
-            for (noise, &dw) in noises.iter().zip(&dw) {
-                terms.push((sign, arena.mul(dw, slopes(noise)[i])));
+            for (slopes, &dw) in slopes.iter().zip(&dw) {
+                terms.push((sign, arena.mul(dw, slopes[i])));
             }
             arena.sum(0.0, &terms)
         });
         entries.collect::<Vec<Expr>>()
     };
-    let dq = row(&v, 1.0, |noise| &noise.dp);
-    let dp = row(&kick, -1.0, |noise| &noise.dq);
-    let correction = correction(noises, h, n, arena);
+    let shifts: Vec<&[Expr]> = noises.iter().map(|noise| noise.dp.as_slice()).collect();
+    let dq = row(&v, 1.0, &shifts);
+    let kicks: Vec<&[Expr]> = kicks.iter().map(Vec::as_slice).collect();
+    let dp = row(&kick, -1.0, &kicks);
+    let correction = correction(noises, &by_force, h, arena);
     Some(Euler {
         symbols,
         solved,
@@ -139,8 +159,27 @@ fn divided(rhs: &[Expr], mass: &[Vec<Expr>], model: &Model, arena: &mut Arena) -
 /// derivatives of a noise.
 type Terms<'a> = &'a dyn Fn(&NoiseJet, usize, usize) -> [(f64, Expr, Expr); 2];
 
-/// Returns `½ h Σ (Dg_a) g_a`, unless it vanishes.
-fn correction(noises: &[NoiseJet], h: Expr, n: usize, arena: &mut Arena) -> Option<[Vec<Expr>; 2]> {
+/// Adds `½ ∂f/∂v M⁻¹ f` of a force, with a diagonal mass matrix unless f does not depend on v.
+fn add_correction(sum: &mut [Expr], force: &ForceJet, mass: &[Vec<Expr>], arena: &mut Arena) {
+    for (sum, row) in sum.iter_mut().zip(&force.dv) {
+        for (j, &slope) in row.iter().enumerate() {
+            if arena.constant_value(slope) != Some(0.0) {
+                let factors = [(slope, 1), (force.value[j], 1), (mass[j][j], -1)];
+                let term = arena.product(&factors);
+                *sum = arena.sum(0.0, &[(1.0, *sum), (0.5, term)]);
+            }
+        }
+    }
+}
+
+/// Returns `½ h Σ (Dg_a) g_a`, unless it vanishes. `by_force` has the part of the forces in dp.
+fn correction(
+    noises: &[NoiseJet],
+    by_force: &[Expr],
+    h: Expr,
+    arena: &mut Arena,
+) -> Option<[Vec<Expr>; 2]> {
+    let n = by_force.len();
     let mut row = |entry: Terms<'_>| {
         let entries = (0..n).map(|i| {
             let mut terms = Vec::new();
@@ -160,7 +199,13 @@ fn correction(noises: &[NoiseJet], h: Expr, n: usize, arena: &mut Arena) -> Opti
         entries.collect::<Vec<Expr>>()
     };
     let q = row(&|g, i, j| [(1.0, g.dqp[j][i], g.dp[j]), (-1.0, g.dpp[i][j], g.dq[j])]);
-    let p = row(&|g, i, j| [(-1.0, g.dqq[i][j], g.dp[j]), (1.0, g.dqp[i][j], g.dq[j])]);
+    let mut p = row(&|g, i, j| [(-1.0, g.dqq[i][j], g.dp[j]), (1.0, g.dqp[i][j], g.dq[j])]);
+    for (p, &more) in p.iter_mut().zip(by_force) {
+        if arena.constant_value(more) != Some(0.0) {
+            let more = arena.mul(h, more);
+            *p = arena.add(*p, more);
+        }
+    }
     let is_zero = |e: &Expr| arena.constant_value(*e) == Some(0.0);
     let vanishes = q.iter().chain(&p).all(is_zero);
     (!vanishes).then_some([q, p])

@@ -1,6 +1,7 @@
 //! Model → the derivatives of L, the noises and the force, which the runtime needs beside the
 //! steps.
 
+use super::inverse_mass::{self, NoFormula};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::{Constraint, Model, NoiseTerm};
 
@@ -17,7 +18,7 @@ pub(crate) struct LagrangianJet {
     pub(crate) dvt: Vec<Expr>,
 }
 
-/// Derivatives of a noise Hamiltonian, in the order of the runtime's `NoiseJet`.
+/// Derivatives of a noise, those of its Hamiltonian in the order of the runtime's `NoiseJet`.
 #[derive(Clone)]
 pub(crate) struct NoiseJet {
     pub(crate) dq: Vec<Expr>,
@@ -25,6 +26,8 @@ pub(crate) struct NoiseJet {
     pub(crate) dqq: Vec<Vec<Expr>>,
     pub(crate) dqp: Vec<Vec<Expr>>,
     pub(crate) dpp: Vec<Vec<Expr>>,
+    /// f, if the noise has a force.
+    pub(crate) force: Option<ForceJet>,
 }
 
 /// A force with its derivatives, in the order of the runtime's `ForceJet`.
@@ -68,6 +71,25 @@ impl LagrangianJet {
 }
 
 impl NoiseJet {
+    /// Returns `∂G/∂q − f`, the negative of the rate of the momentum.
+    pub(crate) fn against(&self, arena: &mut Arena) -> Vec<Expr> {
+        match &self.force {
+            Some(force) => less(&self.dq, &force.value, arena),
+            None => self.dq.clone(),
+        }
+    }
+
+    /// Returns whether the noise has a force that depends on velocities.
+    pub(crate) fn reads_velocity(&self, arena: &Arena) -> bool {
+        let slopes = self
+            .force
+            .iter()
+            .flat_map(|force| force.dv.iter().flatten());
+        slopes
+            .copied()
+            .any(|e| arena.constant_value(e) != Some(0.0))
+    }
+
     fn exprs(&mut self) -> Vec<&mut Expr> {
         let Self {
             dq,
@@ -75,9 +97,12 @@ impl NoiseJet {
             dqq,
             dqp,
             dpp,
+            force,
         } = self;
         let matrices = [dqq, dqp, dpp].into_iter().flatten().flatten();
-        [dq, dp].into_iter().flatten().chain(matrices).collect()
+        let force = force.iter_mut().flat_map(ForceJet::exprs);
+        let vectors = [dq, dp].into_iter().flatten();
+        vectors.chain(matrices).chain(force).collect()
     }
 }
 
@@ -112,8 +137,8 @@ pub(crate) struct Mechanics {
     pub(crate) affine_momentum: bool,
     /// True if L = T(v) − V(t, q).
     pub(crate) is_separable: bool,
-    /// True if the noises are additive: γ's that are linear in q, with constant masses. The γ's may
-    /// depend on time.
+    /// True if the noises are additive: γ's that are linear in q and constant forces, with constant
+    /// masses. They may depend on time.
     pub(crate) is_additive: bool,
 }
 
@@ -158,18 +183,17 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         !state.any(|&s| arena.contains(entry, s))
     };
     let masses = lagrangian.dvv.iter().flatten().copied();
-    let kicks = noises.iter().flat_map(|noise| noise.dq.iter().copied());
+    let kicks = noises.iter().flat_map(|noise| {
+        let force = noise.force.iter().flat_map(|force| &force.value);
+        noise.dq.iter().chain(force).copied()
+    });
     let mut shifts = noises.iter().flat_map(|noise| noise.dp.iter().copied());
     let is_additive = masses.chain(kicks).all(is_free)
         && shifts.all(|shift| arena.constant_value(shift) == Some(0.0))
         // the constraint force of an additive noise depends on the configuration
         && model.constraints.is_empty();
-    let force = model.force.as_ref().map(|force| ForceJet {
-        dq: gradients(arena, force, model),
-        dv: hessian(arena, force, &model.v),
-        dt: gradient_in(arena, force, model.time),
-        value: force.clone(),
-    });
+    let force = model.force.as_ref();
+    let force = force.map(|force| force_jet(force, model, arena));
     let constraints = model
         .constraints
         .iter()
@@ -187,11 +211,31 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
 }
 
 impl Mechanics {
-    /// Returns the derivatives with one more noise Hamiltonian.
+    /// Returns the derivatives with one more noise.
     pub(crate) fn with_noise(&self, noise: NoiseJet) -> Self {
         let mut mechanics = self.clone();
         mechanics.noises.push(noise);
         mechanics
+    }
+
+    /// Returns the change of the velocity, `M⁻¹ (δp − L_vq δq)`, for a change of (q, p). Entries of
+    /// large blocks of M must not depend on the symbols `moving`.
+    pub(crate) fn velocity_along(
+        &self,
+        [dq, dp]: [&[Expr]; 2],
+        moving: &[Symbol],
+        arena: &mut Arena,
+    ) -> Result<Vec<Expr>, NoFormula> {
+        let lagrangian = &self.lagrangian;
+        let mut rhs = Vec::with_capacity(dp.len());
+        for (i, &dp) in dp.iter().enumerate() {
+            let mut terms = vec![(1.0, dp)];
+            for (row, &dq) in lagrangian.dqv.iter().zip(dq) {
+                terms.push((-1.0, arena.mul(row[i], dq)));
+            }
+            rhs.push(arena.sum(0.0, &terms));
+        }
+        inverse_mass::solve(&lagrangian.dvv, &rhs, moving, arena)
     }
 
     /// Returns the derivatives in forms that are stable in floating-point arithmetic.
@@ -211,17 +255,17 @@ impl Mechanics {
     }
 }
 
-/// Differentiates a noise Hamiltonian.
+/// Differentiates a noise.
 pub(crate) fn noise_jet(noise: &NoiseTerm, model: &Model, arena: &mut Arena) -> NoiseJet {
     let dq = model.gradient(noise.hamiltonian, arena);
     let dp = gradient(arena, noise.hamiltonian, &model.p);
-    noise_jet_of(dq, dp, model, arena)
+    noise_jet_of([dq, dp], noise.force.as_deref(), model, arena)
 }
 
-/// Returns the derivatives of a noise Hamiltonian from its gradient.
+/// Returns the derivatives of a noise from the gradient of its Hamiltonian.
 pub(crate) fn noise_jet_of(
-    dq: Vec<Expr>,
-    dp: Vec<Expr>,
+    [dq, dp]: [Vec<Expr>; 2],
+    force: Option<&[Expr]>,
     model: &Model,
     arena: &mut Arena,
 ) -> NoiseJet {
@@ -229,9 +273,24 @@ pub(crate) fn noise_jet_of(
         dqq: gradients(arena, &dq, model),
         dqp: hessian(arena, &dq, &model.p),
         dpp: hessian(arena, &dp, &model.p),
+        force: force.map(|force| force_jet(force, model, arena)),
         dq,
         dp,
     }
+}
+
+fn force_jet(force: &[Expr], model: &Model, arena: &mut Arena) -> ForceJet {
+    ForceJet {
+        dq: gradients(arena, force, model),
+        dv: hessian(arena, force, &model.v),
+        dt: gradient_in(arena, force, model.time),
+        value: force.to_vec(),
+    }
+}
+
+/// Returns `a − b`, entry by entry.
+pub(crate) fn less(a: &[Expr], b: &[Expr], arena: &mut Arena) -> Vec<Expr> {
+    a.iter().zip(b).map(|(&a, &b)| arena.sub(a, b)).collect()
 }
 
 fn constraint_jet(constraint: &Constraint, model: &Model, arena: &mut Arena) -> ConstraintJet {

@@ -9,7 +9,7 @@
 //!
 //! ```text
 //! L:   ⟨L_q, ξ⟩ + ⟨L_v, Dξ v + ξ_t⟩        γ:   ⟨γ_q, ξ⟩
-//! H₁:  ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩        F:   ⟨F, ξ⟩, the work of the force
+//! H₁:  ⟨∂H₁/∂q, ξ⟩ − ⟨p, Dξ ∂H₁/∂p⟩        F:   ⟨F, ξ⟩, the work of a force
 //! ```
 //!
 //! A rotation moves by δR = R ξ̂ and its body velocity by Dξ v + v × ξ, which replaces Dξ v. The
@@ -21,7 +21,7 @@ use quote::format_ident;
 use crate::algebra::{Arena, Expr, Symbol, Vanishing};
 use crate::errors::Errors;
 use crate::model::configuration::{Block, Factor, cross};
-use crate::model::{Generator, Model, NoiseTerm};
+use crate::model::{Generator, Model, NoiseKind, NoiseTerm};
 use crate::scene::moves_nothing;
 use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::system::degeneracy::Degeneracy;
@@ -177,8 +177,12 @@ fn changes(
         }
     };
     let mut changes = vec![change_of_lagrangian(&xi, model, arena)];
-    let noises = model.noises.iter();
-    changes.extend(noises.map(|noise| change_of_noise(noise, &xi, model, arena)));
+    for noise in &model.noises {
+        changes.push(match &noise.force {
+            Some(force) => work(force, format!("`{}`", noise.name), &xi, arena),
+            None => change_of_noise(noise, &xi, model, arena),
+        });
+    }
     for constraint in &model.constraints {
         let (value, scale) = scaled(constraint.value, arena);
         changes.push(Change {
@@ -190,18 +194,23 @@ fn changes(
     if let Some(force) = &model.force {
         let names = block.forces.iter();
         let names: Vec<String> = names.map(|f| format!("`{}`", f.name)).collect();
-        let scale = arena.scale_of(force);
-        let force: Vec<Expr> = force.iter().map(|&f| arena.scale(scale, f)).collect();
-        changes.push(Change {
-            of: Changed::Work(names.join(" + ")),
-            rate: dot(&force, &xi, arena),
-            scale,
-        });
+        changes.push(work(force, names.join(" + "), &xi, arena));
     }
     for change in &mut changes {
         change.scale *= unit;
     }
     changes
+}
+
+/// Returns the work of the forces with these names along a generator.
+fn work(force: &[Expr], names: String, xi: &[Expr], arena: &mut Arena) -> Change {
+    let scale = arena.scale_of(force);
+    let force: Vec<Expr> = force.iter().map(|&f| arena.scale(scale, f)).collect();
+    Change {
+        of: Changed::Work(names),
+        rate: dot(&force, xi, arena),
+        scale,
+    }
 }
 
 fn change_of_lagrangian(xi: &[Expr], model: &Model, arena: &mut Arena) -> Change {
@@ -230,7 +239,7 @@ fn change_of_noise(noise: &NoiseTerm, xi: &[Expr], model: &Model, arena: &mut Ar
     let along_p = carried(xi, &by_p, model, arena);
     let along_p = dot(&p, &along_p, arena);
     let mut rate = arena.sub(along_q, along_p);
-    if noise.is_gamma {
+    if noise.kind == NoiseKind::Gamma {
         // the noise Hamiltonian is −γ
         rate = arena.neg(rate);
     }

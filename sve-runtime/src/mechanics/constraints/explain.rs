@@ -3,8 +3,8 @@
 use super::Linearised;
 use super::consistent::rank_error;
 use crate::error::StepError;
+use crate::mechanics::Noises;
 use crate::mechanics::legendre;
-use crate::mechanics::noise_of;
 use crate::phase::configuration::{Coordinates, FlatConfiguration};
 use crate::phase::state::State;
 use crate::system::{Dims, System};
@@ -47,8 +47,7 @@ where
         _ => return None,
     };
     let velocity = legendre::velocity(system, state).ok()?;
-    let jets = system.noise_jets(state.t, &state.q, &state.p);
-    let shift = noise_of(&jets, dw.try_into().ok()?).q;
+    let shift = Noises::at(system, state).field(dw.try_into().ok()?).q;
     let moved: [f64; N] = core::array::from_fn(|i| h * velocity[i] + shift[i]);
     let (end, _) = Q::Flat::moved(state, &moved, &[0.0; N]);
     let there = Linearised::at(system, state.t + h, &end)?;

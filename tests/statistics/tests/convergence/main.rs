@@ -6,6 +6,7 @@ mod constrained;
 mod degenerate;
 mod kubo;
 mod moments;
+mod noise_forces;
 mod rotations;
 mod stage_noise;
 mod strong_order;

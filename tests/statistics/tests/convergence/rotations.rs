@@ -128,6 +128,46 @@ impl SpaceAndBody {
     }
 }
 
+/// Torques that turn with the body.
+struct Torques {
+    f: [Vector3<f64>; 2],
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl Torques {
+    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        0.5 * (0.8 * w.x * w.x + 1.1 * w.y * w.y + 1.7 * w.z * w.z)
+    }
+    #[force(noise)]
+    fn first(&self, _r: Rotation3<f64>, _w: Vector3<f64>) -> Vector3<f64> {
+        self.f[0]
+    }
+    #[force(noise)]
+    fn second(&self, _r: Rotation3<f64>, _w: Vector3<f64>) -> Vector3<f64> {
+        self.f[1]
+    }
+}
+
+/// A torque beside a turn about an axis of the body.
+struct TorqueAndTurn {
+    f: Vector3<f64>,
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl TorqueAndTurn {
+    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        0.5 * (0.8 * w.x * w.x + 1.1 * w.y * w.y + 1.7 * w.z * w.z)
+    }
+    #[h1]
+    fn turn(&self, _r: Rotation3<f64>, pi: Vector3<f64>) -> f64 {
+        0.5 * pi.z
+    }
+    #[force(noise)]
+    fn torque(&self, _r: Rotation3<f64>, _w: Vector3<f64>) -> Vector3<f64> {
+        self.f
+    }
+}
+
 /// A body on a spring that pulls at a point beside its centre.
 struct Tethered {
     s: f64,
@@ -223,6 +263,34 @@ fn noises_of_the_attitude() {
         one,
         pair(),
     );
+}
+
+#[test]
+fn torques_in_the_frame_of_the_body() {
+    let one = StrongOrder::One;
+    let f = [Vector3::new(0.4, 0.1, -0.2), Vector3::new(0.0, 0.5, 0.3)];
+    check(&Torques { f }, Midpoint, "two torques", one, body());
+    check(&Torques { f }, StormerVerlet, "two torques", one, body());
+}
+
+/// A parameter of the system decides whether they commute, so that the plan claims the lower order.
+#[test]
+fn a_torque_beside_a_turn() {
+    let pair = ("turn", "torque");
+    for (f, noise, order) in [
+        (Vector3::new(0.0, 0.0, 0.6), "f along χ", 1.0),
+        (Vector3::new(0.6, 0.0, 0.0), "f across χ", 0.5),
+    ] {
+        let system = TorqueAndTurn { f };
+        let row = Row::new(&system, Midpoint, body());
+        let plan = Integrator::new(&system, Midpoint).plan();
+        assert_eq!(plan.strong_order, StrongOrder::Half { pair });
+        let path = |path| Path {
+            fine: PATHS.record(path, 2),
+            end: None,
+        };
+        PATHS.check(noise, &[row.of_order(order)], path);
+    }
 }
 
 #[test]

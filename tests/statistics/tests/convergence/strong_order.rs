@@ -44,7 +44,7 @@ pub(crate) fn rotated(start: &State<[f64; 1]>, angle: f64) -> Vec<f64> {
 }
 
 /// Checks the orders of all rules against the midpoint rule with fine steps.
-fn check_against_fine_steps<S, const N: usize, const M: usize>(
+pub(crate) fn check_against_fine_steps<S, const N: usize, const M: usize>(
     system: &S,
     noise: &str,
     order: StrongOrder,

@@ -49,7 +49,7 @@ fn hash(model: &Model, arena: &Arena) -> u64 {
             .iter()
             .map(|noise| ("noise", noise.hamiltonian)),
     );
-    let force = model.force.iter().flatten();
+    let force = model.forces().flatten();
     roots.extend(force.map(|&component| ("force", component)));
     let constraints = model.constraints.iter().map(|constraint| constraint.value);
     roots.extend(constraints.map(|value| ("constraint", value)));

@@ -51,21 +51,73 @@ pub(super) fn noise_jets(jets: &[NoiseJet], formulas: Formulas<'_>) -> TokenStre
     quote!(#statements [#(#jets),*])
 }
 
+/// The fields of a force jet.
+const FORCE: [&str; 4] = ["value", "dt", "dq", "dv"];
+
+/// Returns the arrays of a force jet with these names, in the order of [`FORCE`].
+fn force_arrays(jet: &ForceJet, names: [&str; 4]) -> [Array<Expr>; 4] {
+    let [value, dt, dq, dv] = names;
+    [
+        Array::vector(value, &jet.value),
+        Array::vector(dt, &jet.dt),
+        Array::rows(dq, &jet.dq),
+        Array::rows(dv, &jet.dv),
+    ]
+}
+
+/// `NOISE_FORCED` and `noise_force_jets`; nothing without forces of noises.
+pub(super) fn noise_force_jets(
+    jets: &[NoiseJet],
+    Received { flat, open, .. }: &Received,
+    [n, m]: [&Literal; 2],
+    formulas: Formulas<'_>,
+) -> Option<TokenStream> {
+    let jets = noise_forces(jets, formulas)?;
+    let private = formulas.private;
+    Some(quote! {
+        const NOISE_FORCED: bool = true;
+        #[inline]
+        fn noise_force_jets(&self, time: f64, q: &#flat, v: &[f64; #n]) -> [#private::ForceJet<#n>; #m] {
+            #open
+            #jets
+        }
+    })
+}
+
+/// The body of `noise_force_jets`; `None` if no noise has a force.
+fn noise_forces(jets: &[NoiseJet], formulas: Formulas<'_>) -> Option<TokenStream> {
+    let private = formulas.private;
+    let arrays = jets.iter().enumerate().filter_map(|(at, jet)| {
+        let names = FORCE.map(|field| format!("noise_{at}_{field}"));
+        let names = names.each_ref().map(String::as_str);
+        jet.force.as_ref().map(|force| force_arrays(force, names))
+    });
+    let arrays: Vec<Array<Expr>> = arrays.flatten().collect();
+    if arrays.is_empty() {
+        return None;
+    }
+    let printed = formulas.list(&arrays);
+    let statements = printed.statements;
+    let mut given = printed.arrays.chunks(FORCE.len());
+    let jets = jets.iter().map(|jet| match &jet.force {
+        Some(_) => {
+            let arrays = given.next().unwrap_or_default();
+            record(&quote!(#private::ForceJet), &FORCE, arrays)
+        }
+        None => quote!(#private::ForceJet::NONE),
+    });
+    Some(quote!(#statements [#(#jets),*]))
+}
+
 /// `FORCED` and `force_jet`.
 pub(super) fn force_jet(
     jet: &ForceJet,
     Received { flat, open, .. }: &Received,
     formulas: Formulas<'_>,
 ) -> TokenStream {
-    let (statements, arrays) = formulas.arrays(&[
-        Array::vector("force", &jet.value),
-        Array::vector("dt", &jet.dt),
-        Array::rows("dq", &jet.dq),
-        Array::rows("dv", &jet.dv),
-    ]);
+    let (statements, arrays) = formulas.arrays(&force_arrays(jet, ["force", "dt", "dq", "dv"]));
     let (private, n) = (formulas.private, Literal::usize_unsuffixed(jet.value.len()));
-    let fields = ["value", "dt", "dq", "dv"];
-    let jet = record(&quote!(#private::ForceJet), &fields, &arrays);
+    let jet = record(&quote!(#private::ForceJet), &FORCE, &arrays);
     quote! {
         const FORCED: bool = true;
         #[inline]
@@ -136,13 +188,23 @@ pub(super) fn constraint_jets(context: &Context<'_>, functions: &Functions) -> O
 pub(super) fn with_potential(context: &Context<'_>) -> TokenStream {
     let (private, attributes) = (context.private, attributes());
     let (self_ty, [n, m]) = (context.self_ty(), context.sizes());
-    let jets = noise_jets(&context.mechanics.noises, context.formulas());
+    let noises = &context.mechanics.noises;
+    let jets = noise_jets(noises, context.formulas());
+    let forces = noise_forces(noises, context.formulas()).map(|forces| {
+        quote! {
+            const NOISE_FORCED: bool = true;
+            fn noise_force_jets(&self, time: f64, q: &[f64; #n], v: &[f64; #n]) -> [#private::ForceJet<#n>; #m] {
+                #forces
+            }
+        }
+    });
     quote! {
         #attributes
         impl #private::gauss::WithPotential<#n, #m> for #self_ty {
             fn noise_jets(&self, time: f64, q: &[f64; #n], p: &[f64; #n]) -> [#private::NoiseJet<#n>; #m] {
                 #jets
             }
+            #forces
         }
     }
 }
@@ -160,13 +222,13 @@ pub(super) fn parameter_jets(context: &Context<'_>, stages: &Stages) -> TokenStr
             Array::vector("dq", &jet.dq),
             Array::vector("dv", &jet.dv),
             Array::vector("force", &jet.force),
-            Array::rows("noise_dq", &jet.noise_dq),
+            Array::rows("noise_against", &jet.noise_against),
             Array::rows("noise_dp", &jet.noise_dp),
         ]);
         if jet.force.is_empty() {
             arrays[2] = quote!([0f64; #n]);
         }
-        let fields = ["dq", "dv", "force", "noise_dq", "noise_dp"];
+        let fields = ["dq", "dv", "force", "noise_against", "noise_dp"];
         let jet = record(&quote!(#private::gauss::ParameterJet), &fields, &arrays);
         quote!({ #statements visit(#jet); })
     });

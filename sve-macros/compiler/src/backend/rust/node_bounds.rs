@@ -59,7 +59,16 @@ const OF_MOTION: [&str; 9] = [
     "force_by_position",
     "force_by_velocity",
 ];
-const OF_NOISE: [&str; 7] = ["dq", "dp", "dqt", "dpt", "dqq", "dqp", "dpp"];
+const OF_NOISE: [&str; 8] = [
+    "against",
+    "dp",
+    "against_t",
+    "dpt",
+    "against_q",
+    "dqp",
+    "dpp",
+    "force_v",
+];
 
 fn body(bounds: &NodeBounds, formulas: Formulas<'_>) -> TokenStream {
     let NodeBounds {

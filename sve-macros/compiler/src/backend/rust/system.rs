@@ -7,7 +7,7 @@ use super::configuration::{Received, received, written};
 use super::energy::energy_lanes;
 use super::euler::{euler_increment, no_euler};
 use super::identity::identity;
-use super::jets::{constraint_jets, force_jet, lagrangian_jet, noise_jets};
+use super::jets::{constraint_jets, force_jet, lagrangian_jet, noise_force_jets, noise_jets};
 use super::{Context, attributes, documented};
 use crate::explain::SystemTexts;
 use crate::system::degeneracy::{Degeneracy, Role};
@@ -75,13 +75,16 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
 fn optional(context: &Context<'_>, functions: &Functions, received: &Received) -> TokenStream {
     let force = functions.mechanics.force.as_ref();
     let force = force.map(|jet| force_jet(jet, received, context.formulas()));
+    let [n, m] = context.sizes();
+    let noises = &functions.mechanics.noises;
+    let of_noises = noise_force_jets(noises, received, [&n, &m], context.formulas());
     let constraints = constraint_jets(context, functions);
     let energy = functions.energy.as_ref();
     let energy = energy.and_then(|energy| energy_lanes(energy, context));
     let euler = functions.euler.as_ref();
     let euler = euler.and_then(|euler| euler_increment(euler, context.settings.lanes, context));
     let euler = euler.unwrap_or_else(no_euler);
-    quote!(#force #constraints #energy #euler)
+    quote!(#force #of_noises #constraints #energy #euler)
 }
 
 /// Uses of the functions and constants of the block. Derived code does not call the functions, and

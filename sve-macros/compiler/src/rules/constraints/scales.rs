@@ -30,7 +30,7 @@ fn resting(
 /// points across the constraint: `√E Σ |∂φ/∂q_i| M_ii^(−½)` with
 ///
 /// ```text
-/// E = Σ_i [ (|p₀ − a| + |h ∂L/∂q| + Σ |∂G/∂q ΔW|)_i² / M_ii + M_ii (Σ |∂G/∂p_i ΔW|)² / h² ]
+/// E = Σ_i [ (|p₀ − a| + |h ∂L/∂q| + Σ |(∂G/∂q − f) ΔW|)_i² / M_ii + M_ii (Σ |∂G/∂p_i ΔW|)² / h² ]
 /// ```
 ///
 /// at q₀. The residual φ(t₁,q₁)/h has no terms of this size if the motion is along the constraints.
@@ -62,7 +62,10 @@ pub(super) fn velocity_scales(
         let mut shifts = Vec::new();
         for (noise, &dw) in model.noises.iter().zip(&dw) {
             let dw = arena.symbol(dw);
-            let [dq, dp] = [model.q[i], model.p[i]].map(|s| arena.diff(noise.hamiltonian, s));
+            let [mut dq, dp] = [model.q[i], model.p[i]].map(|s| arena.diff(noise.hamiltonian, s));
+            if let Some(force) = &noise.force {
+                dq = arena.sub(dq, force[i]);
+            }
             let [dq, dp] = [dq, dp].map(|e| arena.substitute(e, &at));
             let [dq, dp] = [dq, dp].map(|e| arena.mul(e, dw));
             sizes.push((1.0, arena.abs(dq)));

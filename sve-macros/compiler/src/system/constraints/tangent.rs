@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::errors::Errors;
-use crate::model::{Model, NoiseTerm};
+use crate::model::{Model, NoiseKind, NoiseTerm};
 use crate::syntax::parse::Annotated;
 use crate::syntax::roles::Role;
 use crate::system::inverse_mass::{self, NoFormula};
@@ -24,7 +24,8 @@ pub(crate) fn tangent_noises(
     mechanics: &Mechanics,
     arena: &mut Arena,
 ) -> syn::Result<Option<Vec<NoiseTerm>>> {
-    if !model.noises.iter().any(|noise| noise.is_tangent) {
+    let is_tangent = |noise: &NoiseTerm| noise.kind == NoiseKind::TangentH1;
+    if !model.noises.iter().any(is_tangent) {
         return Ok(None);
     }
     let mut errors = Errors::new();
@@ -42,7 +43,7 @@ pub(crate) fn tangent_noises(
     let mut noises = model.noises.clone();
     match projected(model, mechanics, arena) {
         Ok(by) => {
-            for noise in noises.iter_mut().filter(|noise| noise.is_tangent) {
+            for noise in noises.iter_mut().filter(|noise| is_tangent(noise)) {
                 noise.hamiltonian = arena.substitute(noise.hamiltonian, &by);
             }
         }

@@ -17,7 +17,7 @@ use crate::discretise::equations::equations;
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::program::tests::run;
 use crate::program::{Scheduler, Tier, Tiers};
-use crate::rules::action::{Action, discretise};
+use crate::rules::action::{Action, Terms, discretise};
 use crate::structure::{Iteration, Matrix, Scheme, Solution, analyse};
 use solve::solution;
 use system::{Point, System, gradient};
@@ -48,7 +48,7 @@ impl Case {
         let mut arena = Arena::new();
         let model = system.model(&mut arena);
         let mut symbols = model.symbols.clone();
-        let action = discretise(rule, &model, None, None, &mut symbols, &mut arena);
+        let action = discretise(rule, &model, None, Terms::NONE, &mut symbols, &mut arena);
         Self {
             system,
             point,

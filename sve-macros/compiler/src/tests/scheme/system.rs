@@ -8,7 +8,7 @@ use crate::algebra::tests::recipe::{Make, Random, build, evaluate, grow};
 use crate::algebra::{Arena, Symbol};
 use crate::catalogue::Rule;
 use crate::model::configuration::{Configuration, Factor};
-use crate::model::{CoordinateNames, Meaning, Model, NoiseTerm, Symbols};
+use crate::model::{CoordinateNames, Meaning, Model, NoiseKind, NoiseTerm, Symbols};
 
 /// `L = Σ v_i² m/2 + a part of any form`, with noises of any form.
 #[derive(Debug)]
@@ -105,8 +105,12 @@ impl System {
             let name = "noise".to_owned();
             noises.push(NoiseTerm {
                 name,
-                is_gamma: !*momenta,
-                is_tangent: false,
+                kind: if *momenta {
+                    NoiseKind::H1
+                } else {
+                    NoiseKind::Gamma
+                },
+                force: None,
                 hamiltonian,
             });
         }

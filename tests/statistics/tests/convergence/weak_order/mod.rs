@@ -5,6 +5,7 @@
 //! depends on ΔW; the exact ones obey linear equations. For other systems the quadrature follows
 //! all nodes of all steps. The order is the slope of the logarithms.
 
+mod forces;
 mod moments;
 mod momentum;
 mod quadrature;

@@ -11,16 +11,16 @@ use super::systems::Heavy;
 use super::{TOLERANCE, apart, halved, line, stiffness};
 
 /// One line for a rule with the noise of two stages, each with half of the variance.
-fn of_two_stages<S, R>(
+pub(super) fn of_two_stages<S, R, const N: usize, const M: usize, const K: usize>(
     integrator: &Integrator<S, R>,
     (noise, expected): (&str, u32),
-    start: State<[f64; 1]>,
+    start: State<[f64; N]>,
     exact: &Matrix,
 ) where
-    S: System<Dims = Dims<1, 1>>,
-    R: Rule<S::Itself, Increments = [f64; 2]>,
+    S: System<Dims = Dims<N, M>>,
+    R: Rule<S::Itself, Increments = [f64; K]>,
 {
-    let error = |level| distance(&moments_with(integrator, start, level, [0.5; 2]), exact);
+    let error = |level| distance(&moments_with(integrator, start, level, [0.5; K]), exact);
     let errors: Vec<f64> = (4..=7).map(error).collect();
     let plan = integrator.plan();
     assert!(plan.weak_order <= expected);
