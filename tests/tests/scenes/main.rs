@@ -12,6 +12,7 @@
 //! | `kinetic.rs` | kinetic energies that are no sums of `½ m v²` |
 //! | `forces.rs` | friction, pushes and forces of neighbours |
 //! | `drags.rs` | forces that depend on velocities |
+//! | `noise_forces.rs` | forces of places that are noise |
 //! | `h1.rs` | noises that move positions |
 //! | `shapes.rs` | sums in formulas in many shapes, against differences |
 //! | `totals.rs` | sums that enter other formulas, such as a mean field |
@@ -46,6 +47,7 @@ mod invariants;
 mod kinetic;
 mod lattices;
 mod midpoint;
+mod noise_forces;
 mod output;
 mod restored;
 mod rough;

@@ -13,6 +13,7 @@ use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
 const CHEBYSHEV: &str = "Chebyshev";
 
 /// The texts about a scene.
+#[allow(clippy::struct_excessive_bools)] // properties that do not depend on one another
 pub(crate) struct SceneTexts {
     /// L, summand by summand, and the noises.
     system: String,
@@ -30,6 +31,7 @@ pub(crate) struct SceneTexts {
     has_masses: bool,
     has_gamma: bool,
     has_forces: bool,
+    has_noise_forces: bool,
 }
 
 /// Prints a scene.
@@ -60,7 +62,14 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
     let inner = derived.inner.all.iter().enumerate();
     let inner = inner.map(|(number, (_, list))| summands(format!("S{number}"), list));
     let forces = derived.scene.forces.iter();
-    let forces = forces.map(|force| format!("F {}: an entry for each site", force.name));
+    let forces = forces.map(|force| {
+        let letter = if force.is_noise {
+            "f, of a process,"
+        } else {
+            "F"
+        };
+        format!("{letter} {}: an entry for each site", force.name)
+    });
     let momenta = derived.momenta.iter();
     let momenta = momenta.map(
         |SceneMomentum {
@@ -75,7 +84,11 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             (name.clone(), lines.join("\n"))
         },
     );
-    let has_forces = !derived.scene.forces.is_empty();
+    let is_there = |is_noise| {
+        let mut forces = derived.scene.forces.iter();
+        forces.any(|force| force.is_noise == is_noise)
+    };
+    let [has_forces, has_noise_forces] = [false, true].map(is_there);
     let has = |is_h1| {
         let mut noises = derived.scene.noises.iter();
         noises.any(|noise| noise.is_h1 == is_h1)
@@ -83,6 +96,7 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
     let text = |is_there, text| if is_there { text } else { "" };
     let has_gamma = has(false);
     let gamma = text(has_gamma, " + Σ ∂γ/∂q ∘ dW");
+    let noise_force = text(has_noise_forces, " + Σ f ∘ dW");
     let [shift, kick] = [" + Σ ∂H₁/∂p ∘ dW", " − Σ ∂H₁/∂q ∘ dW"].map(|h1| text(has(true), h1));
     let force = if has_forces {
         "(∂L/∂q + F)"
@@ -104,7 +118,7 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             .collect::<Vec<_>>()
             .join("\n"),
         momenta: momenta.collect(),
-        motion: format!("{velocity}{shift}{separator}dp = {force} dt{gamma}{kick}"),
+        motion: format!("{velocity}{shift}{separator}dp = {force} dt{gamma}{kick}{noise_force}"),
         sweep: sweep(&derived.terms, "I", names),
         friction: friction(derived, names),
         in_drifts: [
@@ -120,6 +134,7 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         has_masses,
         has_gamma,
         has_forces,
+        has_noise_forces,
     }
 }
 
@@ -206,12 +221,14 @@ impl SceneTexts {
         if self.has_forces {
             let at = |part: Option<&str>, at| part.map(|part| format!("{part}h F({at}, v)·δ{at}"));
             let work: Vec<String> = at(start, "q₀").into_iter().chain(at(end, "q₁")).collect();
-            write!(
-                action,
-                "\nwith the virtual work {} beside δS",
-                work.join(" + ")
-            )
-            .ok();
+            let work = work.join(" + ");
+            write!(action, "\nwith the virtual work {work} beside δS").ok();
+        }
+        if self.has_noise_forces {
+            let at = |part: Option<&str>, at| part.map(|part| format!("{part}Σ f({at})·δ{at} ΔW"));
+            let work: Vec<String> = at(start, "q₀").into_iter().chain(at(end, "q₁")).collect();
+            let work = work.join(" + ");
+            write!(action, "\nwith the virtual work {work} beside δS").ok();
         }
         let kick = |part: &str, at: &str| format!("kick: p += {part}I({at}), a sweep at {at}");
         let mut step = Vec::new();
@@ -238,12 +255,12 @@ impl SceneTexts {
             (true, false) => ", F without D",
             (false, false) => ", F without −N v and D",
         };
-        let noises = if self.has_gamma {
-            " + Σ ∂γ/∂q ΔW"
-        } else {
-            ""
-        };
-        step.push(format!("the impulses are I = h {force}{noises}{without}:"));
+        let text = |is_there, text| if is_there { text } else { "" };
+        let noises = text(self.has_gamma, " + Σ ∂γ/∂q ΔW");
+        let pushes = text(self.has_noise_forces, " + Σ f ΔW");
+        step.push(format!(
+            "the impulses are I = h {force}{noises}{pushes}{without}:"
+        ));
         let all = self.sweep.iter().chain(&self.friction);
         step.extend(all.chain(self.in_drifts.iter().flatten()).cloned());
     }

@@ -173,6 +173,8 @@ pub(crate) struct SiteField {
     /// Source name, and its place.
     pub(crate) name: String,
     pub(crate) at: Span,
+    /// True for a force that acts with a Wiener process.
+    pub(crate) is_noise: bool,
     /// For each component, the sum whose summand, a `For`, is the value at the site
     /// `counter − from`; `None` for a component that is zero everywhere.
     pub(crate) components: Vec<Option<SumId>>,

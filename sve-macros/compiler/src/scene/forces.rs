@@ -5,6 +5,8 @@
 //! What else reads velocities, of any site, is a drag: it acts with the velocities of the drift too,
 //! which before the drift are the solution of equations of all sites.
 
+use proc_macro2::Span;
+
 use super::{Coefficient, Summand, Term, Terms};
 use crate::algebra::{Expr, Node, Symbol};
 use crate::model::scene::{Head, Int, SiteField, SlotArray, SumId};
@@ -25,18 +27,31 @@ impl Terms<'_> {
             drags: Vec::new(),
         };
         for SiteField {
-            name, components, ..
+            name,
+            at,
+            is_noise,
+            components,
         } in self.scene.forces.clone()
         {
+            let increment = is_noise.then(|| self.listed_increment());
             for (component, sum) in components.into_iter().enumerate() {
                 let Some((sum, site)) = sum.and_then(|sum| Some((sum, self.scene.site_of(sum)?)))
                 else {
                     continue;
                 };
                 let root = self.root(Some(sum), &name);
-                let (mut summands, one) = (Vec::new(), self.arena.constant(1.0));
+                let weight = increment.unwrap_or_else(|| self.arena.constant(1.0));
+                let mut summands = Vec::new();
                 // a force is its value: it has no derivatives
-                self.sum(root, sum, one, [&mut summands, &mut Vec::new()]);
+                self.sum(root, sum, weight, [&mut summands, &mut Vec::new()]);
+                if is_noise {
+                    self.check_noise(&name, at, &summands);
+                    let terms = summands.iter();
+                    let terms = terms.map(|summand| self.force_term(summand, site, component));
+                    all.terms
+                        .extend(terms.flatten().map(|term| Term { is_noise, ..term }));
+                    continue;
+                }
                 for mut summand in summands {
                     all.frictions
                         .extend(self.friction(&mut summand, site, component));
@@ -47,6 +62,18 @@ impl Terms<'_> {
             }
         }
         all
+    }
+
+    /// Reports a force of a noise that reads velocities.
+    fn check_noise(&mut self, name: &str, at: Span, summands: &[Summand]) {
+        let mut values = summands.iter().map(|summand| summand.value);
+        let is_velocity = |array: &SlotArray| matches!(array, SlotArray::Velocity(_));
+        if values.any(|value| self.slots_of(value).iter().any(|slot| is_velocity(slot.1))) {
+            let message = format!(
+                "the noise force `{name}` reads velocities, which those of scenes, systems whose coordinates are slices, do not: make it a function of `t` and `q`"
+            );
+            self.errors.push(at, message);
+        }
     }
 
     /// Takes the friction out of a summand, if there is one.

@@ -19,13 +19,16 @@ impl Terms<'_> {
 
 impl Derived {
     /// Returns the names of two noises that may not commute; `None` if all do by their form: there is
-    /// one process, or there are γ alone, or one function with a process for each site that reads
-    /// this site alone.
+    /// one process, or there are γ and forces alone, or one function with a process for each site that
+    /// reads this site alone.
     pub(crate) fn pair(&self, arena: &Arena) -> Option<[&str; 2]> {
         let noises = &self.scene.noises;
         let h1 = noises.iter().find(|noise| noise.is_h1)?;
         if let Some(other) = noises.iter().find(|noise| noise.name != h1.name) {
             return Some([&h1.name, &other.name]);
+        }
+        if let Some(force) = self.scene.forces.iter().find(|force| force.is_noise) {
+            return Some([&h1.name, &force.name]);
         }
         let commutes = match &h1.processes {
             Processes::Listed(list) => list.len() == 1,

@@ -70,7 +70,7 @@ pub(crate) struct Derived {
     /// The number of pairs that most nodes have, and their impulses together.
     pub(crate) common: usize,
     pub(crate) node: Gather,
-    /// Number of the processes of functions that return numbers or arrays.
+    /// Number of the processes of functions that return numbers or arrays, and of forces.
     pub(crate) listed: usize,
     /// The increment of each function that returns a `Vec`, with the sum over its processes.
     pub(crate) each: Vec<(Symbol, SumId)>,
@@ -256,10 +256,7 @@ impl<'a> Terms<'a> {
                 Processes::Listed(gammas) => {
                     let mut products = Vec::new();
                     for gamma in gammas {
-                        let increment = Meaning::Wiener(self.listed);
-                        self.listed += 1;
-                        let increment = self.scene.symbols.declare(increment);
-                        let increment = self.arena.symbol(increment);
+                        let increment = self.listed_increment();
                         products.push((1.0, self.arena.mul(increment, gamma)));
                     }
                     let total = self.arena.sum(0.0, &products);
@@ -282,6 +279,14 @@ impl<'a> Terms<'a> {
             both[usize::from(noise.is_h1)].extend(found);
         }
         both
+    }
+
+    /// Returns the increment of one more process of a function that returns numbers.
+    fn listed_increment(&mut self) -> Expr {
+        let increment = Meaning::Wiener(self.listed);
+        self.listed += 1;
+        let increment = self.scene.symbols.declare(increment);
+        self.arena.symbol(increment)
     }
 
     /// Adds the summands of a function: those outside of its loops, and those of each loop; and

@@ -243,9 +243,12 @@ impl Change {
             Some((force, sum, power, self.total_power(force)?))
         });
         let works: Vec<_> = works.flatten().collect();
-        let all: Vec<(f64, Expr)> = works.iter().map(|work| (1.0, work.3)).collect();
-        let all = self.arena.sum(0.0, &all);
-        if self.vanishes(all) {
+        // the work of a noise is not that of others
+        let of = |is_noise| works.iter().filter(move |work| work.0.is_noise == is_noise);
+        let of_forces: Vec<(f64, Expr)> = of(false).map(|work| (1.0, work.3)).collect();
+        let mut totals = vec![self.arena.sum(0.0, &of_forces)];
+        totals.extend(of(true).map(|work| work.3));
+        if totals.into_iter().all(|total| self.vanishes(total)) {
             return;
         }
         let at_work: Vec<bool> = works.iter().map(|work| !self.vanishes(work.2)).collect();

@@ -89,14 +89,13 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
         }
     }
     let others = block.noises.iter();
-    let others = others.filter(|f| !matches!(f.role, FunctionRole::Gamma | FunctionRole::H1));
+    let others = others.filter(|f| f.role == FunctionRole::TangentH1);
     for symmetry in &block.symmetries {
         check_name(symmetry, block, &mut errors);
     }
     for function in others.chain(&block.constraints) {
         let attribute = match function.role {
             FunctionRole::TangentH1 => "h1(tangent)",
-            FunctionRole::NoiseForce => "force(noise)",
             role => role.attribute(),
         };
         let message = format!(

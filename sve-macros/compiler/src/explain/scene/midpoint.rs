@@ -16,6 +16,9 @@ impl SceneTexts {
         if self.has_forces {
             action.push_str("\nwith the virtual work h F(q̄, v)·δq̄ beside δS");
         }
+        if self.has_noise_forces {
+            action.push_str("\nwith the virtual work Σ f(q̄)·δq̄ ΔW beside δS");
+        }
         let mut step = if self.has_h1() {
             self.step_of_velocities()
         } else {

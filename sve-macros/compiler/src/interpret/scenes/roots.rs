@@ -36,13 +36,15 @@ impl Lowering<'_> {
         let result = self.run_scene(function, time);
         let lagrangian = self.scalar_result(function, &result);
         let mut noises = Vec::new();
-        for function in &block.noises {
+        let (noise_forces, others): (Vec<_>, Vec<_>) =
+            (block.noises.iter()).partition(|function| function.role == Role::NoiseForce);
+        for function in others {
             let result = self.run_scene(function, time);
             if let Some(processes) = self.processes(function, result) {
                 noises.push((function, processes));
             }
         }
-        let forces = self.on_sites(&block.forces, time);
+        let forces = self.on_sites(block.forces.iter().chain(noise_forces), time);
         let symmetries = self.on_sites(&block.symmetries, time);
         let mut sums = Vec::new();
         let lagrangian = self.root(lagrangian?, function.name.span(), &mut sums)?;
@@ -212,8 +214,12 @@ impl Lowering<'_> {
 
     /// Executes functions that return an entry for each site. Returns them with the sum of each
     /// component; `None` for one that is zero.
-    fn on_sites<'b>(&mut self, functions: &'b [RoleFunction], time: Symbol) -> Vec<OnSites<'b>> {
-        let found = functions.iter().filter_map(|function| {
+    fn on_sites<'b>(
+        &mut self,
+        functions: impl IntoIterator<Item = &'b RoleFunction>,
+        time: Symbol,
+    ) -> Vec<OnSites<'b>> {
+        let found = functions.into_iter().filter_map(|function| {
             let result = self.run_scene(function, time);
             Some((function, self.components_on_sites(function, result)?))
         });
@@ -234,6 +240,7 @@ impl Lowering<'_> {
                 components: components.collect::<Option<_>>()?,
                 name: function.name.to_string(),
                 at: function.name.span(),
+                is_noise: function.role == Role::NoiseForce,
             })
         });
         placed.collect()

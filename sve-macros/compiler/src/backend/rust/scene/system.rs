@@ -155,7 +155,8 @@ impl Context<'_> {
         let (private, self_ty) = (self.formulas.private, self.self_ty());
         let system = quote!(#self_ty).to_string();
         let (name, order) = (rule.name(), rule.order);
-        let is_noisy = !self.derived.scene.noises.is_empty();
+        let scene = &self.derived.scene;
+        let is_noisy = !scene.noises.is_empty() || scene.forces.iter().any(|f| f.is_noise);
         let noises = match self.derived.each.as_slice() {
             [] => {
                 let listed = Literal::usize_unsuffixed(self.derived.listed);
