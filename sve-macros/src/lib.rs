@@ -47,11 +47,11 @@ use sve_compiler::Settings;
 /// | `const` | a number, an array, a vector or a matrix | written `Self::NAME` |
 ///
 /// The equations are, with Stratonovich integrals and an independent Wiener process for each γ and
-/// each H₁ in source order,
+/// each H₁ in source order, then for each noise force f,
 ///
 /// ```text
 /// dq =  v dt          + Σ ∂H₁/∂p ∘ dW
-/// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW        p = ∂L/∂v
+/// dp = (∂L/∂q + F) dt + Σ ∂γ/∂q ∘ dW − Σ ∂H₁/∂q ∘ dW + Σ f ∘ dW        p = ∂L/∂v
 /// ```
 ///
 /// With constraints, `dp` also has the term `Σ ∂φ/∂q ∘ dΛ`, where Λ is such that φ = 0. The rules

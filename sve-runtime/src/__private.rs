@@ -68,6 +68,7 @@ pub use crate::system::any::{FixedSizes, Kind};
 pub use crate::system::equations::{Memory, StepOf};
 pub use crate::system::equations::{Returns, StepEquations};
 pub use crate::system::euler::EulerIncrement;
+pub use crate::system::inputs::Inputs;
 pub use crate::system::linearisation::{Covector, Directions, Entries, Linearisation};
 pub use crate::system::plan::{
     Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,
@@ -76,7 +77,7 @@ pub use crate::system::sizes::{AnyIncrements, Dimensions, Increments};
 pub use crate::system::start::{StartOfStep, Tested};
 pub use crate::system::{
     AnySystem, ConstraintJet, CoordinateRole, Dims, ForceJet, LagrangianJet, Names, NoiseJet,
-    System,
+    System, WithInputs,
 };
 pub use nalgebra::UnitQuaternion;
 /// The derivatives of a step.

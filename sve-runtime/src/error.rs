@@ -228,7 +228,7 @@ pub enum StepError {
     #[error(
         "the step from t = {t} with h = {h:e} and the increments {dw:?}: its solution was followed from no noise and lost at {reached:.3} of the increments, \
          and a noise force depends on velocities: with it a step by this rule may have a pole where an increment is large; \
-         `gauss(2)` and `endpoint` have none where the force is linear in p, truncated increments (`Truncated`) do not reach it, and a smaller h makes it rare"
+         truncated increments (`Truncated`) do not reach it, and a smaller h makes it rare; where the system takes them, `endpoint` has none if the force is linear in p, and `gauss(2)` none for a friction of one coordinate"
     )]
     NoisePole {
         /// Time at the start of the step.

@@ -60,7 +60,9 @@ mod trajectory;
 
 pub use blocking::{BlockEstimate, Blocking};
 pub use error::StepError;
-pub use integrator::{ConstraintForce, ConstraintForces, Integrator, Sensitivity, Tangent};
+pub use integrator::{
+    ConstraintForce, ConstraintForces, Holding, Integrator, Sensitivity, Tangent,
+};
 pub use lyapunov::Lyapunov;
 pub use mechanics::Mechanics;
 pub use method::OneStepMethod;
@@ -84,7 +86,8 @@ pub use sve_macros::variational;
 pub use system::plan::Plan;
 pub use table::{SaveError, StateTable, Xyz};
 pub use trajectory::{
-    Adjoint, Events, Gradient, Method, RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
+    Adjoint, DrivenGradient, DrivenPaths, DrivenTrajectory, Events, Gradient, Method,
+    RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory, Undriven,
 };
 
 /// The parts of a [`Plan`]: what is solved in a step, by which formulas, with which orders and
@@ -105,10 +108,10 @@ pub mod prelude {
         FromRng, NoNoise, Noise, NoiseError, Recorded, Replayable, ThreePoint, Truncated, Wiener,
     };
     pub use crate::{
-        BlanesMoan4, BlanesMoanRkn6, Composed, Endpoint, Gauss, InitialPoint, Integrator, KahanLi8,
-        Mechanics, Method, Midpoint, NeighbourError, Neighbours, Newton, OneStepMethod,
-        SceneMechanics, Snapshot, Split, StageNoise, State, StepError, StormerVerlet, Taylor2,
-        Weak2, Xyz, variational,
+        BlanesMoan4, BlanesMoanRkn6, Composed, DrivenPaths, Endpoint, Gauss, InitialPoint,
+        Integrator, KahanLi8, Mechanics, Method, Midpoint, NeighbourError, Neighbours, Newton,
+        OneStepMethod, SceneMechanics, Snapshot, Split, StageNoise, State, StepError,
+        StormerVerlet, Taylor2, Weak2, Xyz, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

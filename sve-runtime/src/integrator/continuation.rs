@@ -132,15 +132,17 @@ where
         fold.as_ref()?.met_at(system, state.t + part * h, &there)
     };
     let mut end = follow_path(
-        start,
+        (start, FIRST),
         |part| at_whole_step.of_part(part),
         |part, x| step(part, 0.0, x),
         meets_fold,
     )
     .map_err(End::in_step)?;
     if dw.as_ref().iter().any(|&w| w != 0.0) {
+        // a stride must not jump over a pole
+        let reach = mechanics::reach_of_noise(system, state, dw.as_ref());
         end = follow_path(
-            Point { at: 0.0, ..end },
+            (Point { at: 0.0, ..end }, FIRST / reach.max(1.0)),
             |_| at_whole_step,
             |noise, x| step(1.0, noise, x),
             |_, q| meets_fold(1.0, q),
@@ -232,19 +234,20 @@ impl End {
     }
 }
 
-/// Follows a path from a point at 0 to 1. Returns its end. `meets_fold` gets each point.
+/// Follows a path from a point at 0 to 1, with a first stride. Returns its end. `meets_fold` gets each
+/// point.
 ///
 /// # Errors
 /// The [`End`] before 1.
 fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
-    start: Point<N, X>,
+    (start, first): (Point<N, X>, f64),
     scale: impl Fn(f64) -> Scale,
     solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
     meets_fold: impl Fn(f64, &[f64; N]) -> Option<f64>,
 ) -> Result<Point<N, X>, End> {
     let mut here = start;
     let mut before: Option<Point<N, X>> = None;
-    let mut stride: f64 = FIRST;
+    let mut stride: f64 = first;
     for _ in 0..MAX_POINTS {
         // The last stride ends at 1 exactly.
         let there = if stride >= 1.0 - here.at {
@@ -273,7 +276,7 @@ fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
             }
             _ => {
                 stride = 0.5 * stride.min(1.0 - here.at);
-                if stride < SMALLEST * if here.at > 0.0 { here.at } else { FIRST } {
+                if stride < SMALLEST * if here.at > 0.0 { here.at } else { first } {
                     break;
                 }
                 // A line through points that are far apart does not predict the end of a much

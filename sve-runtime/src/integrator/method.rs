@@ -131,7 +131,7 @@ where
     }
 
     fn describe(&self) -> String {
-        let Plan { rule, substeps, .. } = self.plan();
+        let Plan { rule, substeps, .. } = R::PLAN;
         match substeps {
             None => (*rule).to_owned(),
             Some(Substeps { composition, count }) => {
@@ -141,7 +141,7 @@ where
     }
 
     fn order(&self) -> Option<f64> {
-        let plan = self.plan();
+        let plan = R::PLAN;
         Some(match plan.strong_order {
             StrongOrder::Deterministic => f64::from(plan.deterministic_order),
             StrongOrder::One => 1.0,

@@ -14,6 +14,7 @@
 //! | `compensated.rs` | compensated summation |
 //! | `tangent.rs` | the derivatives of a step |
 //! | `gradient.rs` | derivatives along paths |
+//! | `inputs.rs` | steps of systems with inputs |
 
 pub(crate) mod accept;
 mod compensated;
@@ -21,6 +22,7 @@ mod consistent;
 mod constraint_forces;
 mod continuation;
 mod gradient;
+pub(crate) mod inputs;
 mod method;
 pub(crate) mod modes;
 mod rescue;
@@ -33,6 +35,7 @@ mod tangent;
 use core::fmt;
 
 pub use constraint_forces::{ConstraintForce, ConstraintForces};
+pub use inputs::Holding;
 use step::Advance;
 use steps::{Steps, walk_from};
 pub use tangent::{Sensitivity, Tangent};
@@ -107,7 +110,7 @@ impl<S: AnySystem + fmt::Debug, R: fmt::Debug> fmt::Debug for Integrator<S, R> {
     }
 }
 
-impl<S: AnySystem, R: Rule<S::Target>> Integrator<S, R> {
+impl<S: AnySystem, R: Rule<S::Stepped>> Integrator<S, R> {
     /// Returns the integrator of `system` with a rule that the attribute lists.
     pub fn new(system: S, rule: R) -> Self {
         Self {
@@ -118,6 +121,19 @@ impl<S: AnySystem, R: Rule<S::Target>> Integrator<S, R> {
         }
     }
 
+    /// Returns the plan of the step: its equations, their solution, and their cost.
+    ///
+    #[doc = include_str!("../example.md")]
+    /// let plan = pendulum.plan();
+    /// println!("{plan}");
+    /// assert_eq!((plan.degrees_of_freedom, plan.noises, plan.deterministic_order), (1, 1, 2));
+    #[doc = include_str!("../example_end.md")]
+    pub fn plan(&self) -> &'static Plan {
+        R::PLAN
+    }
+}
+
+impl<S: AnySystem, R> Integrator<S, R> {
     /// Replaces the options of the Newton iteration.
     ///
     #[doc = include_str!("../example.md")]
@@ -187,17 +203,6 @@ impl<S: AnySystem, R: Rule<S::Target>> Integrator<S, R> {
     /// Returns the options of the Newton iteration.
     pub fn newton(&self) -> &Newton {
         &self.newton
-    }
-
-    /// Returns the plan of the step: its equations, their solution, and their cost.
-    ///
-    #[doc = include_str!("../example.md")]
-    /// let plan = pendulum.plan();
-    /// println!("{plan}");
-    /// assert_eq!((plan.degrees_of_freedom, plan.noises, plan.deterministic_order), (1, 1, 2));
-    #[doc = include_str!("../example_end.md")]
-    pub fn plan(&self) -> &'static Plan {
-        R::PLAN
     }
 }
 

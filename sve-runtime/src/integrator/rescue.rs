@@ -68,15 +68,6 @@ where
     Err(explain_step(walker, error, state, h, dw))
 }
 
-/// Returns whether the force of a noise depends on velocities at the start of the step.
-fn reads_velocity<S, Q, const N: usize, const M: usize>(system: &S, state: &State<Q::Flat>) -> bool
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    Q: Coordinates<N>,
-{
-    S::NOISE_FORCED && mechanics::Noises::at(system, state).read_velocity()
-}
-
 /// The increments and unknowns of a step, or the failure of its solve.
 type Solved<S, R, const N: usize> =
     Result<([f64; N], [f64; N], <S as StepEquations<R>>::Unknowns), SolveError>;
@@ -110,7 +101,7 @@ where
                 step,
                 reached: noise,
             };
-            if step == 1.0 && reads_velocity(system, state) {
+            if step == 1.0 && mechanics::reach_of_noise(system, state, dw.as_ref()) >= 1.0 {
                 return Err(StepError::NoisePole {
                     t: state.t,
                     h,

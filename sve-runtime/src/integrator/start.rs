@@ -11,8 +11,9 @@
 //! tested. All other increments that are not finite show in the state.
 
 use super::modes::LanesMode;
+use super::step::iterates;
 use crate::lanes::{ALL, LANES, Mask, marked};
-use crate::mechanics::legendre;
+use crate::mechanics::{legendre, reach_of_noise};
 use crate::phase::configuration::Coordinates;
 use crate::phase::state::State;
 use crate::phase::tangents::KeepUnknowns;
@@ -26,6 +27,10 @@ use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
 /// Returned by a failed test. The error of the step is made off the fast path, from the inverse
 /// Legendre transform.
 const NO_START: SolveError = SolveError::Singular { iteration: 0 };
+
+/// Below this reach of the noise forces of velocities no rule has a pole. From here on the solution is
+/// followed: where several eigenvalues pass a pole together, no determinant changes its sign.
+const NO_POLE: f64 = 1.0;
 
 /// Returns whether the mass matrix has to be tested in each step.
 const fn tests_state<S: StepEquations<R>, R>() -> bool {
@@ -64,6 +69,11 @@ where
     }
     if S::NOISE_FORCED && !is_finite(dw.as_ref()) {
         return Err(SolveError::NonFinite);
+    }
+    if const { S::NOISE_READS_VELOCITY && iterates(S::PLAN) }
+        && reach_of_noise(system, state, dw.as_ref()) >= NO_POLE
+    {
+        return Err(SolveError::OtherBranch);
     }
     let solver = BlockSolver::new(walker.newton);
     let step = system.increment(&prepared.coefficients, memory, state, h, dw, &solver)?;

@@ -204,7 +204,7 @@ where
 }
 
 /// Returns whether a block of the step is solved by Newton's method.
-const fn iterates(plan: &Plan) -> bool {
+pub(super) const fn iterates(plan: &Plan) -> bool {
     let mut at = 0;
     while at < plan.blocks.len() {
         if matches!(plan.blocks[at].kind, BlockKind::Newton) {

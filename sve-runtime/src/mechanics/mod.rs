@@ -14,7 +14,7 @@ mod rates;
 mod starts;
 
 pub(crate) use dual_state::with_dual_state;
-pub(crate) use rates::{Motion, Noises, solve_drift, solve_motion};
+pub(crate) use rates::{Motion, Noises, reach_of_noise, solve_drift, solve_motion};
 
 use crate::error::{StepError, step_error};
 use crate::phase::Field;

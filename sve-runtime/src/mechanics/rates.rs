@@ -81,6 +81,46 @@ where
     })
 }
 
+/// Returns a bound of the eigenvalues of `Σ ΔW_a ∂f_a/∂v M⁻¹` at a state: how far the forces of
+/// noises turn and stretch the momentum. A step by any rule has no pole below 1.
+#[inline]
+pub(crate) fn reach_of_noise<S, Q, const N: usize, const M: usize>(
+    system: &S,
+    state: &State<Q::Flat>,
+    dw: &[f64],
+) -> f64
+where
+    S: System<Dims = Dims<N, M, Q>> + ?Sized,
+    Q: Coordinates<N>,
+{
+    if !S::NOISE_READS_VELOCITY {
+        return 0.0;
+    }
+    let Ok(v) = legendre::velocity(system, state) else {
+        return f64::INFINITY;
+    };
+    let mass = system.lagrangian_jet(state.t, &state.q, &v).dvv;
+    let forces = system.noise_force_jets(state.t, &state.q, &v);
+    // with stage noise, the increment of a process is the sum of those at its stages
+    let stages = dw.len() / M.max(1);
+    let mut largest = 0.0_f64;
+    for i in 0..N {
+        let mut row = [0.0; N];
+        for (force, parts) in forces.iter().zip(dw.chunks(stages.max(1))) {
+            let size: f64 = parts.iter().map(|part| part.abs()).sum();
+            let dw: f64 = if stages == 1 { parts[0] } else { size };
+            for j in 0..N {
+                row[j] += dw * force.dv[i][j];
+            }
+        }
+        let Some(row) = dense::solve(&mass, &row) else {
+            return f64::INFINITY;
+        };
+        largest = largest.max(row.iter().map(|x| x.abs()).sum());
+    }
+    largest
+}
+
 /// The noises at a state.
 pub(crate) struct Noises<const N: usize, const M: usize> {
     /// The Hamiltonians.

@@ -25,6 +25,9 @@ pub trait AnySystem {
             StateLanes = Self::StateLanes,
             IncrementLanes = Self::IncrementLanes,
         >;
+    /// The type for which rules are derived: the target, or for a system with inputs the type that
+    /// holds their values.
+    type Stepped;
     #[doc(hidden)]
     /// The kind of the system, which determines how an integrator makes its steps.
     type Kind: Kind;
@@ -79,6 +82,7 @@ impl Kind for FixedSizes {
 impl<S: System> AnySystem for S {
     type Configuration = <S::Dims as Dimensions>::Configuration;
     type Target = S::Itself;
+    type Stepped = S::Itself;
     type Kind = FixedSizes;
     type StateLanes = <S::Dims as Dimensions>::StateLanes;
     type IncrementLanes = <S::Dims as Dimensions>::IncrementLanes;

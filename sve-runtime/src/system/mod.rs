@@ -37,6 +37,7 @@ pub(crate) mod aliases;
 pub(crate) mod any;
 pub(crate) mod equations;
 pub(crate) mod euler;
+pub(crate) mod inputs;
 pub(crate) mod jets;
 pub(crate) mod linearisation;
 pub(crate) mod plan;
@@ -45,6 +46,7 @@ pub(crate) mod start;
 
 pub use aliases::{IncrementsOf, StateOf};
 pub use any::{AnySystem, Names};
+pub use inputs::WithInputs;
 pub use jets::{ConstraintJet, CoordinateRole, ForceJet, LagrangianJet, NoiseJet};
 pub use sizes::Dims;
 
@@ -65,12 +67,14 @@ use crate::system::euler::EulerIncrement;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a mechanical system",
     note = "put `#[variational(midpoint)]` on the `impl` block that holds its `lagrangian`",
+    note = "a system with inputs, an argument `u`, steps by `step_with(&mut state, h, &dw, &u)` and has trajectories with `.inputs(|step, state| …)`; `holding(&u)` has everything else",
     note = "a system whose `q` is a slice has integrators with single steps and trajectories, so far"
 )]
 pub trait System:
     AnySystem<
         Configuration = <<Self as System>::Dims as Dimensions>::Configuration,
         Target = <Self as System>::Itself,
+        Stepped = <Self as System>::Itself,
         Kind = FixedSizes,
         StateLanes = <<Self as System>::Dims as Dimensions>::StateLanes,
         IncrementLanes = <<Self as System>::Dims as Dimensions>::IncrementLanes,
@@ -91,6 +95,8 @@ pub trait System:
     const FORCED: bool = false;
     /// True if a noise is a force.
     const NOISE_FORCED: bool = false;
+    /// True if a noise is a force that depends on velocities.
+    const NOISE_READS_VELOCITY: bool = false;
     /// The names of the parameters in the source: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
     /// The names in L of the coordinates that a state stores: `q`, `q[0]`, `q.x`, or `x` and `y`
@@ -235,6 +241,7 @@ impl<S: System> System for &S {
     const ROLES: &'static [CoordinateRole] = S::ROLES;
     const FORCED: bool = S::FORCED;
     const NOISE_FORCED: bool = S::NOISE_FORCED;
+    const NOISE_READS_VELOCITY: bool = S::NOISE_READS_VELOCITY;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
     const COORDINATES: &'static [&'static str] = S::COORDINATES;
     const MOMENTA: &'static [&'static str] = S::MOMENTA;

@@ -9,6 +9,7 @@
 
 mod checkpoints;
 mod compensated;
+mod driven;
 mod events;
 mod gradient;
 mod method;
@@ -17,6 +18,7 @@ mod saved;
 mod snapshot;
 mod sweep;
 
+pub use driven::{DrivenGradient, DrivenPaths, DrivenTrajectory, Undriven};
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
 pub use method::Method;

@@ -123,7 +123,11 @@ where
     }
 
     /// Carries the derivatives over a step back to its start.
-    fn pull_back(&mut self, step: u64, state: &StateOf<I::System>) -> Result<(), StepError> {
+    pub(super) fn pull_back(
+        &mut self,
+        step: u64,
+        state: &StateOf<I::System>,
+    ) -> Result<(), StepError> {
         let dw = self.increments(step, state.t)?;
         let piece = self.range_of(step);
         let covector = Covector {
@@ -134,7 +138,11 @@ where
     }
 
     /// Adds the loss of a state and its derivatives.
-    fn add_loss(&mut self, number: u64, state: &StateOf<I::System>) -> Result<(), StepError> {
+    pub(super) fn add_loss(
+        &mut self,
+        number: u64,
+        state: &StateOf<I::System>,
+    ) -> Result<(), StepError> {
         let reads = RefCell::new(Vec::new());
         let read = |parameter| {
             let mut reads = reads.borrow_mut();

@@ -7,6 +7,7 @@ mod compositions;
 mod derivatives;
 mod failures;
 mod forces;
+mod inputs;
 mod literals;
 mod momentum;
 mod noise_forces;

@@ -45,7 +45,7 @@ pub(super) fn with_notation(
     }
     let noises = system.mechanics.noises.iter();
     if noises.clone().any(|noise| noise.reads_velocity(arena)) {
-        lines.extend(pole(rule).map(ToOwned::to_owned));
+        lines.extend(pole(rule, system.model.dof()).map(ToOwned::to_owned));
     }
     lines.join("\n")
 }
@@ -53,13 +53,20 @@ pub(super) fn with_notation(
 /// The definition of D of the option `weak2`.
 const PUSH: &str = "D = Σ ∂f/∂q·M⁻¹·f with M = ∂²L/∂v²";
 
-/// Returns the remark on noise forces that depend on velocities.
-fn pole(rule: Rule) -> Option<&'static str> {
-    // the denominators for f = σp: 1 − y/2 of the symmetric rules, 1 − y + y²/2 of the initial point,
-    // none of the endpoint, and those of the diagonal Padé approximants
-    let has_none = rule.has_correction() || rule.stages().is_some_and(|s| s % 2 == 0);
-    (!has_none).then_some(
-        "a noise force depends on velocities: for f = σ·p this step has a pole at some σ·ΔW, so that its means by Gaussian increments do not exist; `gauss(2)` and `endpoint` have none, and `Truncated` bounds the increments",
+/// Returns the remark on noise forces that depend on velocities. For f = σp and y = σΔW steps divide by
+/// 1 − y/2 in the symmetric rules, by 1 − y + y²/2 from the initial point, by nothing at the endpoint,
+/// and by the denominators of the diagonal Padé approximants of eʸ in Gauss rules. If forces turn
+/// velocities, y stands for complex numbers too, of which each of these but the endpoint has poles.
+fn pole(rule: Rule, coordinates: usize) -> Option<&'static str> {
+    let has_real_pole = !rule.has_correction() && rule.stages().is_none_or(|s| s % 2 == 1);
+    if has_real_pole {
+        return Some(
+            "a noise force depends on velocities: for f = σ·p this step has a pole at some σ·ΔW, so that its means by Gaussian increments do not exist; `endpoint` has none if f is linear in p, `gauss(2)` none for the friction of one coordinate, and `Truncated` bounds the increments",
+        );
+    }
+    let is_free = rule.node() == Some(1.0) || coordinates == 1;
+    (!is_free).then_some(
+        "a noise force depends on velocities: where it turns them, a large increment may meet a pole of this step; `endpoint` has none if f is linear in p, and `Truncated` bounds the increments",
     )
 }
 

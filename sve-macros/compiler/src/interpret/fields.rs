@@ -7,6 +7,9 @@ use std::collections::{HashMap, HashSet};
 
 pub(super) use path::{FieldPath, FieldStep, unseen};
 
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
 use super::Lowering;
 use super::entries::spellings;
 use super::matrices::{Matrix, MatrixType};
@@ -68,6 +71,16 @@ impl Fields {
         !self.known.integers.is_empty() && self.known.integers.contains(&path.kind_of_entry())
     }
 
+    /// Keeps a name from parameters that are declared later.
+    pub(super) fn reserve(&mut self, name: &str) {
+        self.names.insert(name.to_owned());
+    }
+
+    /// Returns the paths of the parameters, in the order of their first use.
+    pub(super) fn paths(&self) -> &[FieldPath] {
+        &self.paths
+    }
+
     /// Returns the path of a field that a symbol stands for.
     pub(super) fn path_of(&self, symbol: Symbol) -> Option<FieldPath> {
         self.paths_of.get(&symbol).cloned()
@@ -86,6 +99,16 @@ impl Fields {
             _ => value,
         }
     }
+}
+
+/// The field of the system in the type that holds inputs.
+pub(crate) const SYSTEM: &str = "__system";
+
+/// Returns the access to a field of a system behind its inputs.
+fn behind_inputs(access: TokenStream) -> TokenStream {
+    let mut tokens = access.into_iter();
+    let (receiver, system) = (tokens.next(), format_ident!("{SYSTEM}"));
+    quote!(#receiver . #system #(#tokens)*)
 }
 
 impl Lowering<'_> {
@@ -151,6 +174,10 @@ impl Lowering<'_> {
                 name.push('_');
             }
             fields.paths.push(path.clone());
+            let access = match (&self.block.inputs, path.is_outside()) {
+                (Some(_), false) => behind_inputs(access),
+                _ => access,
+            };
             self.symbols.declare(Meaning::Parameter { name, access })
         });
         if !path.is_outside() {

@@ -23,6 +23,7 @@ mod floats;
 mod frames;
 mod helpers;
 mod indices;
+mod inputs;
 mod integers;
 mod matrices;
 mod methods;
@@ -73,6 +74,8 @@ pub(crate) struct Lowering<'a> {
     /// The paths that are read as constants of `std::f64::consts` and may refer to something else.
     constants: Vec<(TokenStream, f64)>,
     calls: Calls,
+    /// The argument `u`, if a function has it.
+    input: Option<inputs::Input>,
     /// The function or closure that is being executed.
     frame: Frame,
     /// Set by `continue` and `break` until the loop handles it.
@@ -148,6 +151,7 @@ impl<'a> Lowering<'a> {
             arena,
             symbols: Symbols::default(),
             errors: Errors::new(),
+            input: None,
             fields: Fields::new(known),
             constants: Vec::new(),
             calls: Calls::default(),

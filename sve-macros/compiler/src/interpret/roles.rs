@@ -58,6 +58,7 @@ impl Lowering<'_> {
         let parameters = self.symbols.configuration.parameters();
         let attitude = self.symbols.declare_all(parameters, Meaning::Attitude);
         let names = names(function, &space.shapes, !block.arguments.is_reduced);
+        self.declare_inputs();
 
         let result = self.run(function, &space, time, &[&q, &v]);
         let lagrangian = self.scalar_result(function, &result);
@@ -88,6 +89,7 @@ impl Lowering<'_> {
             let result = self.run(function, &space, time, &[&q]);
             self.constraint_terms(function, result, &mut constraints);
         }
+        self.check_fields_beside_inputs();
         Some(Model {
             symbols: Symbols::default(),
             time,
@@ -244,6 +246,10 @@ impl Lowering<'_> {
                 symbol.map_or(Value::Poison, Value::Scalar)
             };
             let value = shape.fill(&mut next);
+            self.bind(pattern, value);
+        }
+        if let Some((pattern, ty)) = &function.input {
+            let value = self.input_of(ty);
             self.bind(pattern, value);
         }
         if places.next().is_some() {

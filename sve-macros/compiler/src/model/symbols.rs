@@ -106,7 +106,8 @@ impl Symbols {
         match self.meaning(parameter) {
             Meaning::Parameter { access, .. } => {
                 let path = access.to_string().replace(' ', "");
-                path.strip_prefix("self.").unwrap_or(&path).to_owned()
+                let path = path.strip_prefix("self.").unwrap_or(&path);
+                path.strip_prefix("__system.").unwrap_or(path).to_owned()
             }
             _ => self.name(parameter),
         }

@@ -12,6 +12,7 @@ use syn::{FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, Retu
 
 use crate::errors::{Errors, nearest};
 use crate::syntax::arguments::Arguments;
+use crate::syntax::inputs::{input_type, take_input};
 use crate::syntax::reduced;
 use crate::syntax::roles::{Role, take_roles};
 use crate::syntax::signature;
@@ -24,6 +25,8 @@ pub(crate) struct RoleFunction {
     pub(crate) arguments: Vec<(Pat, Type)>,
     /// True if the first argument is the time.
     pub(crate) is_timed: bool,
+    /// The pattern and the type of the argument `u`, which is not among the arguments.
+    pub(crate) input: Option<(Pat, Type)>,
     /// Number of arguments of each quantity: two if there are a vector and a rotation, otherwise
     /// one.
     pub(crate) parts: usize,
@@ -45,6 +48,8 @@ pub(crate) struct Annotated {
     pub(crate) forces: Vec<RoleFunction>,
     pub(crate) symmetries: Vec<RoleFunction>,
     pub(crate) constraints: Vec<RoleFunction>,
+    /// The type of the argument `u`, if a function has it.
+    pub(crate) inputs: Option<Type>,
     /// All functions, since any of them can be called by another one.
     pub(crate) functions: Vec<Rc<ImplItemFn>>,
     pub(crate) constants: Vec<ImplItemConst>,
@@ -120,22 +125,23 @@ pub(crate) fn annotated(
         others = rest;
         found
     };
+    let lagrangian = lagrangian?;
+    let mut noises = of(&[Role::Gamma, Role::H1, Role::TangentH1]);
+    noises.extend(of(&[Role::NoiseForce]));
+    let forces = of(&[Role::Force]);
+    let readers = || [&lagrangian].into_iter().chain(&noises).chain(&forces);
+    let inputs = input_type(readers(), errors);
     is_plain.then_some(Annotated {
         arguments,
         item,
-        lagrangian: lagrangian?,
-        noises: [
-            of(&[Role::Gamma, Role::H1, Role::TangentH1]),
-            of(&[Role::NoiseForce]),
-        ]
-        .into_iter()
-        .flatten()
-        .collect(),
-        forces: of(&[Role::Force]),
+        inputs,
+        noises,
+        forces,
         symmetries: of(&[Role::Symmetry]),
         constraints: of(&[Role::Constraint]),
         functions,
         constants,
+        lagrangian,
     })
 }
 
@@ -228,13 +234,14 @@ pub(super) fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Resul
         Some(other) => return Err(syn::Error::new(other.span(), message)),
         None => return Err(syn::Error::new(sig.ident.span(), message)),
     }
-    let arguments: Vec<(Pat, Type)> = inputs
+    let mut arguments: Vec<(Pat, Type)> = inputs
         .filter_map(|input| match input {
             FnArg::Typed(typed) => Some(((*typed.pat).clone(), (*typed.ty).clone())),
             FnArg::Receiver(_) => None,
         })
         .collect();
     let parts = signature::parts(role, &arguments)?;
+    let input = take_input(role, parts, &mut arguments)?;
     let is_timed = signature::is_timed(&sig.ident, role, parts, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {
         let message = format!("`{}` returns nothing: {expected}", sig.ident);
@@ -245,6 +252,7 @@ pub(super) fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Resul
         role,
         arguments,
         is_timed,
+        input,
         parts,
         output: (**output).clone(),
         item: Rc::clone(function),

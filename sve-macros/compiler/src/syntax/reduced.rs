@@ -9,6 +9,7 @@ use std::rc::Rc;
 use syn::spanned::Spanned;
 use syn::{FnArg, ImplItemFn, Type, parse_quote};
 
+use super::inputs::is_input;
 use super::parse::{RoleFunction, role_function};
 use super::roles::Role;
 use super::signature::is_rotation;
@@ -34,13 +35,14 @@ pub(super) fn role_function_of(function: &Rc<ImplItemFn>, role: Role) -> syn::Re
         );
         return Err(syn::Error::new(rotation.span(), message));
     }
-    let [.., vector] = types.as_slice() else {
+    let behind = usize::from(types.len() > 1 && has_input(function));
+    let [.., vector] = &types[..types.len().saturating_sub(behind)] else {
         let message = format!("`{name}` has no argument after `&self`: expected `{expected}`");
         return Err(syn::Error::new(name.span(), message));
     };
     let rotation = rotation(vector);
     let mut with_rotation = ImplItemFn::clone(function);
-    let place = with_rotation.sig.inputs.len() - 1;
+    let place = with_rotation.sig.inputs.len() - 1 - behind;
     let argument: FnArg = parse_quote!(_: #rotation);
     with_rotation.sig.inputs.insert(place, argument);
     role_function(&Rc::new(with_rotation), role).map_err(|error| {
@@ -49,6 +51,14 @@ pub(super) fn role_function_of(function: &Rc<ImplItemFn>, role: Role) -> syn::Re
             format!("expected `{expected}` (`t: f64` may come first)"),
         )
     })
+}
+
+/// Returns whether the last argument is called `u` or `_u`.
+fn has_input(function: &ImplItemFn) -> bool {
+    match function.sig.inputs.last() {
+        Some(FnArg::Typed(typed)) => is_input(&typed.pat),
+        _ => false,
+    }
 }
 
 fn typed(input: &FnArg) -> Option<&Type> {

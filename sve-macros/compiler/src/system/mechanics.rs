@@ -190,6 +190,8 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
     let mut shifts = noises.iter().flat_map(|noise| noise.dp.iter().copied());
     let is_additive = masses.chain(kicks).all(is_free)
         && shifts.all(|shift| arena.constant_value(shift) == Some(0.0))
+        // the momentum of a body turns with its velocity
+        && !model.configuration().has_rotations()
         // the constraint force of an additive noise depends on the configuration
         && model.constraints.is_empty();
     let force = model.force.as_ref();

@@ -65,17 +65,19 @@ fn force_arrays(jet: &ForceJet, names: [&str; 4]) -> [Array<Expr>; 4] {
     ]
 }
 
-/// `NOISE_FORCED` and `noise_force_jets`; nothing without forces of noises.
+/// `NOISE_FORCED`, `NOISE_READS_VELOCITY` and `noise_force_jets`; nothing without forces of noises.
 pub(super) fn noise_force_jets(
     jets: &[NoiseJet],
     Received { flat, open, .. }: &Received,
     [n, m]: [&Literal; 2],
     formulas: Formulas<'_>,
 ) -> Option<TokenStream> {
+    let reads_velocity = jets.iter().any(|jet| jet.reads_velocity(formulas.arena));
     let jets = noise_forces(jets, formulas)?;
     let private = formulas.private;
     Some(quote! {
         const NOISE_FORCED: bool = true;
+        const NOISE_READS_VELOCITY: bool = #reads_velocity;
         #[inline]
         fn noise_force_jets(&self, time: f64, q: &#flat, v: &[f64; #n]) -> [#private::ForceJet<#n>; #m] {
             #open

@@ -16,6 +16,7 @@ mod function;
 mod gauss;
 mod identity;
 mod implementation;
+mod inputs;
 mod jets;
 mod judge;
 mod lanes;
@@ -78,6 +79,8 @@ pub(crate) struct Context<'a> {
     pub(crate) about: &'a SystemTexts,
     pub(crate) arena: &'a Arena,
     pub(crate) private: &'a TokenStream,
+    /// The type whose steps are derived: that of the block, or the one that holds its inputs.
+    pub(crate) stepped: &'a Type,
 }
 
 impl<'a> Context<'a> {
@@ -104,6 +107,11 @@ impl<'a> Context<'a> {
     }
 
     fn self_ty(&self) -> &'a Type {
+        self.stepped
+    }
+
+    /// The type of the block.
+    fn user_ty(&self) -> &'a Type {
         &self.block.item.self_ty
     }
 }

@@ -24,7 +24,7 @@ pub(crate) fn momenta(context: &Context<'_>) -> TokenStream {
     if momenta.is_empty() {
         return TokenStream::new();
     }
-    let (self_ty, [n, _], attributes) = (context.self_ty(), context.sizes(), attributes());
+    let (self_ty, [n, _], attributes) = (context.user_ty(), context.sizes(), attributes());
     let configuration = configuration(block, &n, private);
     let Received { open, .. } = received(block, model, private);
     let functions = block.symmetries.iter().zip(momenta).map(|(part, map)| {

@@ -5,7 +5,9 @@
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{ToTokens, quote};
-use syn::{Expr, FnArg, GenericParam, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type};
+use syn::{
+    Expr, FnArg, GenericParam, ImplItem, ImplItemFn, ItemImpl, Lit, ReturnType, Type, parse_quote,
+};
 
 use super::configuration::{is_vector_or_nested, stored};
 use super::implementation::Implementation;
@@ -256,12 +258,26 @@ fn processes(block: &ItemImpl, is_generic: bool) -> TokenStream {
             .iter()
             .any(|a| a.path().is_ident("gamma") || a.path().is_ident("h1"))
     };
+    let is_noise_force = |f: &&ImplItemFn| {
+        f.attrs.iter().any(|a| {
+            let argument = a
+                .path()
+                .is_ident("force")
+                .then(|| a.parse_args::<Ident>().ok());
+            argument
+                .flatten()
+                .is_some_and(|argument| argument == "noise")
+        })
+    };
+    let number: Type = parse_quote!(f64);
+    let forces = functions(block).filter(is_noise_force).map(|_| &number);
     let outputs: Vec<&Type> = functions(block)
         .filter(is_noise)
         .filter_map(|f| match &f.sig.output {
             ReturnType::Type(_, ty) => Some(&**ty),
             ReturnType::Default => None,
         })
+        .chain(forces)
         .collect();
     size(&outputs, is_generic)
 }

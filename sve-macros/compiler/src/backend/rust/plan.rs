@@ -76,8 +76,8 @@ fn plan_with(
     } = *context;
     let texts = [&about.system(), &about.motion, &texts.action, &texts.step];
     let [terms, motion, action, equations] = texts.map(|text| verbatim(text));
-    let self_ty = context.self_ty();
-    let system = quote!(#self_ty).to_string();
+    let user_ty = context.user_ty();
+    let system = quote!(#user_ty).to_string();
     let (name, order) = (rule.name(), rule.order);
     let (n, m) = (model.dof(), model.noises.len());
     let strong = match context.commutation {

@@ -2,7 +2,9 @@
 
 use proc_macro2::TokenStream;
 
-use super::{Context, bounded, gauss, momenta, private, rule, stages, start_of_step, system};
+use super::{
+    Context, bounded, gauss, inputs, momenta, private, rule, stages, start_of_step, system,
+};
 use crate::derivation::{Derivation, Nodes};
 use crate::explain;
 
@@ -31,6 +33,7 @@ pub(crate) fn print(derivation: &Derivation) -> TokenStream {
         about: &explain::system(classified, arena),
         arena,
         private,
+        stepped: &inputs::stepped(block),
     };
     let mut output = system(&context, functions);
     output.extend(start_of_step(&context, start));
@@ -45,7 +48,7 @@ pub(crate) fn print(derivation: &Derivation) -> TokenStream {
         let texts = explain::step(derived, classified);
         output.extend(rule(&Context { arena, ..context }, derived, &texts));
     }
-    bounded(output)
+    bounded(inputs::within(&context, output))
 }
 
 /// Prints the equations at a node, and the steps of the rules that share these equations.

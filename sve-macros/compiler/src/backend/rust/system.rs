@@ -91,7 +91,7 @@ fn optional(context: &Context<'_>, functions: &Functions, received: &Received) -
 /// without a use the compiler would report them as dead; constants must be those of the standard
 /// library.
 fn used(context: &Context<'_>) -> TokenStream {
-    let (block, self_ty, attributes) = (context.block, context.self_ty(), attributes());
+    let (block, self_ty, attributes) = (context.block, context.user_ty(), attributes());
     let parts = [
         &block.noises,
         &block.forces,

@@ -35,6 +35,7 @@ pub(in super::super) fn placeholders(
     let kind = quote! {
         type Configuration = ::std::vec::Vec<#entry>;
         type Target = #self_ty;
+        type Stepped = #self_ty;
         type Kind = #private::scene::Scenes;
         type StateLanes = ();
         type IncrementLanes = ();

@@ -98,6 +98,7 @@ impl Context<'_> {
         quote! {
             type Configuration = ::std::vec::Vec<#site>;
             type Target = #self_ty;
+            type Stepped = #self_ty;
             type Kind = #private::scene::Scenes;
             type StateLanes = ();
             type IncrementLanes = ();

@@ -1,0 +1,76 @@
+//! The argument `u`: values that are held over a step.
+//!
+//! Input: the arguments of a function with a role. Output: its arguments without `u`, and that of
+//! the block, which has one type in all functions.
+
+use syn::spanned::Spanned;
+use syn::{Pat, Type};
+
+use super::parse::RoleFunction;
+use super::readable;
+use super::roles::Role;
+use crate::errors::Errors;
+
+/// Returns whether an argument is called `u` or `_u`.
+pub(super) fn is_input(pattern: &Pat) -> bool {
+    match pattern {
+        Pat::Ident(name) => name.ident == "u" || name.ident == "_u",
+        _ => false,
+    }
+}
+
+/// Takes the argument `u` or `_u` from the end of the arguments of a function with more arguments
+/// than its quantities have.
+pub(super) fn take_input(
+    role: Role,
+    parts: usize,
+    arguments: &mut Vec<(Pat, Type)>,
+) -> syn::Result<Option<(Pat, Type)>> {
+    let needed = role.vectors() * parts;
+    if arguments.len() <= needed {
+        return Ok(None);
+    }
+    let Some(at) = arguments.iter().position(|(pattern, _)| is_input(pattern)) else {
+        return Ok(None);
+    };
+    let refuse = |message: &str| Err(syn::Error::new(arguments[at].0.span(), message));
+    if at + 1 < arguments.len() {
+        return refuse("the input `u` is the last argument: `(t, q, v, u)`");
+    }
+    match role {
+        Role::Constraint => refuse(
+            "a constraint with an input would have to move q where the input jumps: write `t`, or a stiff potential of the input",
+        ),
+        Role::Symmetry => refuse(
+            "a generator of a symmetry has no input: each value of `u` has the same symmetry",
+        ),
+        _ => Ok(arguments.pop()),
+    }
+}
+
+/// Returns the type of the inputs of a block; `None` if no function has any. Reports a function
+/// whose inputs are of another type.
+pub(super) fn input_type<'a>(
+    functions: impl Iterator<Item = &'a RoleFunction>,
+    errors: &mut Errors,
+) -> Option<Type> {
+    let mut first: Option<Type> = None;
+    for function in functions {
+        let Some((_, ty)) = &function.input else {
+            continue;
+        };
+        match &first {
+            None => first = Some(ty.clone()),
+            Some(first) if readable(first) != readable(ty) => {
+                let message = format!(
+                    "the inputs of all functions are of one type: here `{}`, there `{}`",
+                    readable(ty),
+                    readable(first)
+                );
+                errors.push(ty.span(), message);
+            }
+            Some(_) => {}
+        }
+    }
+    first
+}

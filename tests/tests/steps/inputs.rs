@@ -1,0 +1,399 @@
+//! Inputs that are held over a step: closed forms, the system with parameters instead, gradients, and
+//! bad inputs.
+
+use sve_models::differences::derivative;
+use sve_runtime::prelude::*;
+
+/// A particle that is pushed.
+struct Pushed;
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+impl Pushed {
+    fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64 {
+        0.5 * v * v + u * q
+    }
+}
+
+/// ∂p_N/∂u_k = h and ∂q_N/∂u_k = h² (N − k − w), with w = 0 for the initial point, 1 for the endpoint,
+/// ½ for symmetric rules and their compositions.
+#[test]
+fn a_pushed_particle_has_the_derivatives_of_its_closed_form() {
+    let (h, n) = (0.1, 7);
+    macro_rules! check {
+        ($($rule:expr => $w:expr),*) => {$(
+            let pushed = Integrator::new(Pushed, $rule);
+            let path = || {
+                let start = State::at(0.3, [0.4], [-0.2]);
+                pushed.trajectory(start, h, NoNoise).inputs(|k, _| 0.3 * k as f64)
+            };
+            let place = path().gradient(n, |k, state| (k == n).then(|| state.q[0])).unwrap();
+            let momentum = path().gradient(n, |k, state| (k == n).then(|| state.p[0])).unwrap();
+            assert_eq!(place.inputs().len(), n as usize);
+            for (k, (q, p)) in place.inputs().zip(momentum.inputs()).enumerate() {
+                let expected = h * h * (n as f64 - k as f64 - $w);
+                assert!((q[0] - expected).abs() < 1e-15 && (p[0] - h).abs() < 1e-15, "{k} {q:?}");
+            }
+            assert!((place.start().p[0] - 0.7).abs() < 1e-15);
+            let end = path().nth(n as usize - 1).unwrap().unwrap();
+            assert!((place.loss() - end.q[0]).abs() < 1e-15);
+        )*};
+    }
+    check!(
+        InitialPoint => 0.0, Endpoint => 1.0, Midpoint => 0.5, StormerVerlet => 0.5,
+        Gauss::<2> => 0.5, Gauss::<4> => 0.5, Composed::new(Midpoint, KahanLi8) => 0.5
+    );
+}
+
+/// An oscillator whose mass and stiffness are inputs.
+struct Tuned;
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
+impl Tuned {
+    fn lagrangian(&self, q: f64, v: f64, u: [f64; 2]) -> f64 {
+        0.5 * u[0] * v * v - 0.5 * u[1] * q * q
+    }
+}
+
+/// Half the trace of the midpoint step is (1 − x)/(1 + x), x = w h²/(4m). The momentum is continuous
+/// where the mass jumps, and the energy jumps by the work of the inputs.
+#[test]
+fn held_mass_and_stiffness() {
+    let tuned = Integrator::new(Tuned, Midpoint);
+    for (h, m, w) in [(0.1, 1.3, 0.8), (0.7, 0.4, 2.5)] {
+        let held = tuned.holding(&[m, w]);
+        let tangent = held.tangent(&State::new([0.3], [0.4]), h, &[]).unwrap();
+        let x = w * h * h / (4.0 * m);
+        let half_trace = 0.5 * (tangent[0][0] + tangent[1][1]);
+        assert!((half_trace - (1.0 - x) / (1.0 + x)).abs() < 1e-15);
+    }
+    let state = State::new([0.7], [0.9]);
+    let [before, after] = [[1.3, 0.8], [0.6, 2.0]];
+    let energy = |u| tuned.holding(&u).system().hamiltonian(&state).unwrap();
+    let work =
+        0.5 * 0.81 * (1.0 / after[0] - 1.0 / before[0]) + 0.5 * 0.49 * (after[1] - before[1]);
+    assert!((energy(after) - energy(before) - work).abs() < 1e-15);
+    let velocity = tuned.holding(&after).system().velocity(&state).unwrap();
+    assert!((velocity[0] - 1.5).abs() < 1e-15);
+}
+
+/// Without stiffness ∂q_N/∂m_k = −h p₀/m_k², by every rule.
+#[test]
+fn a_held_mass_has_the_derivative_of_its_closed_form() {
+    let (h, n, p) = (0.1, 5, 0.9);
+    let mass = |k: u64| 1.0 + 0.3 * k as f64;
+    macro_rules! check {
+        ($($rule:expr),*) => {$(
+            let tuned = Integrator::new(Tuned, $rule);
+            let path = tuned.trajectory(State::new([0.4], [p]), h, NoNoise);
+            let path = path.inputs(|k, _| [mass(k), 0.0]);
+            let place = path.gradient(n, |k, state| (k == n).then(|| state.q[0])).unwrap();
+            for (k, by_input) in place.inputs().enumerate() {
+                let expected = -h * p / mass(k as u64).powi(2);
+                assert!((by_input[0] - expected).abs() < 1e-15, "{by_input:?}");
+            }
+        )*};
+    }
+    check!(InitialPoint, Endpoint, Midpoint, StormerVerlet, Gauss::<2>);
+}
+
+/// A cell of lenses ±1/f at the starts of drifts of length l: ½ tr = 1 − l²/(2f²).
+#[test]
+fn lenses_at_the_starts_of_steps() {
+    let ring = Integrator::new(Tuned, InitialPoint);
+    let (length, focal) = (1.1, 1.4);
+    let images = [State::new([1.0], [0.0]), State::new([0.0], [1.0])].map(|mut state| {
+        for sign in [1.0, -1.0] {
+            // the lens has the strength 1/f over the whole step
+            let input = [1.0, sign / (focal * length)];
+            ring.step_with(&mut state, length, &[], &input).unwrap();
+        }
+        state
+    });
+    let half_trace = 0.5 * (images[0].q[0] + images[1].p[0]);
+    let expected = 1.0 - length * length / (2.0 * focal * focal);
+    assert!(
+        (half_trace - expected).abs() < 1e-15,
+        "{half_trace} {expected}"
+    );
+}
+
+/// A push whose strength is an input.
+struct Kicked;
+
+#[variational(midpoint)]
+impl Kicked {
+    fn lagrangian(&self, _q: f64, v: f64) -> f64 {
+        0.5 * v * v
+    }
+    #[gamma]
+    fn push(&self, q: f64, u: f64) -> f64 {
+        u * q
+    }
+}
+
+/// A feedback that multiplies increments is non-anticipating: p_N = p₀ Π (1 + σ ΔW_k), as of Itô.
+#[test]
+fn a_feedback_is_known_before_the_increments() {
+    let (sigma, h, n) = (0.7, 0.1, 20);
+    let kicked = Integrator::new(Kicked, Midpoint);
+    let path = kicked.trajectory(State::new([0.0], [1.0]), h, Wiener::new(4));
+    let end = path
+        .inputs(|_, state| sigma * state.p[0])
+        .nth(n - 1)
+        .unwrap()
+        .unwrap();
+    let factors = (0..n as u64).map(|k| 1.0 + sigma * Wiener::new(4).increment(k, 0, h));
+    let expected: f64 = factors.product();
+    assert!(
+        (end.p[0] - expected).abs() < 1e-13,
+        "{} {expected}",
+        end.p[0]
+    );
+}
+
+/// Inputs in every function, with a helper and the time.
+struct Driven {
+    m: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+impl Driven {
+    fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2], u: Vector2<f64>) -> f64 {
+        0.5 * (self.m + u.x * u.x) * v[0] * v[0] + 0.5 * v[1] * v[1] + self.well(q, u.y) * t.cos()
+    }
+    fn well(&self, q: [f64; 2], u: f64) -> f64 {
+        u * q[0] - self.m * (q[0] - q[1]).powi(2) - q[1].powi(4)
+    }
+    #[force(noise)]
+    fn gust(&self, q: [f64; 2], _v: [f64; 2], u: Vector2<f64>) -> [f64; 2] {
+        [-u.y * q[1], u.y * q[0]]
+    }
+    #[gamma]
+    fn push(&self, q: [f64; 2], u: Vector2<f64>) -> f64 {
+        u.x * q[0]
+    }
+    #[gamma]
+    fn bath(&self, q: [f64; 2]) -> f64 {
+        0.2 * q[1]
+    }
+    #[force]
+    fn drag(&self, _t: f64, _q: [f64; 2], v: [f64; 2], u: Vector2<f64>) -> [f64; 2] {
+        [-u.x * u.x * v[0], -0.1 * v[1]]
+    }
+}
+
+/// The same with parameters.
+#[derive(Clone)]
+struct Plain {
+    m: f64,
+    x: f64,
+    y: f64,
+}
+
+#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+impl Plain {
+    fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (self.m + self.x * self.x) * v[0] * v[0]
+            + 0.5 * v[1] * v[1]
+            + self.well(q, self.y) * t.cos()
+    }
+    fn well(&self, q: [f64; 2], u: f64) -> f64 {
+        u * q[0] - self.m * (q[0] - q[1]).powi(2) - q[1].powi(4)
+    }
+    #[force(noise)]
+    fn gust(&self, q: [f64; 2], _v: [f64; 2]) -> [f64; 2] {
+        [-self.y * q[1], self.y * q[0]]
+    }
+    #[gamma]
+    fn push(&self, q: [f64; 2]) -> f64 {
+        self.x * q[0]
+    }
+    #[gamma]
+    fn bath(&self, q: [f64; 2]) -> f64 {
+        0.2 * q[1]
+    }
+    #[force]
+    fn drag(&self, _q: [f64; 2], v: [f64; 2]) -> [f64; 2] {
+        [-self.x * self.x * v[0], -0.1 * v[1]]
+    }
+}
+
+fn table(k: u64) -> Vector2<f64> {
+    let k = k as f64;
+    Vector2::new(0.3 + 0.2 * k.sin(), 0.4 * (0.7 * k).cos())
+}
+
+fn start() -> State<[f64; 2]> {
+    State::at(0.3, [0.4, -0.2], [0.5, 0.3])
+}
+
+/// Bit for bit the steps of parameters that are changed between them: the expressions are the same.
+#[test]
+fn held_inputs_are_parameters_of_a_step() {
+    let (h, n) = (0.1, 12_u64);
+    macro_rules! check {
+        ($($rule:expr),*) => {$(
+            let driven = Integrator::new(Driven { m: 1.2 }, $rule);
+            let path = driven.trajectory(start(), h, Wiener::new(5)).inputs(|k, _| table(k));
+            let mut plain = Integrator::new(Plain { m: 1.2, x: 0.0, y: 0.0 }, $rule);
+            let mut state = start();
+            for (k, found) in path.take(n as usize).enumerate() {
+                let u = table(k as u64);
+                (plain.system_mut().x, plain.system_mut().y) = (u.x, u.y);
+                let dw = [0, 1, 2].map(|a| Wiener::new(5).increment(k as u64, a, h));
+                plain.step(&mut state, h, &dw).unwrap();
+                state.t = f64::mul_add(k as f64 + 1.0, h, 0.3);
+                let (found, expected) = (found.unwrap(), state);
+                assert_eq!(found.t, expected.t);
+                for i in 0..2 {
+                    // the terms may stand in another order
+                    assert!((found.q[i] - expected.q[i]).abs() < 1e-14, "{found:?} {expected:?}");
+                    assert!((found.p[i] - expected.p[i]).abs() < 1e-14, "{found:?} {expected:?}");
+                }
+            }
+        )*};
+    }
+    check!(
+        InitialPoint,
+        Endpoint,
+        Midpoint,
+        StormerVerlet,
+        Gauss::<2>,
+        Gauss::<4>
+    );
+    check!(Composed::new(StormerVerlet, KahanLi8));
+}
+
+/// A step of `Driven`.
+type Step<'a> = &'a dyn Fn(&Driven, &mut State<[f64; 2]>, &[f64; 3], Vector2<f64>);
+
+/// The sum of a function of the places and momenta of a path.
+fn loss(step: Step<'_>, change: impl Fn(u64) -> Vector2<f64>, m: f64, q: f64) -> f64 {
+    let driven = Driven { m };
+    let mut sum = 0.0;
+    let mut state = start();
+    state.q[0] = q;
+    for k in 0..8 {
+        let dw = [0, 1, 2].map(|a| Wiener::new(5).increment(k, a, 0.1));
+        step(&driven, &mut state, &dw, change(k));
+        state.t = f64::mul_add(k as f64 + 1.0, 0.1, 0.3);
+        sum += state.q[0] * state.p[1];
+    }
+    sum
+}
+
+#[test]
+fn gradients_are_derivatives_by_each_input() {
+    macro_rules! check {
+        ($($rule:expr),*) => {$(
+            let step: Step<'_> = &|driven, state, dw, u| {
+                Integrator::new(driven, $rule).step_with(state, 0.1, dw, &u).unwrap();
+            };
+            let driven = Integrator::new(Driven { m: 1.2 }, $rule);
+            let path = driven.trajectory(start(), 0.1, Wiener::new(5)).inputs(|k, _| table(k));
+            let found = path
+                .gradient(8, |k, state| (k > 0).then(|| state.q[0] * state.p[1]))
+                .unwrap();
+            assert!((found.loss() - loss(step, table, 1.2, 0.4)).abs() < 1e-13);
+            for (k, by_input) in found.inputs().enumerate() {
+                for (i, found) in by_input.iter().enumerate() {
+                    let expected = derivative(|d| {
+                        let change = |step| {
+                            let mut u = table(step);
+                            if step == k as u64 {
+                                u[i] += d;
+                            }
+                            u
+                        };
+                        loss(step, change, 1.2, 0.4)
+                    });
+                    assert!((found - expected).abs() < 1e-9, "{k} {i}: {found} {expected}");
+                }
+            }
+            let by_mass = derivative(|d| loss(step, table, 1.2 + d, 0.4));
+            assert!((found.get("m").unwrap() - by_mass).abs() < 1e-9);
+            let by_start = derivative(|d| loss(step, table, 1.2, 0.4 + d));
+            assert!((found.start().q[0] - by_start).abs() < 1e-9);
+            // a parameter is the input with all values equal
+            let constant = |_| table(3);
+            let path = driven.trajectory(start(), 0.1, Wiener::new(5)).inputs(|k, _| constant(k));
+            let found = path
+                .gradient(8, |k, state| (k > 0).then(|| state.q[0] * state.p[1]))
+                .unwrap();
+            let sum: f64 = found.inputs().map(|by_input| by_input[1]).sum();
+            let expected = derivative(|d| {
+                loss(step, |k| constant(k) + Vector2::new(0.0, d), 1.2, 0.4)
+            });
+            assert!((sum - expected).abs() < 1e-9, "{sum} {expected}");
+        )*};
+    }
+    check!(
+        InitialPoint,
+        Endpoint,
+        Midpoint,
+        StormerVerlet,
+        Gauss::<2>,
+        Gauss::<4>
+    );
+}
+
+/// A body with a torque as its input.
+struct Body;
+
+#[variational(midpoint, stormer_verlet)]
+impl Body {
+    fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        0.5 * (w.x * w.x + 2.0 * w.y * w.y + 3.0 * w.z * w.z)
+    }
+    #[force]
+    fn torque(&self, _r: Rotation3<f64>, _w: Vector3<f64>, u: Vector3<f64>) -> Vector3<f64> {
+        u
+    }
+}
+
+/// About a principal axis Π₁ = Π₀ + h u.
+#[test]
+fn inputs_of_bodies() {
+    let axis = Vector3::new(0.0, 0.0, 1.0);
+    let mut state = State::new(UnitQuaternion::identity(), 0.4 * axis);
+    for k in 0..5 {
+        let body = Integrator::new(Body, Midpoint);
+        body.step_with(&mut state, 0.1, &[], &(f64::from(k) * axis))
+            .unwrap();
+    }
+    assert!((state.p - 1.4 * axis).norm() < 1e-14);
+    let reference = Integrator::new(&Body, StormerVerlet);
+    reference.step_with(&mut state, 0.1, &[], &axis).unwrap();
+    assert!((state.p - 1.5 * axis).norm() < 1e-14);
+}
+
+#[test]
+fn an_input_that_is_not_finite_is_named() {
+    let tuned = Integrator::new(Tuned, Midpoint);
+    let start = State::new([0.3], [0.4]);
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut state = start;
+        let error = tuned
+            .step_with(&mut state, 0.1, &[], &[1.0, bad])
+            .unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains(&format!("u[1] is {bad}")), "{text}");
+        assert_eq!(state, start);
+        let path = tuned.trajectory(start, 0.1, NoNoise);
+        let mut path = path.inputs(|k, _| [1.0, if k == 3 { bad } else { 0.5 }]);
+        assert_eq!(path.by_ref().take(3).filter(Result::is_ok).count(), 3);
+        let error = path.next().unwrap().unwrap_err().to_string();
+        assert!(
+            error.contains("u[1]") && error.contains("t = 0.3"),
+            "{error}"
+        );
+        assert!(path.next().is_none());
+    }
+}
+
+#[test]
+fn the_plan_names_inputs() {
+    let plan = Integrator::new(Tuned, StormerVerlet).plan();
+    assert_eq!(plan.system, "Tuned");
+    assert!(plan.to_string().contains("u[0]·v²/2 − u[1]·q²/2"), "{plan}");
+}
