@@ -43,6 +43,7 @@ use sve_compiler::Settings;
 /// | `#[force(noise)] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | f, a force that acts with a Wiener process of its own: dp = … + f ∘ dW; each function is a process, numbered after those of γ and H₁ |
 /// | `#[symmetry] fn …` | `(&self, q: [f64; N]) -> [f64; N]` | ξ, the generator of a symmetry of everything else in the block |
 /// | `#[constraint] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; K]` | φ, a holonomic constraint φ = 0 a component |
+/// | `u`, the last argument of a Lagrangian, a noise or a force | `f64`, `[f64; K]` or a vector | inputs: values that are held over a step and given to it, `step_with(&mut state, h, &dw, &u)` |
 /// | other `fn` | anything in the language below | helpers, inlined |
 /// | `const` | a number, an array, a vector or a matrix | written `Self::NAME` |
 ///

@@ -27,6 +27,7 @@ pages! {
     constraints_and_rotations
     degenerate
     derivatives
+    inputs
     failures
     claims
     macro_tour

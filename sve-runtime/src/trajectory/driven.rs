@@ -94,17 +94,13 @@ impl<'a, S: WithInputs, R, W> Undriven<'a, S, R, W> {
         F: FnMut(u64, &StateOf<S>) -> S::Input,
     {
         DrivenTrajectory {
-            start: start_of::<S>(&self.state),
+            start: self.state.t,
             path: self,
             inputs,
             step: 0,
             has_failed: false,
         }
     }
-}
-
-fn start_of<S: WithInputs>(state: &StateOf<S>) -> f64 {
-    state.t
 }
 
 /// A trajectory of a system with inputs: the states after each step, without end, or to the end of
@@ -173,7 +169,6 @@ where
     R: Copy + Rule<S::Held<'a>>,
     W: Noise,
     F: FnMut(u64, &StateOf<S>) -> S::Input,
-    StateOf<S>: Clone,
     Holding<'a, S, R>: OneStepMethod<System = S::Held<'a>>,
 {
     type Item = Result<StateOf<S>, StepError>;
@@ -183,7 +178,7 @@ where
             return None;
         }
         match self.make_step() {
-            Ok(_) => Some(Ok(self.path.state.clone())),
+            Ok(_) => Some(Ok(self.path.state)),
             Err(error) => {
                 self.has_failed = true;
                 (!super::is_end_of_path(&error)).then_some(Err(error))
@@ -237,7 +232,6 @@ where
     R: Copy + Rule<S::Held<'a>>,
     W: Replayable,
     F: FnMut(u64, &StateOf<S>) -> S::Input,
-    StateOf<S>: Clone,
     Holding<'a, S, R>: Differentiable<System = S::Held<'a>>,
 {
     /// Returns a loss with its derivatives by the inputs of each of the next `steps` steps, by the
@@ -283,7 +277,7 @@ where
         let (first, h) = (self.step, self.path.h);
         let mut kept = Vec::new();
         for _ in 0..steps {
-            let state = self.path.state.clone();
+            let state = self.path.state;
             let u = self.make_step()?;
             kept.push((state, u));
         }

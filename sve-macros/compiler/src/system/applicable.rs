@@ -10,7 +10,6 @@ use crate::syntax::roles::Role as FunctionRole;
 use crate::system::classify::Classified;
 use crate::system::degeneracy::{Degeneracy, Role};
 use crate::system::symmetry::check_name;
-use syn::spanned::Spanned;
 
 /// Returns an error for each rule that does not apply to this system.
 pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
@@ -88,14 +87,6 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
             );
             errors.push(place, message);
         }
-    }
-    let readers = [&block.lagrangian].into_iter();
-    let readers = readers.chain(&block.noises).chain(&block.forces);
-    for (pattern, _) in readers.filter_map(|function| function.input.as_ref()) {
-        errors.push(
-            pattern.span(),
-            "scenes, systems whose coordinates are slices, have no inputs: change a field between the steps, by `system_mut`",
-        );
     }
     let others = block.noises.iter();
     let others = others.filter(|f| f.role == FunctionRole::TangentH1);

@@ -121,6 +121,13 @@ impl Lowering<'_> {
                 let t = this.arena.symbol(time);
                 this.bind(pattern, Value::Scalar(t));
             }
+            if let Some((pattern, _)) = &function.input {
+                this.errors.push(
+                    pattern.span(),
+                    "scenes, systems whose coordinates are slices, have no inputs: change a field between the steps, by `system_mut`",
+                );
+                this.bind(pattern, Value::Poison);
+            }
             for ((pattern, ty), array) in arguments.zip(rows) {
                 let shape = this.same_rows(ty);
                 let value = shape.map_or(Value::Poison, |()| this.rows(array));
