@@ -82,6 +82,7 @@ impl Ring {
 impl AnySystem for Ring {
     type Configuration = Vec<f64>;
     type Target = Self;
+    type Stepped = Self;
     type Kind = Rings;
     type StateLanes = ();
     type IncrementLanes = ();
@@ -105,6 +106,7 @@ impl AnySystem for Ring {
 impl AnySystem for &Ring {
     type Configuration = Vec<f64>;
     type Target = Ring;
+    type Stepped = Ring;
     type Kind = Rings;
     type StateLanes = ();
     type IncrementLanes = ();

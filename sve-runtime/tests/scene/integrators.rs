@@ -50,6 +50,7 @@ macro_rules! systems {
         impl AnySystem for $scene {
             type Configuration = $configuration;
             type Target = Self;
+            type Stepped = Self;
             type Kind = Scenes;
             type StateLanes = ();
             type IncrementLanes = ();
@@ -70,6 +71,7 @@ macro_rules! systems {
         impl AnySystem for &$scene {
             type Configuration = $configuration;
             type Target = $scene;
+            type Stepped = $scene;
             type Kind = Scenes;
             type StateLanes = ();
             type IncrementLanes = ();
@@ -146,7 +148,7 @@ where
     S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S>
         + sve_runtime::__private::scene::Scene<Row = [f64; 1]>,
     R: Rule<S, Increments = [f64]> + Copy,
-    for<'a> &'a S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S>,
+    for<'a> &'a S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S, Stepped = S>,
 {
     const STEPS: u64 = 150;
     let integrator = Integrator::new(scene, rule);

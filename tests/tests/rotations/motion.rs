@@ -277,7 +277,7 @@ impl Sphere {
     }
 }
 
-/// Π_N = Π₀ + f W_N, path by path: the momentum of an isotropic body is parallel to its velocity, so
+/// `Π_N` = Π₀ + f `W_N`, path by path: the momentum of an isotropic body is parallel to its velocity, so
 /// that nothing turns it.
 #[test]
 fn a_torque_of_the_body_adds_its_increments_to_the_momentum() {

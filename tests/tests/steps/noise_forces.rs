@@ -35,7 +35,7 @@ impl Rubbing {
     }
 }
 
-/// Returns p₁/p₀ of a step with `y = σΔW`.
+/// Returns p₁/p₀ of a step with ``y = σΔW``.
 fn ratio<R: Copy>(rule: R, y: f64) -> Result<f64, StepError>
 where
     Rubbing: Variational<R> + System<Dims = Dims<1, 1>>,
