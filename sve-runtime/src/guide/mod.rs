@@ -26,7 +26,6 @@ pages! {
     scenes
     constraints_and_rotations
     degenerate
-    derivatives
     inputs
     failures
     claims
@@ -39,6 +38,8 @@ pages! {
 pages! {
     #[cfg(any(not(doctest), feature = "serde"))]
     trajectories
+    #[cfg(any(not(doctest), feature = "ensemble"))]
+    derivatives
     #[cfg(any(not(doctest), feature = "ensemble"))]
     events
     #[cfg(any(not(doctest), feature = "checkpoint"))]

@@ -9,6 +9,7 @@
 mod assigned;
 mod branches;
 mod kept;
+mod on_sites;
 mod roots;
 pub(super) mod streams;
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::algebra::{Expr, Node, Symbol};
 use crate::interpret::types::Shape;
 use crate::interpret::value::Value;
 use crate::model::scene::{
-    Array, Head, Int, IntNode, Processes, Row, Scene, SceneNoise, SiteField, SlotArray, Sum, SumId,
+    Array, Head, Int, IntNode, Processes, Row, Scene, SceneNoise, SlotArray, Sum, SumId,
 };
 use crate::model::{Meaning, Symbols};
 use crate::syntax::parse::RoleFunction;
@@ -107,7 +107,7 @@ impl Lowering<'_> {
     }
 
     /// Executes a function with rows as its arguments.
-    fn run_scene(&mut self, function: &RoleFunction, time: Symbol) -> Value {
+    pub(super) fn run_scene(&mut self, function: &RoleFunction, time: Symbol) -> Value {
         let second = match function.role {
             Role::H1 => SlotArray::Momentum,
             _ => SlotArray::Velocity,
@@ -201,7 +201,11 @@ impl Lowering<'_> {
     }
 
     /// Returns the entries of the `Vec` that a function returns, and their place.
-    fn collected(&mut self, function: &RoleFunction, value: Value) -> Option<(Stream, Span)> {
+    pub(super) fn collected(
+        &mut self,
+        function: &RoleFunction,
+        value: Value,
+    ) -> Option<(Stream, Span)> {
         let last = function.item.block.stmts.last();
         let at = last.map_or(name_span(function), Spanned::span);
         // a field is one once it is cloned
@@ -219,84 +223,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Executes functions that return an entry for each site. Returns them with the sum of each
-    /// component; `None` for one that is zero.
-    fn on_sites<'b>(
-        &mut self,
-        functions: impl IntoIterator<Item = &'b RoleFunction>,
-        time: Symbol,
-    ) -> Vec<OnSites<'b>> {
-        let found = functions.into_iter().filter_map(|function| {
-            let result = self.run_scene(function, time);
-            Some((function, self.components_on_sites(function, result)?))
-        });
-        found.collect()
-    }
-
-    fn placed_on_sites(
-        &mut self,
-        functions: Vec<OnSites<'_>>,
-        sums: &mut Vec<Sum>,
-    ) -> Option<Vec<SiteField>> {
-        let placed = functions.into_iter().map(|(function, components)| {
-            let components = components.into_iter().map(|sum| match sum {
-                Some(sum) => self.placed_root(sum, sums).map(Some),
-                None => Some(None),
-            });
-            Some(SiteField {
-                components: components.collect::<Option<_>>()?,
-                name: function.name.to_string(),
-                at: function.name.span(),
-                is_noise: function.role == Role::NoiseForce,
-            })
-        });
-        placed.collect()
-    }
-
-    fn components_on_sites(
-        &mut self,
-        function: &RoleFunction,
-        value: Value,
-    ) -> Option<Vec<Option<Symbol>>> {
-        let of_site = entry_of_slice(self.block.coordinates())?;
-        let entry = match entry_of_vec(&function.output) {
-            Some(entry) => self.shape(entry),
-            None => None,
-        };
-        let shape = self.scene.shape.clone()?;
-        if entry.as_ref() != Some(&shape) {
-            let what = match function.role {
-                Role::Symmetry => "a generator",
-                _ => "a force",
-            };
-            let message = format!(
-                "{what} has an entry for each site: return `Vec<{}>`",
-                readable(of_site)
-            );
-            return self.refuse(&function.output, message);
-        }
-        let (stream, at) = self.collected(function, value)?;
-        let body = Body::none("i");
-        let mut components = Vec::new();
-        let sums = self.rounds(&stream, at, &body, |x, value| {
-            // the entries are of the shape of a site
-            x.entries(&value, &shape, &at, &mut components)?;
-            let numbers = components.iter().map(|&number| Value::Scalar(number));
-            Some(Value::Array(numbers.collect()))
-        })?;
-        let sums = sums.items().iter();
-        let sums = sums.map(|sum| match sum {
-            Value::Scalar(sum) => {
-                let mut symbols = self.arena.symbols_of(*sum);
-                symbols.find(|&symbol| self.kept_sum(symbol).is_some())
-            }
-            _ => None,
-        });
-        Some(sums.collect())
-    }
-
     /// Appends a sum that is a root. Returns its number.
-    fn placed_root(&mut self, sum: Symbol, sums: &mut Vec<Sum>) -> Option<SumId> {
+    pub(super) fn placed_root(&mut self, sum: Symbol, sums: &mut Vec<Sum>) -> Option<SumId> {
         let id = SumId(sums.len());
         self.placed(sum, None, sums)?;
         Some(id)
@@ -317,7 +245,7 @@ impl Lowering<'_> {
             })
     }
 
-    fn kept_sum(&self, symbol: Symbol) -> Option<&Kept> {
+    pub(super) fn kept_sum(&self, symbol: Symbol) -> Option<&Kept> {
         let mut sums = self.scene.sums.iter();
         sums.find(|(own, _)| *own == symbol).map(|(_, sum)| sum)
     }
@@ -397,9 +325,6 @@ impl Lowering<'_> {
         Some(self.symbols.declare(Meaning::Sum(id)))
     }
 }
-
-/// A function that returns an entry for each site, with the sum of each component.
-type OnSites<'b> = (&'b RoleFunction, Vec<Option<Symbol>>);
 
 /// The processes of a function before its sums have their places.
 enum Found {
