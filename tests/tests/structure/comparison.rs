@@ -56,7 +56,7 @@ mod unstructured {
         for case in &cases {
             same_without_structure(&**case, &mut random);
         }
-        assert_eq!(cases.len(), 109);
+        assert_eq!(cases.len(), 117);
     }
 }
 

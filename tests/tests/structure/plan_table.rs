@@ -27,7 +27,7 @@ Stirred              |                              | Newton 2      | Newton 1  
 Stretched            |                              | Newton 1      | Newton 1   | Newton 1 | Newton 1       | Newton 3
 Damped               | strong 1                     | linear 1      | explicit 0 | Newton 1 | linear 1
 Towed                | strong 1/2: jitter, push     | Newton 2      | Newton 3   | Newton 3 | Newton 2
-Sail                 | strong 1/2: jitter, push     | Newton 2      | Newton 4   | Newton 4 | Newton 4
+Sail                 | strong 1/2: jitter, push     | Newton 2      | Newton 3   | Newton 3 | Newton 2
 Rubbed               | strong 1                     | Newton 1      | explicit 0 | Newton 1 | Newton 1
 Charges              | strong 1/2: jitter[1], pull  | linear 6      | Newton 10  | Newton 8 | linear 6
 Central              | strong 1                     | explicit 0    | explicit 0 | Newton 2 | explicit 0";
