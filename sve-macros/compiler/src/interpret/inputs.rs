@@ -72,8 +72,10 @@ impl Lowering<'_> {
             let text = access.to_string().replace(' ', "");
             let rest = text.strip_prefix("self.u");
             if rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '['])) {
+                // `self . u`
+                let name = access.clone().into_iter().nth(2);
                 self.errors.push(
-                    access.span(),
+                    name.map_or_else(|| access.span(), |name| name.span()),
                     "a field `u` beside the argument `u` of the same block: rename the field",
                 );
             }
