@@ -86,8 +86,8 @@ pub use sve_macros::variational;
 pub use system::plan::Plan;
 pub use table::{SaveError, StateTable, Xyz};
 pub use trajectory::{
-    Adjoint, DrivenGradient, DrivenPaths, DrivenTrajectory, Events, Gradient, Method,
-    RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory, Undriven,
+    Adjoint, DrivenGradient, DrivenPaths, DrivenTrajectory, Events, Gradient, Method, NeedsInputs,
+    RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
 };
 
 /// The parts of a [`Plan`]: what is solved in a step, by which formulas, with which orders and

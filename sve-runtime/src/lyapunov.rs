@@ -20,13 +20,13 @@ use core::fmt;
 
 use crate::blocking::Blocking;
 use crate::error::StepError;
+use crate::integrator::accept::time_of_next;
 use crate::integrator::{Integrator, Tangent};
-use crate::noise::{Noise, NoiseError, Wiener};
+use crate::noise::{Noise, NoiseError, Wiener, draw};
 use crate::phase::configuration::Coordinates;
 use crate::phase::state::State;
 use crate::rule::Rule;
 use crate::system::{AnyIncrements as _, Dims, StateOf, System};
-use crate::time::{is_next_time, time_after};
 
 /// Part of its length before the Gram–Schmidt process below which what is left of a vector is only
 /// rounding error.
@@ -145,20 +145,13 @@ where
         // An array, whose length its type knows.
         let mut dw = R::Increments::take(&mut Default::default(), || Ok::<_, StepError>(0))?;
         let (step, h) = (self.step, self.h);
-        let drawn = match R::STAGES {
-            1 => self.noise.increments(step, h, dw.as_mut()),
-            stages => self.noise.stage_increments(step, h, stages, dw.as_mut()),
-        };
         let t = self.state.t;
-        match drawn {
+        match draw(&mut self.noise, step, h, R::STAGES, dw.as_mut()) {
             Ok(()) => {}
             Err(source @ NoiseError::Exhausted { .. }) => return Ok(Some(source)),
             Err(source) => return Err(StepError::Noise { t, source }),
         }
-        let end = time_after(self.start, step + 1, h);
-        if !is_next_time(t, end) && t.is_finite() {
-            return Err(StepError::Time { t, h, end });
-        }
+        let end = time_of_next(self.start, step + 1, h, t)?;
         let mut state = self.state;
         let (tangent, _) = self
             .integrator

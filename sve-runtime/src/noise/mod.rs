@@ -147,6 +147,24 @@ pub trait Noise {
     }
 }
 
+/// Fills `dw` with the increments of a step of a rule with this number of stages.
+///
+/// # Errors
+/// A [`NoiseError`] if the source cannot serve the step.
+#[inline(always)]
+pub(crate) fn draw<W: Noise + ?Sized>(
+    noise: &mut W,
+    step: u64,
+    h: f64,
+    stages: usize,
+    dw: &mut [f64],
+) -> Result<(), NoiseError> {
+    match stages {
+        1 => noise.increments(step, h, dw),
+        _ => noise.stage_increments(step, h, stages, dw),
+    }
+}
+
 /// Implements [`Noise`] for a pointer to a source.
 macro_rules! forward {
     ($pointer:ty) => {

@@ -5,9 +5,10 @@ use super::{Dimensions, System};
 use crate::phase::configuration::Configuration;
 
 /// A system of any size: a [`System`], whose sizes are known when the program is compiled, or a
-/// scene, a system whose `q` is a slice, so that its length is the length of the state.
+/// scene, a system whose `q` is a slice, so that its length is the length of the state, or a system
+/// with inputs, which steps while their values are held.
 ///
-/// Implemented for every [`System`], and by `#[variational(…)]` for scenes. Integrators and
+/// Implemented for every [`System`], and by `#[variational(…)]` for scenes and systems with inputs. Integrators and
 /// trajectories ask for this trait.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a mechanical system",
@@ -61,7 +62,7 @@ pub struct Names {
     pub momenta: &'static [&'static str],
 }
 
-/// A kind of systems: systems of fixed sizes, or scenes.
+/// A kind of systems: systems of fixed sizes, scenes, or systems with inputs.
 #[doc(hidden)]
 pub trait Kind {
     /// What an integrator keeps between steps: tables and work vectors, which a step computes again

@@ -4,8 +4,6 @@
 //! holds the values beside the system. So all that a system has, a system with held inputs has too,
 //! and the inputs are parameters of it.
 
-use core::fmt::Debug;
-
 use super::{AnySystem, Dimensions, Kind, System};
 use crate::phase::configuration::FixedSize;
 
@@ -18,7 +16,7 @@ pub trait WithInputs: AnySystem<Kind = Inputs, Configuration: FixedSize> {
     /// The type of `u`.
     type Input;
     /// The numbers in `u`, `[f64; K]`.
-    type Numbers: Copy + Debug + AsRef<[f64]>;
+    type Numbers: AsRef<[f64]>;
     /// The sizes of the system.
     type Sizes: Dimensions<Configuration = <Self as AnySystem>::Configuration>;
     /// The system while its inputs are held.

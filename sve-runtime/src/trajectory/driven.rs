@@ -9,26 +9,32 @@ use core::fmt;
 use super::sweep::Sweep;
 use crate::error::StepError;
 use crate::integrator::Integrator;
+use crate::integrator::accept::time_of_next;
 use crate::integrator::inputs::{Holding, check_inputs};
 use crate::method::{Differentiable, OneStepMethod};
-use crate::noise::{Noise, Replayable};
+use crate::noise::{Noise, Replayable, draw};
 use crate::phase::Field;
 use crate::phase::dual::Dual;
 use crate::rule::Rule;
 use crate::system::{
     AnyIncrements as _, ConfigurationOf, DualStateOf, MomentumOf, StateOf, System, WithInputs,
 };
-use crate::time::{is_next_time, time_after};
 
 /// Trajectories of systems with inputs.
 pub trait DrivenPaths<S: WithInputs, R> {
-    /// Returns a path that still needs the [`inputs`](Undriven::inputs) of its steps.
-    fn trajectory<W: Noise>(&self, state: StateOf<S>, h: f64, noise: W) -> Undriven<'_, S, R, W>;
+    /// Returns a path that still needs the [`inputs`](NeedsInputs::inputs) of its steps.
+    fn trajectory<W: Noise>(&self, state: StateOf<S>, h: f64, noise: W)
+    -> NeedsInputs<'_, S, R, W>;
 }
 
 impl<S: WithInputs, R: Copy> DrivenPaths<S, R> for Integrator<S, R> {
-    fn trajectory<W: Noise>(&self, state: StateOf<S>, h: f64, noise: W) -> Undriven<'_, S, R, W> {
-        Undriven {
+    fn trajectory<W: Noise>(
+        &self,
+        state: StateOf<S>,
+        h: f64,
+        noise: W,
+    ) -> NeedsInputs<'_, S, R, W> {
+        NeedsInputs {
             integrator: self,
             state,
             h,
@@ -39,27 +45,27 @@ impl<S: WithInputs, R: Copy> DrivenPaths<S, R> for Integrator<S, R> {
 
 /// A path of a system with inputs, without their values.
 #[must_use = "a system with inputs needs their values: `.inputs(|step, state| …)`"]
-pub struct Undriven<'a, S: WithInputs, R, W> {
+pub struct NeedsInputs<'a, S: WithInputs, R, W> {
     integrator: &'a Integrator<S, R>,
     state: StateOf<S>,
     h: f64,
     noise: W,
 }
 
-impl<S: WithInputs, R, W> fmt::Debug for Undriven<'_, S, R, W> {
+impl<S: WithInputs, R, W> fmt::Debug for NeedsInputs<'_, S, R, W> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Undriven")
+        f.debug_struct("NeedsInputs")
             .field("h", &self.h)
             .finish_non_exhaustive()
     }
 }
 
-impl<'a, S: WithInputs, R, W> Undriven<'a, S, R, W> {
+impl<'a, S: WithInputs, R, W> NeedsInputs<'a, S, R, W> {
     /// Returns the states after each step, with the inputs that a function returns for the number of
-    /// a step, from 0, and the state at its start. A table is `|step, _| table[step as usize]`.
+    /// a step, from 0, and the state at its start. A table is `|step, _| table[step as usize]`; it
+    /// needs an entry for each step that is made, and panics beyond its end.
     ///
-    /// A function of the state is a feedback, whose value is known before the increments of its
-    /// step are drawn. Where such an input multiplies increments, the limit h → 0 is that of Itô in
+    /// A function of the state is a feedback, which does not see the increments of its step. Where such an input multiplies increments, the limit h → 0 is that of Itô in
     /// the input, and no order of convergence is claimed. Against a feedback without hold a step is
     /// late by h/2, an error of order 1: continuous friction belongs into `#[force]`.
     ///
@@ -107,7 +113,7 @@ impl<'a, S: WithInputs, R, W> Undriven<'a, S, R, W> {
 /// a recorded path or the first error.
 #[must_use = "an iterator does nothing until it is used"]
 pub struct DrivenTrajectory<'a, S: WithInputs, R, W, F> {
-    path: Undriven<'a, S, R, W>,
+    path: NeedsInputs<'a, S, R, W>,
     inputs: F,
     /// Time before the first step.
     start: f64,
@@ -133,29 +139,24 @@ where
 {
     /// Makes the next step. Returns its inputs.
     fn make_step(&mut self) -> Result<S::Input, StepError> {
-        let Undriven {
+        let NeedsInputs {
             integrator,
             state,
             h,
             noise,
         } = &mut self.path;
         let (integrator, t) = (*integrator, state.t);
-        let u = (self.inputs)(self.step, state);
-        check_inputs::<S>(&u, t)?;
-        let held = integrator.holding(&u);
         let mut dw = <Holding<'a, S, R> as OneStepMethod>::Increments::take(
             &mut Default::default(),
             || Ok::<_, StepError>(0),
         )?;
-        let drawn = match held.stages() {
-            1 => noise.increments(self.step, *h, dw.as_mut()),
-            stages => noise.stage_increments(self.step, *h, stages, dw.as_mut()),
-        };
+        let drawn = draw(noise, self.step, *h, R::STAGES, dw.as_mut());
         drawn.map_err(|source| StepError::Noise { t, source })?;
-        let end = time_after(self.start, self.step + 1, *h);
-        if !is_next_time(t, end) && t.is_finite() {
-            return Err(StepError::Time { t, h: *h, end });
-        }
+        let end = time_of_next(self.start, self.step + 1, *h, t)?;
+        // behind the end of a recorded path, so that a table needs no entry there
+        let u = (self.inputs)(self.step, state);
+        check_inputs::<S>(&u, t)?;
+        let held = integrator.holding(&u);
         held.step_prepared(&held.prepare(*h)?, state, *h, dw.borrow())?;
         state.t = end;
         self.step += 1;
@@ -240,7 +241,8 @@ where
     /// The loss is the sum of the numbers that a function returns for the number of a state, from 0
     /// for the present one, and the state, written with [dual numbers](Dual); `None` where a state
     /// does not count. A loss of the inputs themselves, such as their squares, is added by the
-    /// caller. The path is walked once forwards and once backwards, so that the price of a step does
+    /// caller. A loss that reads the input as a parameter of the state, `u[0]`, sees that of the step
+    /// before the state, and at the present state that of the step behind it. The path is walked once forwards and once backwards, so that the price of a step does
     /// not depend on their number; the states and inputs of all steps are kept.
     ///
     /// ```
@@ -281,11 +283,18 @@ where
             let u = self.make_step()?;
             kept.push((state, u));
         }
+        if steps == 0 {
+            // the loss of the present state may read the inputs
+            let state = self.path.state;
+            let u = (self.inputs)(first, &state);
+            check_inputs::<S>(&u, state.t)?;
+            kept.push((state, u));
+        }
         let names = <S::Held<'a> as System>::PARAMETERS;
         let Self { path, start, .. } = self;
-        let Undriven {
+        let NeedsInputs {
             integrator,
-            state: end,
+            state: mut next,
             mut noise,
             ..
         } = path;
@@ -311,19 +320,22 @@ where
                 by_state,
                 by_parameters: vec![0.0; names.len()],
             };
-            let k = k as u64;
-            if k + 1 == steps {
-                sweep.add_loss(steps, &end)?;
+            if steps > 0 {
+                sweep.add_loss(k as u64 + 1, &next)?;
+                sweep.pull_back(k as u64, state)?;
             }
-            sweep.pull_back(k, state)?;
-            sweep.add_loss(k, state)?;
+            if k == 0 {
+                sweep.add_loss(0, state)?;
+            }
+            next = *state;
             (noise, by_state, value) = (sweep.noise, sweep.by_state, sweep.value);
             let (inputs, parameters) = sweep.by_parameters.split_at(width);
-            by_inputs[k as usize * width..][..width].copy_from_slice(inputs);
+            by_inputs[k * width..][..width].copy_from_slice(inputs);
             for (sum, more) in by_parameters.iter_mut().zip(parameters) {
                 *sum += more;
             }
         }
+        by_inputs.truncate(steps as usize * width);
         Ok(DrivenGradient {
             loss: value,
             start: by_state.of::<ConfigurationOf<S::Held<'a>>>(),

@@ -18,7 +18,7 @@ mod saved;
 mod snapshot;
 mod sweep;
 
-pub use driven::{DrivenGradient, DrivenPaths, DrivenTrajectory, Undriven};
+pub use driven::{DrivenGradient, DrivenPaths, DrivenTrajectory, NeedsInputs};
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
 pub use method::Method;
@@ -32,8 +32,9 @@ use core::borrow::{Borrow as _, BorrowMut as _};
 
 use crate::error::StepError;
 use crate::fingerprint::{StepsDifference, StepsFingerprint};
+use crate::integrator::accept::time_of_next;
 use crate::method::OneStepMethod;
-use crate::noise::{Noise, NoiseError};
+use crate::noise::{Noise, NoiseError, draw};
 use crate::system::{AnyIncrements, StateOf};
 use crate::time::{is_next_time, time_after};
 
@@ -263,14 +264,13 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     fn draw(&mut self) -> Result<<I::Increments as ToOwned>::Owned, StepError> {
         let (method, state) = (self.method, &self.state);
         let mut dw = I::Increments::take(&mut self.buffer, || method.processes(state))?;
-        let drawn = match method.stages() {
-            1 => self.noise.increments(self.step, self.h, dw.as_mut()),
-            stages => {
-                let Self { step, h, noise, .. } = self;
-                noise.stage_increments(*step, *h, stages, dw.as_mut())
-            }
-        };
-        match drawn {
+        match draw(
+            &mut self.noise,
+            self.step,
+            self.h,
+            method.stages(),
+            dw.as_mut(),
+        ) {
             Ok(()) => Ok(dw),
             Err(source) => {
                 let t = self.state.t;
@@ -290,12 +290,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
         let drawn = self.draw()?;
         let dw: &I::Increments = drawn.borrow();
-        let end = time_after(self.start, self.step + 1, self.h);
-        let t = self.state.t;
-        // The step reports a start time that is not finite.
-        if !is_next_time(t, end) && t.is_finite() {
-            return Err(StepError::Time { t, h: self.h, end });
-        }
+        let end = time_of_next(self.start, self.step + 1, self.h, self.state.t)?;
         // The rare cases are calls with copies of the increments, so that the compiler optimises
         // the plain step as if it were alone.
         let made = if self.low.is_some() {

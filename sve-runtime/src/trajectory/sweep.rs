@@ -9,9 +9,10 @@ use core::cell::RefCell;
 
 use super::checkpoints::distance;
 use crate::error::StepError;
+use crate::integrator::accept::time_of_next;
 use crate::mechanics::with_dual_state;
 use crate::method::{Differentiable, DimsOf};
-use crate::noise::Replayable;
+use crate::noise::{Replayable, draw};
 use crate::phase::Field;
 use crate::phase::configuration::FixedSize;
 use crate::phase::dual::Dual;
@@ -19,7 +20,6 @@ use crate::system::linearisation::Covector;
 use crate::system::{
     AnyIncrements as _, ConfigurationOf, DualStateOf, StateOf, System as _, VectorOf,
 };
-use crate::time::{is_next_time, time_after};
 
 /// The walk backwards.
 pub(super) struct Sweep<'a, I: Differentiable, W, F> {
@@ -92,12 +92,7 @@ where
     ) -> Result<StateOf<I::System>, StepError> {
         for step in from..number {
             let dw = self.increments(step, state.t)?;
-            let end = time_after(self.start, self.first + step + 1, self.h);
-            // The step reports a start time that is not finite.
-            if !is_next_time(state.t, end) && state.t.is_finite() {
-                let (t, h) = (state.t, self.h);
-                return Err(StepError::Time { t, h, end });
-            }
+            let end = time_of_next(self.start, self.first + step + 1, self.h, state.t)?;
             let method = self.method;
             method.step_prepared(&self.prepared, &mut state, self.h, dw.borrow())?;
             state.t = end;
@@ -114,11 +109,9 @@ where
         // An array, whose length its type knows.
         let mut dw = I::Increments::take(&mut Default::default(), || Ok::<_, StepError>(0))?;
         let step = self.first + step;
-        let drawn = match self.method.stages() {
-            1 => self.noise.increments(step, self.h, dw.as_mut()),
-            stages => (self.noise).stage_increments(step, self.h, stages, dw.as_mut()),
-        };
-        drawn.map_err(|source| StepError::Noise { t, source })?;
+        let stages = self.method.stages();
+        draw(&mut self.noise, step, self.h, stages, dw.as_mut())
+            .map_err(|source| StepError::Noise { t, source })?;
         Ok(dw)
     }
 

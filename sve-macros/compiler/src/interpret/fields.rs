@@ -7,9 +7,6 @@ use std::collections::{HashMap, HashSet};
 
 pub(super) use path::{FieldPath, FieldStep, unseen};
 
-use proc_macro2::TokenStream;
-use quote::{format_ident, quote};
-
 use super::Lowering;
 use super::entries::spellings;
 use super::matrices::{Matrix, MatrixType};
@@ -101,16 +98,6 @@ impl Fields {
     }
 }
 
-/// The field of the system in the type that holds inputs.
-pub(crate) const SYSTEM: &str = "__system";
-
-/// Returns the access to a field of a system behind its inputs.
-fn behind_inputs(access: TokenStream) -> TokenStream {
-    let mut tokens = access.into_iter();
-    let (receiver, system) = (tokens.next(), format_ident!("{SYSTEM}"));
-    quote!(#receiver . #system #(#tokens)*)
-}
-
 impl Lowering<'_> {
     /// Returns the knowledge that another execution needs: types of fields, if a vector or matrix
     /// was taken for a number or a reported mistake may come from an unknown type; the common
@@ -174,10 +161,6 @@ impl Lowering<'_> {
                 name.push('_');
             }
             fields.paths.push(path.clone());
-            let access = match (&self.block.inputs, path.is_outside()) {
-                (Some(_), false) => behind_inputs(access),
-                _ => access,
-            };
             self.symbols.declare(Meaning::Parameter { name, access })
         });
         if !path.is_outside() {

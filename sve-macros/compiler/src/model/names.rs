@@ -41,9 +41,7 @@ impl<'a> SymbolNames<'a> {
     /// Returns a field as the user spells it, without `self.` if the name is unambiguous.
     fn parameter(&self, access: &str) -> String {
         let path: String = access.split_whitespace().collect();
-        let path = path
-            .replace("r#", "")
-            .replacen("self.__system.", "self.", 1);
+        let path = path.replace("r#", "");
         let Some(field) = path.strip_prefix("self.") else {
             return path;
         };

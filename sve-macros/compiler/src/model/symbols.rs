@@ -106,8 +106,7 @@ impl Symbols {
         match self.meaning(parameter) {
             Meaning::Parameter { access, .. } => {
                 let path = access.to_string().replace(' ', "");
-                let path = path.strip_prefix("self.").unwrap_or(&path);
-                path.strip_prefix("__system.").unwrap_or(path).to_owned()
+                path.strip_prefix("self.").unwrap_or(&path).to_owned()
             }
             _ => self.name(parameter),
         }

@@ -4,7 +4,7 @@
 //! the block, which has one type in all functions.
 
 use syn::spanned::Spanned;
-use syn::{Pat, Type};
+use syn::{FnArg, ImplItemFn, Pat, Type};
 
 use super::parse::RoleFunction;
 use super::readable;
@@ -12,10 +12,23 @@ use super::roles::Role;
 use crate::errors::Errors;
 
 /// Returns whether an argument is called `u` or `_u`.
-pub(super) fn is_input(pattern: &Pat) -> bool {
+fn is_input(pattern: &Pat) -> bool {
     match pattern {
         Pat::Ident(name) => name.ident == "u" || name.ident == "_u",
         _ => false,
+    }
+}
+
+/// Returns the type of the last argument of a function, if it is called `u` or `_u` and stands behind
+/// at least `others` other arguments.
+pub(crate) fn last_input(function: &ImplItemFn, others: usize) -> Option<&Type> {
+    let inputs = &function.sig.inputs;
+    match inputs.last() {
+        // the first argument is `&self`
+        Some(FnArg::Typed(last)) if inputs.len() > 1 + others && is_input(&last.pat) => {
+            Some(&last.ty)
+        }
+        _ => None,
     }
 }
 
@@ -45,6 +58,14 @@ pub(super) fn take_input(
             "a generator of a symmetry has no input: each value of `u` has the same symmetry",
         ),
         _ => Ok(arguments.pop()),
+    }
+}
+
+/// Returns the arguments without a last one that is called `u` or `_u`.
+pub(super) fn without_last_input(arguments: &[(Pat, Type)]) -> &[(Pat, Type)] {
+    match arguments {
+        [others @ .., (last, _)] if is_input(last) => others,
+        all => all,
     }
 }
 

@@ -2,7 +2,7 @@
 //! errors of shape.
 
 pub(crate) mod arguments;
-mod inputs;
+pub(crate) mod inputs;
 pub(crate) mod nalgebra;
 pub(crate) mod nesting;
 pub(crate) mod parse;

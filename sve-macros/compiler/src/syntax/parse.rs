@@ -12,7 +12,7 @@ use syn::{FnArg, Ident, ImplItem, ImplItemConst, ImplItemFn, ItemImpl, Pat, Retu
 
 use crate::errors::{Errors, nearest};
 use crate::syntax::arguments::Arguments;
-use crate::syntax::inputs::{input_type, take_input};
+use crate::syntax::inputs::{input_type, take_input, without_last_input};
 use crate::syntax::reduced;
 use crate::syntax::roles::{Role, take_roles};
 use crate::syntax::signature;
@@ -240,7 +240,7 @@ pub(super) fn role_function(function: &Rc<ImplItemFn>, role: Role) -> syn::Resul
             FnArg::Receiver(_) => None,
         })
         .collect();
-    let parts = signature::parts(role, &arguments)?;
+    let parts = signature::parts(role, without_last_input(&arguments))?;
     let input = take_input(role, parts, &mut arguments)?;
     let is_timed = signature::is_timed(&sig.ident, role, parts, &arguments, &expected)?;
     let ReturnType::Type(_, output) = &sig.output else {

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use syn::spanned::Spanned;
 use syn::{FnArg, ImplItemFn, Type, parse_quote};
 
-use super::inputs::is_input;
+use super::inputs::last_input;
 use super::parse::{RoleFunction, role_function};
 use super::roles::Role;
 use super::signature::is_rotation;
@@ -35,7 +35,7 @@ pub(super) fn role_function_of(function: &Rc<ImplItemFn>, role: Role) -> syn::Re
         );
         return Err(syn::Error::new(rotation.span(), message));
     }
-    let behind = usize::from(types.len() > 1 && has_input(function));
+    let behind = usize::from(last_input(function, 1).is_some());
     let [.., vector] = &types[..types.len().saturating_sub(behind)] else {
         let message = format!("`{name}` has no argument after `&self`: expected `{expected}`");
         return Err(syn::Error::new(name.span(), message));
@@ -51,14 +51,6 @@ pub(super) fn role_function_of(function: &Rc<ImplItemFn>, role: Role) -> syn::Re
             format!("expected `{expected}` (`t: f64` may come first)"),
         )
     })
-}
-
-/// Returns whether the last argument is called `u` or `_u`.
-fn has_input(function: &ImplItemFn) -> bool {
-    match function.sig.inputs.last() {
-        Some(FnArg::Typed(typed)) => is_input(&typed.pat),
-        _ => false,
-    }
 }
 
 fn typed(input: &FnArg) -> Option<&Type> {

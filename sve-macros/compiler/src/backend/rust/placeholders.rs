@@ -11,9 +11,11 @@ use syn::{
 
 use super::configuration::{is_vector_or_nested, stored};
 use super::implementation::Implementation;
+use super::inputs::Holder;
 use crate::catalogue::Rule;
 use crate::errors::Errors;
 use crate::syntax::arguments::Arguments;
+use crate::syntax::inputs::last_input;
 use crate::syntax::parse::{is_f64, is_this};
 use crate::syntax::signature::{entry_of_slice, is_rotation};
 
@@ -29,7 +31,11 @@ pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenSt
 }
 
 fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) -> TokenStream {
-    let self_ty = &block.self_ty;
+    let (user_ty, inputs) = (&*block.self_ty, inputs_type(block));
+    let self_ty: &Type = &match inputs {
+        Some(_) => parse_quote!(__Held<'_>),
+        None => user_ty.clone(),
+    };
     let runtime = runtime(attribute);
     let private = quote!(#runtime::__private);
     let attributes = super::attributes();
@@ -45,7 +51,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         let site = site(entry);
         let result = quote!(::core::result::Result<f64, #private::StepError>);
         let momenta = momenta(block, &private, [&quote!(::std::vec::Vec<#site>), &result]);
-        let (of, plan) = ((&**self_ty, site), plan(&private));
+        let (of, plan) = ((user_ty, site), plan(&private));
         let scene = super::scene::placeholders([&private, &runtime], of, &rules, &plan);
         return quote!(#scene #momenta);
     }
@@ -86,7 +92,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         };
         implementation.print()
     });
-    quote! {
+    let implementations = quote! {
         #attributes
         impl #generics #private::System for #self_ty #clause {
             type Dims = #private::Dims<#n, #m #configuration>;
@@ -105,8 +111,32 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         #attributes
         impl #generics #private::QuadraticKineticEnergy for #self_ty #clause {}
         #(#rules)*
-        #momenta
-    }
+    };
+    let implementations = match inputs {
+        Some(input) => {
+            let holder = Holder {
+                private: &private,
+                user_ty,
+                input,
+                count: quote!({ ::core::mem::size_of::<#input>() / ::core::mem::size_of::<f64>() }),
+                numbers: fail,
+            };
+            holder.print(&implementations)
+        }
+        None => implementations,
+    };
+    quote!(#implementations #momenta)
+}
+
+/// The type of the inputs; `None` also for a generic block, whose error is that it is generic.
+fn inputs_type(block: &ItemImpl) -> Option<&Type> {
+    let others = |f: &ImplItemFn| {
+        let has = |role: &str| f.attrs.iter().any(|a| a.path().is_ident(role));
+        let is_read_with_velocity = f.sig.ident == "lagrangian" || has("force") || has("h1");
+        (is_read_with_velocity.then_some(2)).or_else(|| has("gamma").then_some(1))
+    };
+    let mut functions = functions(block).filter(|_| block.generics.params.is_empty());
+    functions.find_map(|f| last_input(f, others(f)?))
 }
 
 /// The type of a site of a scene: the written one, or a number if no site has that type.
@@ -243,10 +273,9 @@ fn is_f64_array_or_vector(ty: &Type) -> bool {
 
 /// The type of the velocity. The configuration has the same type.
 fn coordinates_type(block: &ItemImpl) -> Option<&Type> {
-    let last = functions(block)
-        .find(|f| f.sig.ident == "lagrangian")
-        .and_then(|f| f.sig.inputs.last());
-    match last {
+    let lagrangian = functions(block).find(|f| f.sig.ident == "lagrangian")?;
+    let behind = usize::from(last_input(lagrangian, 2).is_some());
+    match lagrangian.sig.inputs.iter().rev().nth(behind) {
         Some(FnArg::Typed(argument)) => Some(&argument.ty),
         _ => None,
     }
@@ -260,13 +289,7 @@ fn processes(block: &ItemImpl, is_generic: bool) -> TokenStream {
     };
     let is_noise_force = |f: &&ImplItemFn| {
         f.attrs.iter().any(|a| {
-            let argument = a
-                .path()
-                .is_ident("force")
-                .then(|| a.parse_args::<Ident>().ok());
-            argument
-                .flatten()
-                .is_some_and(|argument| argument == "noise")
+            a.path().is_ident("force") && a.parse_args::<Ident>().is_ok_and(|word| word == "noise")
         })
     };
     let number: Type = parse_quote!(f64);
