@@ -23,6 +23,7 @@ pub mod lane {
     };
     pub use crate::solve::diagonal::solve_in_lane as solve_diagonal;
     pub use crate::system::aliases::TangentLanesOf;
+    pub use crate::system::inputs::inputs;
 }
 
 /// The interface of generated scenes.
@@ -68,7 +69,7 @@ pub use crate::system::any::{FixedSizes, Kind};
 pub use crate::system::equations::{Memory, StepOf};
 pub use crate::system::equations::{Returns, StepEquations};
 pub use crate::system::euler::EulerIncrement;
-pub use crate::system::inputs::Inputs;
+pub use crate::system::inputs::{HeldInputs, Inputs};
 pub use crate::system::linearisation::{Covector, Directions, Entries, Linearisation};
 pub use crate::system::plan::{
     Block, BlockKind, DegenerateStep, Formulas, Operations, Plan, StrongOrder,

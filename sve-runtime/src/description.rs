@@ -29,9 +29,11 @@ impl SystemDescription {
     pub(crate) fn of<S: System>(system: &S) -> Self {
         let mut values = Vec::new();
         system.parameters(&mut |value| values.push(value));
+        // inputs have no value of their own
+        values.drain(..S::INPUTS);
         let others = values.len().saturating_sub(MOST_PARAMETERS);
         values.truncate(MOST_PARAMETERS);
-        let names = S::PARAMETERS.iter().take(values.len());
+        let names = S::PARAMETERS.iter().skip(S::INPUTS).take(values.len());
         Self {
             name: short_name::<S>(),
             parameters: names.map(|&name| name.to_owned()).collect(),
@@ -73,7 +75,9 @@ fn short_name<T: ?Sized>() -> String {
             }
         }
     }
-    short
+    let held = short.strip_prefix("__WithInputs<");
+    let held = held.and_then(|held| held.strip_suffix('>'));
+    held.map_or_else(|| short.clone(), str::to_owned)
 }
 
 #[cfg(test)]

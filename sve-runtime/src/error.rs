@@ -173,6 +173,18 @@ pub enum StepError {
         /// The parameters of the system.
         known: Vec<String>,
     },
+    /// The function of the inputs panicked.
+    #[error(
+        "the function of the inputs panicked at step {step}, t = {t}: its message is above; \
+         a table of inputs needs an entry for each step"
+    )]
+    Inputs {
+        /// The step, from 0.
+        step: u64,
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+    },
     /// The step size is zero or not finite.
     #[error("the step size h = {h} must be finite and not zero")]
     StepSize {

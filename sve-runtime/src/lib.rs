@@ -86,7 +86,7 @@ pub use sve_macros::variational;
 pub use system::plan::Plan;
 pub use table::{SaveError, StateTable, Xyz};
 pub use trajectory::{
-    Adjoint, DrivenGradient, DrivenPaths, DrivenTrajectory, Events, Gradient, Method, NeedsInputs,
+    Adjoint, DrivenPaths, DrivenTrajectory, Events, Gradient, Method, NeedsInputs,
     RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
 };
 

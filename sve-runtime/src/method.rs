@@ -2,9 +2,10 @@
 
 use core::any::type_name;
 use core::hash::Hasher;
+use core::ops::Deref;
 
 use crate::error::StepError;
-use crate::lanes::{ALL, Mask};
+use crate::lanes::{ALL, LANES, Mask};
 use crate::phase::tangents::LaneDirections;
 use crate::system::linearisation::{Covector, Directions};
 use crate::system::{
@@ -48,6 +49,64 @@ pub trait OneStepMethod {
         h: f64,
         dw: &Self::Increments,
     ) -> Result<(), StepError>;
+
+    /// Holds what the next step of a path is given besides its increments: the inputs of step
+    /// `step`, from the state at its start.
+    ///
+    /// # Errors
+    /// A [`StepError`] if they are not finite.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn hold(
+        &self,
+        prepared: &mut Self::Prepared,
+        path: u64,
+        step: u64,
+        state: &StateOf<Self::System>,
+    ) -> Result<(), StepError> {
+        let _ = (prepared, path, step, state);
+        Ok(())
+    }
+
+    /// Holds what the next step is given in each active lane, as [`hold`](Self::hold) does. Returns
+    /// the lanes for which it fails.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn hold_lanes(
+        &self,
+        prepared: &mut Self::Prepared,
+        paths: (&[u64; LANES], Mask),
+        step: u64,
+        states: &StateLanesOf<Self::System>,
+    ) -> Mask {
+        let _ = (prepared, paths, step, states);
+        0
+    }
+
+    /// Computes the values for a step of length `h` within a step, which holds the same.
+    ///
+    /// # Errors
+    /// As [`prepare`](Self::prepare).
+    #[doc(hidden)]
+    #[inline]
+    fn prepare_within(&self, step: &Self::Prepared, h: f64) -> Result<Self::Prepared, StepError> {
+        let _ = step;
+        self.prepare(h)
+    }
+
+    /// Returns the system in a step, with what it holds.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn system_in<'p>(&'p self, prepared: &'p Self::Prepared) -> &'p Self::System {
+        let _ = prepared;
+        self.system()
+    }
+
+    /// Keeps what the steps from a number on are given: a step that is made again is given the same.
+    #[doc(hidden)]
+    fn keep_held(&self, first: u64) {
+        let _ = first;
+    }
 
     /// Returns the number of increments of a process in a step: 1, or the number of stages of a
     /// rule with stage noise.
@@ -209,6 +268,77 @@ pub trait OneStepMethod {
     ) -> Result<(), StepError> {
         let _ = (prepared, low, h, dw);
         Err(StepError::Uncompensated { t: state.t })
+    }
+}
+
+/// A method that is borrowed, or that belongs to the run of its steps.
+#[doc(hidden)]
+#[derive(Debug)]
+pub enum Shared<'a, I> {
+    Borrowed(&'a I),
+    Owned(Box<I>),
+}
+
+impl<I> Deref for Shared<'_, I> {
+    type Target = I;
+
+    #[inline(always)]
+    fn deref(&self) -> &I {
+        match self {
+            Self::Borrowed(method) => method,
+            Self::Owned(method) => method,
+        }
+    }
+}
+
+impl<'a, I> From<&'a I> for Shared<'a, I> {
+    #[inline(always)]
+    fn from(method: &'a I) -> Self {
+        Self::Borrowed(method)
+    }
+}
+
+/// A method within a step: what the step holds stays.
+pub(crate) struct Within<'a, I: OneStepMethod> {
+    pub(crate) method: &'a I,
+    /// The values of the step, if one has begun.
+    pub(crate) step: Option<&'a I::Prepared>,
+}
+
+impl<I: OneStepMethod> Clone for Within<'_, I> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<I: OneStepMethod> Copy for Within<'_, I> {}
+
+impl<'a, I: OneStepMethod> Within<'a, I> {
+    /// Returns the system in the step.
+    pub(crate) fn system(self) -> &'a I::System {
+        match self.step {
+            Some(step) => self.method.system_in(step),
+            None => self.method.system(),
+        }
+    }
+
+    /// Computes the values for a part of the step, of length `h`.
+    pub(crate) fn prepare(self, h: f64) -> Result<I::Prepared, StepError> {
+        match self.step {
+            Some(step) => self.method.prepare_within(step, h),
+            None => self.method.prepare(h),
+        }
+    }
+
+    /// Makes a part of the step, of length `h`.
+    pub(crate) fn make(
+        self,
+        state: &mut StateOf<I::System>,
+        h: f64,
+        dw: &I::Increments,
+    ) -> Result<(), StepError> {
+        let prepared = self.prepare(h)?;
+        self.method.step_prepared(&prepared, state, h, dw)
     }
 }
 

@@ -165,7 +165,7 @@ impl<I: Method> Settings<'_, I> {
     /// Adds the states and observables along so many steps of a path.
     fn add_path(self, path: u64, steps: u64, hash: &mut Hash) {
         let (method, system) = (self.method, self.method.system());
-        let Ok(prepared) = method.prepare(self.h) else {
+        let Ok(mut prepared) = method.prepare(self.h) else {
             return;
         };
         let mut state = self.start_of(path);
@@ -177,6 +177,7 @@ impl<I: Method> Settings<'_, I> {
             if step > 0 {
                 let mut dw = <IncrementsOf<I::System>>::NONE;
                 let made = increments(step - 1, dw.as_mut()).is_ok()
+                    && (method.hold(&mut prepared, path, step - 1, &state)).is_ok()
                     && method
                         .step_prepared(&prepared, &mut state, self.h, &dw)
                         .is_ok();

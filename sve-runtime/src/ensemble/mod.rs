@@ -35,6 +35,7 @@ mod gradient;
 mod histogram;
 mod increment_buffer;
 mod info;
+mod inputs;
 mod integral;
 mod joint;
 mod maximum;
@@ -82,6 +83,7 @@ pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
 pub use histogram::{Bins, Histogram};
+pub use inputs::Runs;
 pub use multilevel::Multilevel;
 pub use passage::{Passages, Rate};
 pub use quantiles::Quantiles;
@@ -102,6 +104,7 @@ use self::starts::Start;
 use self::statistic::AnyRequest;
 use self::statistics::MomentsRequest;
 use crate::lanes::LANES;
+use crate::method::Shared;
 use crate::noise::PathData;
 use crate::system::StateOf;
 use crate::trajectory::Method;
@@ -157,7 +160,9 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 /// # }
 /// ```
 pub struct Ensemble<'a, I: Method> {
-    method: &'a I,
+    method: Shared<'a, I>,
+    /// The method has no inputs yet.
+    needs_inputs: bool,
     paths: Option<u64>,
     seed: Option<u64>,
     noise: Option<PathData>,
@@ -219,9 +224,12 @@ impl<I: Method> Observations<'_, I> {
 
 impl<'a, I: Method> Ensemble<'a, I> {
     /// Paths of a method: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
-    pub fn new(method: &'a I) -> Self {
+    /// The paths of a system with inputs need [`inputs`](Self::inputs).
+    pub fn new<K>(method: impl Runs<'a, K, Method = I>) -> Self {
+        let (method, needs_inputs) = method.shared();
         Self {
             method,
+            needs_inputs,
             paths: None,
             seed: None,
             noise: None,

@@ -13,16 +13,15 @@ use super::observer::{LastStep, Observer};
 use super::passage::watch::PassageWatch;
 use super::settings::Settings;
 use super::tangents::Tangents;
-use super::tile::{Place, Tile, lanes};
+use super::tile::{AdvanceTiles, Place, Tile, lanes};
 use super::{BLOCK_TILES, EnsembleError, path_at};
 use crate::error::StepError;
-use crate::lanes::dispatch::{Kernel, dispatch};
+use crate::lanes::dispatch::dispatch;
 use crate::lanes::{ALL, Aligned, LANES, Lane, Mask};
 use crate::method::DimsOf;
 use crate::phase::configuration::{Configuration as _, FixedSize};
 use crate::phase::state::State;
 use crate::system::{ConfigurationOf, Dimensions, IncrementLanesOf, StateLanesOf, StateOf};
-use crate::time::time_after;
 use crate::trajectory::Method;
 
 /// Paths of some consecutive blocks. If no path can stop, there is one block.
@@ -220,7 +219,7 @@ impl<'a, I: Method> PathBlock<'a, I> {
             } else {
                 dispatch(AdvanceTiles {
                     method: self.settings.method,
-                    prepared: &self.prepared,
+                    prepared: &mut self.prepared,
                     h: self.settings.h,
                     start_time: self.settings.start_time,
                     increments: &self.increments[buffer],
@@ -285,13 +284,19 @@ impl<'a, I: Method> PathBlock<'a, I> {
         let step = self.step - 1;
         for lane in lanes(unsolved & self.tiles[tile].active) {
             let increments = self.increments_of(tile, step);
-            let mut state = DimsOf::<I>::get(self.tiles[tile].states(), lane);
+            let mut state = DimsOf::<I>::get(self.tiles[tile].states_before(), lane);
             state.t = self.settings.time(step);
             let dw = DimsOf::<I>::increments_of(&increments.0, lane);
-            let method = self.settings.method;
-            let h = self.settings.h;
-            let made = (method.step_prepared(&self.prepared, &mut state, h, &dw))
-                .or_else(|error| self.step_in_parts(error, tile, lane, &mut state, &dw));
+            let (method, h, path) = (
+                self.settings.method,
+                self.settings.h,
+                self.tiles[tile].paths[lane],
+            );
+            let made = match method.hold(&mut self.prepared, path, step, &state) {
+                Ok(()) => (method.step_prepared(&self.prepared, &mut state, h, &dw))
+                    .or_else(|error| self.step_in_parts(error, tile, lane, &mut state, &dw)),
+                Err(error) => Err(error),
+            };
             match made {
                 Ok(()) => {
                     state.t = self.settings.time(step + 1);
@@ -349,57 +354,5 @@ impl<'a, I: Method> PathBlock<'a, I> {
             let other = DimsOf::<I>::get(tile.states(), tile.active.trailing_zeros() as usize);
             DimsOf::<I>::set(tile.states_mut(), lane, &other);
         }
-    }
-}
-
-/// Steps all tiles until a step does not solve an active lane. Returns the number of steps then
-/// made.
-///
-/// The tiles alternate: the operations of one step depend on one another, and the operations of two
-/// tiles do not.
-struct AdvanceTiles<'f, I: Method> {
-    method: &'f I,
-    prepared: &'f I::Prepared,
-    h: f64,
-    start_time: f64,
-    increments: &'f IncrementBuffer<DimsOf<I>>,
-    tiles: &'f mut [Tile<StateLanesOf<I::System>>],
-    step: u64,
-    end: u64,
-}
-
-impl<I: Method> Kernel for AdvanceTiles<'_, I> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn run(self) -> u64 {
-        let mut step = self.step;
-        let mut unsolved = 0;
-        while step < self.end && unsolved == 0 {
-            let t = time_after(self.start_time, step + 1, self.h);
-            for (number, tile) in self.tiles.iter_mut().enumerate() {
-                if tile.active == 0 {
-                    continue;
-                }
-                let (before, next) = tile.swap_buffers();
-                // a closure would not be compiled for the vectors of the machine
-                let several;
-                let dw = match self.increments.only(number, step) {
-                    Some(only) => only,
-                    None => {
-                        several = self.increments.of(number, step);
-                        &several.0
-                    }
-                };
-                let unsolved_here = self
-                    .method
-                    .step_lanes(self.prepared, before, next, self.h, dw);
-                *DimsOf::<I>::times(next) = [t; LANES];
-                tile.unsolved = unsolved_here & tile.active;
-                unsolved |= tile.unsolved;
-            }
-            step += 1;
-        }
-        step
     }
 }

@@ -6,6 +6,7 @@
 use super::Ensemble;
 use super::path_block::PathBlock;
 use crate::error::StepError;
+use crate::method::Within;
 use crate::noise::DyadicInterval;
 use crate::system::{IncrementsOf, StateOf};
 use crate::trajectory::Halving;
@@ -72,7 +73,10 @@ impl<I: Method> PathBlock<'_, I> {
             return Err(error);
         };
         let halving = Halving {
-            method: settings.method,
+            method: Within {
+                method: settings.method,
+                step: Some(&self.prepared),
+            },
             noise: &*noise,
             depth,
         };

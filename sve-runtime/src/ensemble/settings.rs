@@ -7,6 +7,7 @@ use core::ops::Range;
 use super::fingerprint::Fingerprint;
 use super::increment_buffer::IncrementBuffer;
 use super::info::Info;
+use super::inputs::check_inputs;
 use super::merge_tree::PartialResult;
 use super::observer::Kind;
 use super::passage::counts::Grid;
@@ -40,7 +41,7 @@ impl<'a, I: Method> Leg<'a, I> {
     /// The run of the ensemble itself.
     pub(super) fn of(ensemble: &'a Ensemble<'a, I>) -> Self {
         Self {
-            method: ensemble.method,
+            method: &ensemble.method,
             start: ensemble.start.as_ref(),
             halvings: 0,
             is_coarsened: false,
@@ -99,6 +100,7 @@ impl<'a, I: Method> Settings<'a, I> {
         let start =
             (leg.start).ok_or_else(|| missing("start", ".start(State::new([1.0], [0.0]))"))?;
         check_numbers(ensemble, paths, ensemble_steps)?;
+        check_inputs(ensemble, leg)?;
         let parts = 1_u64.checked_shl(leg.halvings).unwrap_or(u64::MAX);
         let h = h / parts as f64;
         let every = ensemble.every.unwrap_or(ensemble_steps);
@@ -233,7 +235,7 @@ impl<'a, I: Method> Settings<'a, I> {
 }
 
 /// The error of a setting that a run needs; `write` is an example of it.
-fn missing(what: &'static str, write: &'static str) -> EnsembleError {
+pub(super) fn missing(what: &'static str, write: &'static str) -> EnsembleError {
     EnsembleError::Missing { what, write }
 }
 

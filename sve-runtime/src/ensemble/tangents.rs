@@ -103,7 +103,7 @@ impl<D: Dimensions> Tangents<D> {
 /// not carry its vectors. Returns the number of steps then made.
 pub(super) struct CarryTiles<'f, I: Method> {
     method: &'f I,
-    prepared: &'f I::Prepared,
+    prepared: &'f mut I::Prepared,
     h: f64,
     start_time: f64,
     increments: &'f IncrementBuffer<DimsOf<I>>,
@@ -137,6 +137,8 @@ impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
                 if tile.active == 0 {
                     continue;
                 }
+                let (method, paths) = (self.method, (&tile.paths, tile.active));
+                let failed = method.hold_lanes(self.prepared, paths, step, tile.states());
                 let (before, next) = tile.swap_buffers();
                 let (start, end) = tangents.swap_buffers();
                 let directions = LaneDirections {
@@ -145,7 +147,7 @@ impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
                     parameters: self.parameters,
                 };
                 let dw = self.increments.of(number, step);
-                let [unsolved, unfinished] = self.method.push_forward_lanes(
+                let [unsolved, unfinished] = method.push_forward_lanes(
                     self.prepared,
                     before,
                     next,
@@ -154,8 +156,8 @@ impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
                     directions,
                 );
                 *<I::System as System>::Dims::times(next) = [t; LANES];
-                tile.unsolved = unsolved & tile.active;
-                tangents.unfinished = unfinished & tile.active;
+                tile.unsolved = (failed | unsolved) & tile.active;
+                tangents.unfinished = (failed | unfinished) & tile.active;
                 left |= tangents.unfinished;
             }
             step += 1;
@@ -174,7 +176,7 @@ impl<I: Method> PathBlock<'_, I> {
         };
         (steps.in_lanes)(CarryTiles {
             method: settings.method,
-            prepared: &self.prepared,
+            prepared: &mut self.prepared,
             h: settings.h,
             start_time: settings.start_time,
             increments: &self.increments[buffer],
@@ -218,7 +220,10 @@ impl<I: Method> PathBlock<'_, I> {
             let directions = Directions { fields, parameters };
             let dw = DimsOf::<I>::increments_of(&increments.0, lane);
             let (method, h) = (settings.method, settings.h);
-            let made = (steps.alone)(method, &self.prepared, &mut state, h, &dw, directions);
+            let path = self.tiles[tile].paths[lane];
+            let made = (method.hold(&mut self.prepared, path, step, &state)).and_then(|()| {
+                (steps.alone)(method, &self.prepared, &mut state, h, &dw, directions)
+            });
             for (field, lanes) in fields.iter().zip(&mut buffers[after]) {
                 lanes.set(lane, field);
             }

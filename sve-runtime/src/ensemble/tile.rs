@@ -2,7 +2,13 @@
 //!
 //! Invariant: an unused lane holds a copy of an active lane's state, so that its step is solvable.
 
+use super::increment_buffer::IncrementBuffer;
+use crate::lanes::dispatch::Kernel;
 use crate::lanes::{LANES, Mask};
+use crate::method::DimsOf;
+use crate::system::{Dimensions, StateLanesOf};
+use crate::time::time_after;
+use crate::trajectory::Method;
 
 /// A lane of a tile.
 #[derive(Clone, Copy, Debug)]
@@ -60,4 +66,57 @@ impl<L> Tile<L> {
 /// Returns the lanes of a set.
 pub(super) fn lanes(set: Mask) -> impl Iterator<Item = usize> {
     (0..LANES).filter(move |lane| set >> lane & 1 == 1)
+}
+
+/// Steps all tiles until a step does not solve an active lane. Returns the number of steps then
+/// made.
+///
+/// The tiles alternate: the operations of one step depend on one another, and the operations of two
+/// tiles do not.
+pub(super) struct AdvanceTiles<'f, I: Method> {
+    pub(super) method: &'f I,
+    pub(super) prepared: &'f mut I::Prepared,
+    pub(super) h: f64,
+    pub(super) start_time: f64,
+    pub(super) increments: &'f IncrementBuffer<DimsOf<I>>,
+    pub(super) tiles: &'f mut [Tile<StateLanesOf<I::System>>],
+    pub(super) step: u64,
+    pub(super) end: u64,
+}
+
+impl<I: Method> Kernel for AdvanceTiles<'_, I> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        let mut step = self.step;
+        let mut unsolved = 0;
+        while step < self.end && unsolved == 0 {
+            let t = time_after(self.start_time, step + 1, self.h);
+            for (number, tile) in self.tiles.iter_mut().enumerate() {
+                if tile.active == 0 {
+                    continue;
+                }
+                let (method, paths) = (self.method, (&tile.paths, tile.active));
+                let failed = method.hold_lanes(self.prepared, paths, step, tile.states());
+                let (before, next) = tile.swap_buffers();
+                // a closure would not be compiled for the vectors of the machine
+                let several;
+                let dw = match self.increments.only(number, step) {
+                    Some(only) => only,
+                    None => {
+                        several = self.increments.of(number, step);
+                        &several.0
+                    }
+                };
+                let unsolved_here =
+                    failed | method.step_lanes(self.prepared, before, next, self.h, dw);
+                *DimsOf::<I>::times(next) = [t; LANES];
+                tile.unsolved = unsolved_here & tile.active;
+                unsolved |= tile.unsolved;
+            }
+            step += 1;
+        }
+        step
+    }
 }

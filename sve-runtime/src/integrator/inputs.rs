@@ -95,9 +95,12 @@ impl<S: WithInputs, R: Copy> Integrator<S, R> {
 
 /// Reports an input that is not finite.
 pub(crate) fn check_inputs<S: WithInputs>(u: &S::Input, t: f64) -> Result<(), StepError> {
-    let numbers = S::numbers(u);
-    let bad = numbers.as_ref().iter().enumerate();
-    match bad.into_iter().find(|(_, x)| !x.is_finite()) {
+    check_numbers(S::numbers(u).as_ref(), t)
+}
+
+/// Reports a number in inputs that is not finite.
+pub(super) fn check_numbers(numbers: &[f64], t: f64) -> Result<(), StepError> {
+    match numbers.iter().enumerate().find(|(_, x)| !x.is_finite()) {
         None => Ok(()),
         Some((k, &value)) => Err(StepError::NonFiniteInput {
             what: format!("u[{k}]"),

@@ -15,12 +15,14 @@
 //! | `tangent.rs` | the derivatives of a step |
 //! | `gradient.rs` | derivatives along paths |
 //! | `inputs.rs` | steps of systems with inputs |
+//! | `driven.rs` | the method whose inputs come from a function |
 
 pub(crate) mod accept;
 mod compensated;
 mod consistent;
 mod constraint_forces;
 mod continuation;
+pub(crate) mod driven;
 mod gradient;
 pub(crate) mod inputs;
 mod method;

@@ -4,7 +4,10 @@
 //! holds the values beside the system. So all that a system has, a system with held inputs has too,
 //! and the inputs are parameters of it.
 
+use core::ops::Index;
+
 use super::{AnySystem, Dimensions, Kind, System};
+use crate::lanes::{LANES, Lane};
 use crate::phase::configuration::FixedSize;
 
 /// A system whose functions have the argument `u`; `#[variational]` implements this trait.
@@ -16,17 +19,84 @@ pub trait WithInputs: AnySystem<Kind = Inputs, Configuration: FixedSize> {
     /// The type of `u`.
     type Input;
     /// The numbers in `u`, `[f64; K]`.
-    type Numbers: AsRef<[f64]>;
+    type Numbers: AsRef<[f64]> + Copy;
     /// The sizes of the system.
     type Sizes: Dimensions<Configuration = <Self as AnySystem>::Configuration>;
     /// The system while its inputs are held.
-    type Held<'a>: System<Dims = Self::Sizes, Itself = Self::Held<'a>>
+    type Held<'a>: System<Dims = Self::Sizes, Itself = Self::Held<'a>> + Clone
     where
         Self: 'a;
     /// Returns the numbers in `u`.
     fn numbers(u: &Self::Input) -> Self::Numbers;
     /// Returns the system while the inputs have these values.
-    fn held(&self, u: &Self::Input) -> Self::Held<'_>;
+    fn held(&self, u: &Self::Input) -> Self::Held<'_> {
+        self.held_numbers(Self::numbers(u))
+    }
+    /// Returns the system while the numbers in its inputs have these values.
+    #[doc(hidden)]
+    fn held_numbers(&self, numbers: Self::Numbers) -> Self::Held<'_>;
+    /// The numbers of a system between two steps: none is a number.
+    #[doc(hidden)]
+    const OPEN: Self::Numbers;
+    /// Returns the inputs of a system that holds them.
+    #[doc(hidden)]
+    fn inputs_of<'h>(held: &'h mut Self::Held<'_>) -> &'h mut HeldInputs<Self::Numbers>;
+}
+
+/// The inputs that a system holds over a step: the same for all lanes, or others in each lane.
+#[doc(hidden)]
+#[derive(Clone, Debug)]
+pub struct HeldInputs<N> {
+    all: N,
+    /// The inputs of each lane, which steps in lanes read.
+    lanes: Option<Box<[N; LANES]>>,
+}
+
+impl<N: Copy> HeldInputs<N> {
+    /// Returns inputs that are the same for all lanes.
+    #[inline(always)]
+    pub fn new(all: N) -> Self {
+        Self { all, lanes: None }
+    }
+
+    /// Sets the inputs of steps that are not in lanes.
+    #[inline]
+    pub(crate) fn set(&mut self, all: N) {
+        self.all = all;
+    }
+
+    /// Returns the inputs of each lane, to be set.
+    pub(crate) fn lanes(&mut self) -> &mut [N; LANES] {
+        self.lanes
+            .get_or_insert_with(|| Box::new([self.all; LANES]))
+    }
+}
+
+impl<const K: usize> Index<usize> for HeldInputs<[f64; K]> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn index(&self, k: usize) -> &f64 {
+        &self.all[k]
+    }
+}
+
+/// Returns the inputs in lanes, a row for each number in them.
+#[doc(hidden)]
+#[inline(always)]
+pub fn inputs<const K: usize>(held: &HeldInputs<[f64; K]>) -> [Lane; K] {
+    let mut rows = [[0.0; LANES]; K];
+    for (k, row) in rows.iter_mut().enumerate() {
+        match &held.lanes {
+            None => *row = [held.all[k]; LANES],
+            Some(lanes) => {
+                for lane in 0..LANES {
+                    row[lane] = lanes[lane][k];
+                }
+            }
+        }
+    }
+    rows
 }
 
 /// The kind of systems with inputs, whose steps need their values.
@@ -55,7 +125,13 @@ where
         S::numbers(u)
     }
 
-    fn held(&self, u: &S::Input) -> S::Held<'_> {
-        (**self).held(u)
+    fn held_numbers(&self, numbers: S::Numbers) -> S::Held<'_> {
+        (**self).held_numbers(numbers)
+    }
+
+    const OPEN: S::Numbers = S::OPEN;
+
+    fn inputs_of<'h>(held: &'h mut S::Held<'_>) -> &'h mut HeldInputs<S::Numbers> {
+        S::inputs_of(held)
     }
 }

@@ -97,6 +97,8 @@ pub trait System:
     const NOISE_FORCED: bool = false;
     /// True if a noise is a force that depends on velocities.
     const NOISE_READS_VELOCITY: bool = false;
+    /// The number of inputs, which are the first parameters.
+    const INPUTS: usize = 0;
     /// The names of the parameters in the source: `m`, `l[0]`, `body.mass`.
     const PARAMETERS: &'static [&'static str] = &[];
     /// The names in L of the coordinates that a state stores: `q`, `q[0]`, `q.x`, or `x` and `y`
@@ -242,6 +244,7 @@ impl<S: System> System for &S {
     const FORCED: bool = S::FORCED;
     const NOISE_FORCED: bool = S::NOISE_FORCED;
     const NOISE_READS_VELOCITY: bool = S::NOISE_READS_VELOCITY;
+    const INPUTS: usize = S::INPUTS;
     const PARAMETERS: &'static [&'static str] = S::PARAMETERS;
     const COORDINATES: &'static [&'static str] = S::COORDINATES;
     const MOMENTA: &'static [&'static str] = S::MOMENTA;

@@ -44,6 +44,9 @@ pub struct Gradient<V> {
     loss: f64,
     start: Field<V>,
     names: &'static [&'static str],
+    /// The number of inputs, which are the first parameters.
+    inputs: usize,
+    pieces: usize,
     /// The derivatives, piece by piece, parameter by parameter.
     parameters: Vec<f64>,
 }
@@ -77,6 +80,14 @@ impl<V> Gradient<V> {
     pub fn pieces(&self, parameter: &str) -> Option<impl Iterator<Item = f64>> {
         let number = self.names.iter().position(|&name| name == parameter)?;
         Some(self.of(number))
+    }
+
+    /// Returns the derivatives by the inputs of each step, with a number for each in `u`; with
+    /// [`pieces_of`](Adjoint::pieces_of), by inputs that are the same for all steps of a piece. A
+    /// feedback is not differentiated. Without inputs there are no numbers.
+    pub fn inputs(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        let rows = self.parameters.chunks_exact(self.names.len().max(1));
+        rows.take(self.pieces).map(|row| &row[..self.inputs])
     }
 
     /// Returns the parameters with their derivatives.
@@ -188,7 +199,11 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             trajectory: self,
             steps,
             checkpoints: None,
-            piece: steps.max(1),
+            piece: if I::System::INPUTS > 0 {
+                1
+            } else {
+                steps.max(1)
+            },
         }
     }
 }
@@ -233,6 +248,7 @@ impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
             steps.div_ceil(piece).max(1) as usize,
         );
         let checkpoints = checkpoints.unwrap_or_else(|| enough(steps));
+        trajectory.method.keep_held(trajectory.step);
         let mut sweep = Sweep {
             prepared: trajectory.method.prepare(trajectory.h)?,
             first: trajectory.step,
@@ -251,6 +267,8 @@ impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
             loss: sweep.value,
             start: sweep.by_state.of::<ConfigurationOf<I::System>>(),
             names: I::System::PARAMETERS,
+            inputs: I::System::INPUTS,
+            pieces: steps.div_ceil(piece) as usize,
             parameters: sweep.by_parameters,
         })
     }

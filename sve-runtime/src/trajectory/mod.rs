@@ -18,7 +18,7 @@ mod saved;
 mod snapshot;
 mod sweep;
 
-pub use driven::{DrivenGradient, DrivenPaths, DrivenTrajectory, NeedsInputs};
+pub use driven::{DrivenPaths, DrivenTrajectory, NeedsInputs};
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
 pub use method::Method;
@@ -33,7 +33,7 @@ use core::borrow::{Borrow as _, BorrowMut as _};
 use crate::error::StepError;
 use crate::fingerprint::{StepsDifference, StepsFingerprint};
 use crate::integrator::accept::time_of_next;
-use crate::method::OneStepMethod;
+use crate::method::{OneStepMethod, Shared, Within};
 use crate::noise::{Noise, NoiseError, draw};
 use crate::system::{AnyIncrements, StateOf};
 use crate::time::{is_next_time, time_after};
@@ -45,7 +45,7 @@ use crate::time::{is_next_time, time_after};
 /// [`at`](Self::at) save some of the states.
 #[derive(Debug)]
 pub struct Trajectory<'a, I: OneStepMethod, W> {
-    method: &'a I,
+    method: Shared<'a, I>,
     noise: W,
     state: StateOf<I::System>,
     /// Time before the first step.
@@ -63,10 +63,15 @@ pub struct Trajectory<'a, I: OneStepMethod, W> {
 }
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
-    pub(crate) fn new(method: &'a I, state: StateOf<I::System>, h: f64, noise: W) -> Self {
+    pub(crate) fn new(
+        method: impl Into<Shared<'a, I>>,
+        state: StateOf<I::System>,
+        h: f64,
+        noise: W,
+    ) -> Self {
         Self {
             start: state.t,
-            method,
+            method: method.into(),
             noise,
             state,
             h,
@@ -142,7 +147,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             low: self.low.clone(),
             memory: (self.prepared.as_ref())
                 .map_or_else(Vec::new, |prepared| self.method.memory(prepared)),
-            steps: StepsFingerprint::of(self.method),
+            steps: StepsFingerprint::of(&*self.method),
             refinements: self.refinements,
         }
     }
@@ -168,6 +173,26 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     fn prepare(&mut self) -> Result<(), StepError> {
         self.prepared = Some(self.method.prepare(self.h)?);
         Ok(())
+    }
+
+    /// Holds what the next step is given besides its increments.
+    #[inline(always)]
+    fn hold(&mut self) -> Result<(), StepError> {
+        if self.prepared.is_none() {
+            self.prepare()?;
+        }
+        match &mut self.prepared {
+            Some(prepared) => self.method.hold(prepared, 0, self.step, &self.state),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the method within the last step.
+    fn within(&self) -> Within<'_, I> {
+        Within {
+            method: &self.method,
+            step: self.prepared.as_ref(),
+        }
     }
 
     /// Forgets the numbers that the method carries from step to step, which belong to a state that
@@ -218,7 +243,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         if self.prepared.is_none() {
             self.prepare()?;
         }
-        let (method, h, start, first) = (self.method, self.h, self.start, self.step);
+        let (method, h, start, first) = (&*self.method, self.h, self.start, self.step);
         let (noise, state, buffer) = (&mut self.noise, &mut self.state, &mut self.buffer);
         let Some(prepared) = &mut self.prepared else {
             return Ok(0);
@@ -262,7 +287,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// [`StepError::Noise`], also at the end of a recorded path.
     #[inline(always)]
     fn draw(&mut self) -> Result<<I::Increments as ToOwned>::Owned, StepError> {
-        let (method, state) = (self.method, &self.state);
+        let (method, state) = (&*self.method, &self.state);
         let mut dw = I::Increments::take(&mut self.buffer, || method.processes(state))?;
         match draw(
             &mut self.noise,
@@ -291,6 +316,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         let drawn = self.draw()?;
         let dw: &I::Increments = drawn.borrow();
         let end = time_of_next(self.start, self.step + 1, self.h, self.state.t)?;
+        // behind the end of a recorded path, so that a table of inputs needs no entry there
+        self.hold()?;
         // The rare cases are calls with copies of the increments, so that the compiler optimises
         // the plain step as if it were alone.
         let made = if self.low.is_some() {

@@ -6,7 +6,7 @@ use core::ops::Deref;
 use super::Method;
 use super::Trajectory;
 use crate::error::StepError;
-use crate::method::OneStepMethod;
+use crate::method::{OneStepMethod, Within};
 use crate::noise::{DyadicInterval, Halves, Noise};
 use crate::system::StateOf;
 
@@ -96,7 +96,7 @@ impl<I: Method, W: Halves> Trajectory<'_, I, W> {
     ) -> Result<(), StepError> {
         let mut state = self.state;
         let halving = Halving {
-            method: self.method,
+            method: self.within(),
             noise: &self.noise,
             depth,
         };
@@ -110,8 +110,8 @@ impl<I: Method, W: Halves> Trajectory<'_, I, W> {
 }
 
 /// Makes a step that failed in two halves, and divides each half that fails in the same way.
-pub(crate) struct Halving<'a, I, W: ?Sized> {
-    pub(crate) method: &'a I,
+pub(crate) struct Halving<'a, I: OneStepMethod, W: ?Sized> {
+    pub(crate) method: Within<'a, I>,
     pub(crate) noise: &'a W,
     /// Largest number of halvings of a step.
     pub(crate) depth: u32,
@@ -139,7 +139,7 @@ impl<I: Method, W: Halves + ?Sized> Halving<'_, I, W> {
         let prepared = self.method.prepare(h).map_err(|_| error)?;
         let mut deepest = interval.level() + 1;
         for (half, dw) in halves.into_iter().zip([left, right]) {
-            if let Err(error) = self.method.step_prepared(&prepared, state, h, &dw) {
+            if let Err(error) = self.method.method.step_prepared(&prepared, state, h, &dw) {
                 let below = self.step(error, half, h, &dw, state)?;
                 deepest = deepest.max(below);
             }

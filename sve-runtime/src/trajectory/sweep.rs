@@ -11,7 +11,7 @@ use super::checkpoints::distance;
 use crate::error::StepError;
 use crate::integrator::accept::time_of_next;
 use crate::mechanics::with_dual_state;
-use crate::method::{Differentiable, DimsOf};
+use crate::method::{Differentiable, DimsOf, Shared};
 use crate::noise::{Replayable, draw};
 use crate::phase::Field;
 use crate::phase::configuration::FixedSize;
@@ -23,7 +23,7 @@ use crate::system::{
 
 /// The walk backwards.
 pub(super) struct Sweep<'a, I: Differentiable, W, F> {
-    pub(super) method: &'a I,
+    pub(super) method: Shared<'a, I>,
     pub(super) prepared: I::Prepared,
     pub(super) noise: W,
     /// Time before the first step of the trajectory.
@@ -93,7 +93,9 @@ where
         for step in from..number {
             let dw = self.increments(step, state.t)?;
             let end = time_of_next(self.start, self.first + step + 1, self.h, state.t)?;
-            let method = self.method;
+            let number = self.first + step;
+            self.method.hold(&mut self.prepared, 0, number, &state)?;
+            let method = &*self.method;
             method.step_prepared(&self.prepared, &mut state, self.h, dw.borrow())?;
             state.t = end;
         }
@@ -122,6 +124,8 @@ where
         state: &StateOf<I::System>,
     ) -> Result<(), StepError> {
         let dw = self.increments(step, state.t)?;
+        let number = self.first + step;
+        self.method.hold(&mut self.prepared, 0, number, state)?;
         let piece = self.range_of(step);
         let covector = Covector {
             state: &mut self.by_state,
@@ -130,7 +134,8 @@ where
         (self.method).pull_back(&self.prepared, state, self.h, dw.borrow(), covector)
     }
 
-    /// Adds the loss of a state and its derivatives.
+    /// Adds the loss of a state and its derivatives. It sees what the step before it was given, at
+    /// the first state the step behind it.
     pub(super) fn add_loss(
         &mut self,
         number: u64,
@@ -143,7 +148,9 @@ where
                 reads.push(parameter);
             }
         };
-        let system = self.method.system();
+        let before = self.first + number.saturating_sub(1);
+        self.method.hold(&mut self.prepared, 0, before, state)?;
+        let system = self.method.system_in(&self.prepared);
         let zero = Field::zero::<DimsOf<I>>;
         let along = |direction: &Field<VectorOf<I::System>>, varied| {
             with_dual_state(system, state, direction, varied, &read, |state| {

@@ -10,6 +10,7 @@ mod divergence;
 mod exact;
 mod failures;
 mod files;
+mod inputs;
 mod joint;
 mod memory;
 mod multilevel;

@@ -8,6 +8,7 @@ mod derivatives;
 mod failures;
 mod forces;
 mod inputs;
+mod inputs_along_paths;
 mod inputs_of_blocks;
 mod literals;
 mod momentum;

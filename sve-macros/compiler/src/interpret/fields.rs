@@ -161,7 +161,11 @@ impl Lowering<'_> {
                 name.push('_');
             }
             fields.paths.push(path.clone());
-            self.symbols.declare(Meaning::Parameter { name, access })
+            self.symbols.declare(Meaning::Parameter {
+                name,
+                access,
+                input: None,
+            })
         });
         if !path.is_outside() {
             fields.paths_of.insert(symbol, path.clone());

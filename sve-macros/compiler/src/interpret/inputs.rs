@@ -38,7 +38,11 @@ impl Lowering<'_> {
                 let (name, place) = (format!("u_{k}"), Literal::usize_unsuffixed(k));
                 self.fields.reserve(&name);
                 let access = quote!(self.u[#place]);
-                self.symbols.declare(Meaning::Parameter { name, access })
+                self.symbols.declare(Meaning::Parameter {
+                    name,
+                    access,
+                    input: Some(k),
+                })
             })
             .collect();
         let mut symbols = symbols.into_iter();

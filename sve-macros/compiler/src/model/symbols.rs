@@ -9,10 +9,13 @@ use crate::algebra::Symbol;
 /// The quantity that a symbol denotes.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {
-    /// A field of the user's struct: its name, and the expression that reads it.
+    /// A field of the user's struct, or a number in the inputs of a step: its name, and the
+    /// expression that reads it.
     Parameter {
         name: String,
         access: TokenStream,
+        /// Its number among the inputs, which differ from step to step and from path to path.
+        input: Option<usize>,
     },
     Time,
     StepSize,
@@ -99,6 +102,12 @@ impl Symbols {
         (0..self.meanings.len() as u32)
             .map(Symbol)
             .filter(|&s| matches!(self.meaning(s), Meaning::Parameter { .. }))
+    }
+
+    /// Returns the number of numbers in the inputs of a step.
+    pub(crate) fn inputs(&self) -> usize {
+        let is_input = |m: &&Meaning| matches!(m, Meaning::Parameter { input: Some(_), .. });
+        self.meanings.iter().filter(is_input).count()
     }
 
     /// Returns a parameter as the source spells it, without `self`.

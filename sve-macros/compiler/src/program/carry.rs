@@ -82,7 +82,8 @@ fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, 
                 None
             }
             Operation::Input(symbol) => match *symbols.meaning(symbol) {
-                Meaning::Parameter { .. } => {
+                // inputs have other values in the next step
+                Meaning::Parameter { input: None, .. } => {
                     fixed.insert(value);
                     None
                 }

@@ -289,7 +289,8 @@ pub(super) fn tier_of(symbols: &Symbols, tiers: &Tiers, symbol: Symbol) -> Tier 
         return tier;
     }
     match symbols.meaning(symbol) {
-        Meaning::Parameter { .. } | Meaning::StepSize => Tier::Prepare,
+        Meaning::Parameter { input: None, .. } | Meaning::StepSize => Tier::Prepare,
+        Meaning::Parameter { .. } => Tier::State,
         _ if is_state(symbols, symbol) => Tier::State,
         _ => Tier::Noise,
     }

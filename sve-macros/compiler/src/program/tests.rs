@@ -68,6 +68,7 @@ pub(crate) fn symbols() -> (Symbols, Vec<Symbol>) {
         symbols.declare(Meaning::Parameter {
             name: "m".to_owned(),
             access: quote::quote!(self.m),
+            input: None,
         }),
         symbols.declare(Meaning::StepSize),
         symbols.declare(Meaning::Wiener(0)),

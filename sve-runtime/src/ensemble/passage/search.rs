@@ -11,6 +11,7 @@
 //! ensemble refines steps.
 
 use crate::error::StepError;
+use crate::method::Within;
 use crate::noise::{DyadicInterval, Halves};
 use crate::system::{Increments, IncrementsOf, StateOf};
 use crate::time::is_next_time;
@@ -29,7 +30,7 @@ const DEEPEST: u32 = 32;
 
 /// A step within which a function has different signs.
 pub(super) struct Crossing<'a, I: Method> {
-    pub(super) method: &'a I,
+    pub(super) method: Within<'a, I>,
     pub(super) noise: &'a dyn Halves,
     /// The number of the step.
     pub(super) step: u64,
@@ -225,8 +226,7 @@ impl<I: Method> Crossing<'_, I> {
     ) -> Result<(), StepError> {
         // A part that is too short to change the time changes nothing else.
         if h != 0.0 && is_next_time(state.t, state.t + h) {
-            let prepared = self.method.prepare(h)?;
-            self.method.step_prepared(&prepared, state, h, dw)?;
+            self.method.make(state, h, dw)?;
         }
         Ok(())
     }

@@ -8,6 +8,7 @@ use super::search::{Crossing, Zero};
 use crate::error::StepError;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::DimsOf;
+use crate::method::Within;
 use crate::system::{Dimensions, StateOf};
 use crate::trajectory::Method;
 
@@ -112,19 +113,24 @@ impl<I: Method> PathBlock<'_, I> {
     /// Returns the first zeros of the functions that change their sign in the last step of a path
     /// and have not done so before, with the numbers of the functions, in the order of time.
     #[cold]
-    fn zeros(&self, tile: usize, lane: usize) -> Result<Vec<Found<I::System>>, StepError> {
-        let settings = &self.settings;
+    fn zeros(&mut self, tile: usize, lane: usize) -> Result<Vec<Found<I::System>>, StepError> {
+        let settings = self.settings;
         let path = self.tiles[tile].paths[lane];
         let Some(noise) = settings.noise.within_steps(path) else {
             return Ok(Vec::new());
         };
         let step = self.step - 1;
+        let before = DimsOf::<I>::get(self.tiles[tile].states_before(), lane);
+        (settings.method).hold(&mut self.prepared, path, step, &before)?;
         let crossing = Crossing {
-            method: settings.method,
+            method: Within {
+                method: settings.method,
+                step: Some(&self.prepared),
+            },
             noise: &*noise,
             step,
             h: settings.h,
-            before: DimsOf::<I>::get(self.tiles[tile].states_before(), lane),
+            before,
             whole: DimsOf::<I>::increments_of(&self.increments_of(tile, step).0, lane),
             depth: settings.ensemble.refine,
         };

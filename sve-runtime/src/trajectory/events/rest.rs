@@ -5,6 +5,7 @@
 //! fraction and the path, so the same fraction gives the same bits.
 
 use crate::error::StepError;
+use crate::method::Within;
 use crate::noise::{Halves, WithinSteps, increments_until};
 use crate::system::{IncrementsOf, StateOf, System};
 use crate::time::is_next_time;
@@ -67,7 +68,7 @@ impl<S: System> Rest<S> {
     /// Returns the state at this fraction.
     pub(super) fn state_at<I, W>(
         &self,
-        method: &I,
+        method: Within<'_, I>,
         noise: &W,
         fraction: f64,
     ) -> Result<StateOf<S>, StepError>
@@ -83,8 +84,7 @@ impl<S: System> Rest<S> {
             for (dw, before) in dw.as_mut().iter_mut().zip(self.before.as_ref()) {
                 *dw -= before;
             }
-            let prepared = method.prepare(h)?;
-            method.step_prepared(&prepared, &mut state, h, &dw)?;
+            method.make(&mut state, h, &dw)?;
         }
         state.t = self.time_at(fraction);
         Ok(state)

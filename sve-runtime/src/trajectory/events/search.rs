@@ -228,7 +228,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
                 interval: interval.abs(),
             });
         }
-        let system = self.trajectory.method.system();
+        let system = self.trajectory.within().system();
         if let Action::Change(change) = &mut self.functions[number].action {
             change(system, &mut state);
         }
@@ -270,16 +270,16 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         rest: &Rest<I::System>,
         fraction: f64,
     ) -> Result<StateOf<I::System>, StepError> {
-        rest.state_at(self.trajectory.method, &self.trajectory.noise, fraction)
+        rest.state_at(self.trajectory.within(), &self.trajectory.noise, fraction)
     }
 
     fn value(&self, number: usize, state: &StateOf<I::System>) -> Result<f64, StepError> {
-        self.functions[number].evaluate(number, self.trajectory.method.system(), state)
+        self.functions[number].evaluate(number, self.trajectory.within().system(), state)
     }
 
     /// Evaluates all functions at a state.
     fn evaluate(&mut self, state: &StateOf<I::System>) -> Result<(), StepError> {
-        let system = self.trajectory.method.system();
+        let system = self.trajectory.within().system();
         for (number, function) in self.functions.iter_mut().enumerate() {
             function.next = function.evaluate(number, system, state)?;
         }

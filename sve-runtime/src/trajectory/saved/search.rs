@@ -72,9 +72,8 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
         // A part that is too short to change the time changes nothing else.
         if h != 0.0 && is_next_time(state.t, state.t + h) {
             let dw = self.increments_up_to(t)?;
-            let prepared = self.method.prepare(h)?;
-            self.method
-                .step_prepared(&prepared, &mut state, h, dw.borrow())?;
+            self.hold()?;
+            self.within().make(&mut state, h, dw.borrow())?;
         }
         state.t = t;
         Ok(state)

@@ -8,7 +8,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use crate::model::{Meaning, Quantity};
+use crate::model::{Meaning, Quantity, Symbols};
 
 /// The kind of the passes of a loop.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -28,6 +28,11 @@ impl Axis {
             Self::Stages => quote!(__S),
         };
         quote!(for #pass in 0..#count { #body })
+    }
+
+    /// The rows of the inputs, which the loops over lanes read.
+    pub(super) fn inputs(symbols: &Symbols, private: &TokenStream) -> Option<TokenStream> {
+        (symbols.inputs() > 0).then(|| quote!(let inputs = #private::lane::inputs(&self.u);))
     }
 
     /// The number of a pass in a row.
@@ -77,6 +82,7 @@ impl Axis {
             Meaning::Position(i) | Meaning::Start(Quantity::Position, i) => (quote!(states.q), i),
             Meaning::Momentum(i) | Meaning::Start(Quantity::Momentum, i) => (quote!(states.p), i),
             Meaning::Wiener(i) => (quote!(dw), i),
+            Meaning::Parameter { input: Some(k), .. } => (quote!(inputs), k),
             _ => return None,
         };
         Some(self.entry(&rows, *i))

@@ -19,7 +19,7 @@ use crate::structure::Storage;
 const DECLARED: &str = "angle limit q v p h t dw dq dv dp dqt dvt time state value newton prepared states kept \
     lane any next q_lane p_lane guess origin refinement factors fallback rounding unknowns rhs \
     solution start stage stages poison impulses inverse masses offset motion kicks memory \
-    carried tangents pairs varied seeds radii system";
+    carried tangents pairs varied seeds radii system inputs";
 
 /// Where printed statements stand.
 #[derive(Clone, Copy, PartialEq, Eq)]

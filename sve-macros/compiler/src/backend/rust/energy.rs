@@ -67,10 +67,12 @@ pub(super) fn energy_lanes(energy: &Energy, context: &Context<'_>) -> Option<Tok
         next[lane] = -#lagrangian #(#terms)*;
     };
     let sweep = Axis::Lanes.sweep(&body, private);
+    let inputs = Axis::inputs(formulas.symbols, private);
     Some(quote! {
         #[inline(always)]
         fn energy_lanes(&self, states: &#private::lane::StateLanes<#size>, next: &mut #private::lane::Lane) {
             #before
+            #inputs
             #sweep
         }
     })

@@ -22,9 +22,7 @@ pub(super) fn within(context: &Context<'_>, output: TokenStream) -> TokenStream 
     let Some(input) = &context.block.inputs else {
         return output;
     };
-    let symbols = &context.model.symbols;
-    let inputs = (symbols.parameters()).filter(|&s| symbols.source(s).starts_with("u["));
-    let count = Literal::usize_unsuffixed(inputs.count());
+    let count = Literal::usize_unsuffixed(context.model.symbols.inputs());
     let holder = Holder {
         private: context.private,
         user_ty: context.user_ty(),
@@ -65,10 +63,15 @@ impl Holder<'_> {
             const _: () = {
                 /// A system with inputs that are held over a step. Its type is as visible as the
                 /// system's, which is an argument.
-                #[derive(Clone, Copy)]
                 pub struct __WithInputs<'a, S> {
                     __system: &'a S,
-                    u: [f64; #count],
+                    u: #private::HeldInputs<[f64; #count]>,
+                }
+                #attributes
+                impl<S> ::core::clone::Clone for __WithInputs<'_, S> {
+                    fn clone(&self) -> Self {
+                        Self { __system: self.__system, u: ::core::clone::Clone::clone(&self.u) }
+                    }
                 }
                 #attributes
                 impl<S> ::core::ops::Deref for __WithInputs<'_, S> {
@@ -83,7 +86,8 @@ impl Holder<'_> {
                     #forward
                     fn target(&self) -> &Self { self }
                     fn visit_parameters(&self, visit: &mut dyn ::core::ops::FnMut(f64)) {
-                        let held = __WithInputs { __system: self, u: [0f64; #count] };
+                        let u = #private::HeldInputs::new([0f64; #count]);
+                        let held = __WithInputs { __system: self, u };
                         #private::AnySystem::visit_parameters(&held, visit);
                     }
                 }
@@ -102,8 +106,13 @@ impl Holder<'_> {
                     #[inline(always)]
                     fn numbers(u: &#input) -> [f64; #count] { #numbers }
                     #[inline(always)]
-                    fn held(&self, u: &#input) -> __Held<'_> {
-                        __WithInputs { __system: self, u: #numbers }
+                    fn held_numbers(&self, numbers: [f64; #count]) -> __Held<'_> {
+                        __WithInputs { __system: self, u: #private::HeldInputs::new(numbers) }
+                    }
+                    const OPEN: [f64; #count] = [f64::NAN; #count];
+                    #[inline(always)]
+                    fn inputs_of<'h>(held: &'h mut __Held<'_>) -> &'h mut #private::HeldInputs<[f64; #count]> {
+                        &mut held.u
                     }
                 }
                 #output

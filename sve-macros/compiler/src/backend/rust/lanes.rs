@@ -90,11 +90,13 @@ impl Writer<'_> {
         let (private, printer) = (self.private, self.printer);
         let rows = Literal::usize_unsuffixed(self.loops.rows.len());
         let prepare = printer.statements(Tier::Prepare);
+        let inputs = Axis::inputs(self.symbols, private);
         let early = (0..self.step.scheme.blocks.len())
             .filter(|&at| self.is_factored(at))
             .map(|at| self.factors(at));
         let mut tokens = quote! {
             #prepare
+            #inputs
             #(#early)*
             let mut kept = #private::lane::rows::<#rows>();
         };

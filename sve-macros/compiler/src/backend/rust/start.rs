@@ -112,10 +112,12 @@ fn singular_lanes(blocks: &[Matrix<Expr>], context: &Context<'_>) -> Option<Toke
         unsure[lane] = if is_regular { 0f64 } else { 1f64 };
     };
     let ([n, _], sweep) = (context.sizes(), Axis::Lanes.sweep(&body, private));
+    let inputs = Axis::inputs(&model.symbols, private);
     Some(quote! {
         #[inline(always)]
         fn lanes_of_singular_mass(&self, states: &#private::lane::StateLanes<#n>) -> ::core::option::Option<#private::lane::Mask> {
             #before
+            #inputs
             let mut unsure: #private::lane::Lane = [0f64; #private::lane::LANES];
             #sweep
             ::core::option::Option::Some(#private::lane::marked(&unsure))

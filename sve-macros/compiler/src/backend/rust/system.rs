@@ -36,6 +36,8 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
     let identity = identity(model, context.arena, private);
     let roles = context.degeneracy.map(|d| roles(d, private));
     let parameters = model.symbols.parameters().map(|s| model.symbols.source(s));
+    let inputs = Literal::usize_unsuffixed(model.symbols.inputs());
+    let inputs = (model.symbols.inputs() > 0).then(|| quote!(const INPUTS: usize = #inputs;));
     let (coordinates, momenta) = (&model.names.configuration, &model.names.momenta);
     let (used, markers) = (used(context), markers(context, mechanics));
     quote! {
@@ -47,6 +49,7 @@ pub(crate) fn system(context: &Context<'_>, functions: &Functions) -> TokenStrea
             type Itself = Self;
             const AFFINE_MOMENTUM: bool = #affine_momentum;
             #roles
+            #inputs
             const PARAMETERS: &'static [&'static str] = &[#(#parameters),*];
             const COORDINATES: &'static [&'static str] = &[#(#coordinates),*];
             const MOMENTA: &'static [&'static str] = &[#(#momenta),*];

@@ -185,8 +185,10 @@ impl Writer<'_> {
         let rows = Literal::usize_unsuffixed(self.kept.count);
         let body = quote!(#solved #(#statements)* #late #(#entries)* #(#of_inverse)*);
         let sweep = Axis::Lanes.sweep(&body, private);
+        let given = Axis::inputs(symbols, private);
         quote! {
             #prepare
+            #given
             #early
             let mut kept = #private::lane::rows::<#rows>();
             #sweep

@@ -85,6 +85,7 @@ impl System {
         let mass = symbols.declare(Meaning::Parameter {
             name: "m".to_owned(),
             access: quote!(self.m),
+            input: None,
         });
         let variables = |with: &[Symbol]| -> Vec<Symbol> { [&[time, mass], &q[..], with].concat() };
         let part = *build(&self.lagrangian, &variables(&v), arena)

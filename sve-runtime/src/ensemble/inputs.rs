@@ -1,0 +1,185 @@
+//! Inputs of the paths of an ensemble.
+//!
+//! Input: a function of the number of a path, the number of a step and the state at its start. Output:
+//! the inputs of the step, in each lane. Invariant: the function is called for existing paths only.
+
+use core::hash::Hasher;
+
+use super::settings::{Leg, missing};
+use super::{Ensemble, EnsembleError};
+use crate::integrator::driven::{Driven, Source};
+use crate::integrator::{Holding, Integrator};
+use crate::lanes::{LANES, Mask};
+use crate::method::{OneStepMethod, Shared};
+use crate::rule::Rule;
+use crate::system::{Dimensions, IncrementsOf, StateOf, System, WithInputs};
+use crate::trajectory::Method;
+
+/// What an ensemble has paths of: a method, or an integrator of a system with inputs.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no paths for an ensemble",
+    note = "an ensemble runs a reference to a method with one increment for each Wiener process: an `Integrator` of a system of fixed size with a rule without stage noise, or a baseline"
+)]
+#[doc(hidden)]
+pub trait Runs<'a, K> {
+    type Method: Method;
+    /// Returns the method, and whether its inputs are still to be given.
+    fn shared(self) -> (Shared<'a, Self::Method>, bool);
+}
+
+/// Marks methods, which need no inputs.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Complete;
+
+/// Marks integrators of systems with inputs.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct NeedsInputs;
+
+impl<'a, I: Method> Runs<'a, Complete> for &'a I {
+    type Method = I;
+
+    fn shared(self) -> (Shared<'a, I>, bool) {
+        (self.into(), false)
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl<'a, S, R> Runs<'a, NeedsInputs> for &'a Integrator<S, R>
+where
+    S: WithInputs,
+    R: Copy + Rule<S::Held<'a>>,
+    Driven<'a, S, R, PathInputs<'a, S>>: Method,
+{
+    type Method = Driven<'a, S, R, PathInputs<'a, S>>;
+
+    fn shared(self) -> (Shared<'a, Self::Method>, bool) {
+        let driven = Driven::new(self, PathInputs(None));
+        (Shared::Owned(Box::new(driven)), true)
+    }
+}
+
+/// The inputs of paths, with their name.
+#[doc(hidden)]
+pub struct PathInputs<'a, S: WithInputs>(Option<(String, Box<dyn Source<S> + Send + Sync + 'a>)>);
+
+impl<S: WithInputs> Source<S> for PathInputs<'_, S> {
+    fn numbers(&self, path: u64, step: u64, state: &StateOf<S>) -> S::Numbers {
+        let source = self.0.as_ref();
+        source.map_or(S::OPEN, |(_, source)| source.numbers(path, step, state))
+    }
+
+    fn lanes(
+        &self,
+        paths: (&[u64; LANES], Mask),
+        step: u64,
+        states: &<S::Sizes as Dimensions>::StateLanes,
+        inputs: &mut [S::Numbers; LANES],
+    ) -> Mask {
+        let source = self.0.as_ref();
+        source.map_or(paths.1, |(_, source)| {
+            source.lanes(paths, step, states, inputs)
+        })
+    }
+
+    fn identify(&self, to: &mut dyn Hasher) {
+        if let Some((name, _)) = &self.0 {
+            to.write(name.as_bytes());
+        }
+    }
+}
+
+/// A function of path, step and state.
+struct OfPath<F>(F);
+
+impl<S, F> Source<S> for OfPath<F>
+where
+    S: WithInputs,
+    F: Fn(u64, u64, &StateOf<S>) -> S::Input,
+{
+    #[inline(always)]
+    fn numbers(&self, path: u64, step: u64, state: &StateOf<S>) -> S::Numbers {
+        S::numbers(&(self.0)(path, step, state))
+    }
+}
+
+impl<'a, S, R> Ensemble<'a, Driven<'a, S, R, PathInputs<'a, S>>>
+where
+    S: WithInputs,
+    R: Copy + Rule<S::Held<'a>>,
+    Driven<'a, S, R, PathInputs<'a, S>>: Method,
+    Holding<'a, S, R>: OneStepMethod<System = S::Held<'a>, Increments = IncrementsOf<S::Held<'a>>>,
+{
+    /// Sets the inputs of each step: a function of the number of the path, of the number of the
+    /// step, both from 0, and of the state at its start. They are held over the step.
+    ///
+    /// The function may depend on its arguments only; it is called several times for a step. A
+    /// function of the path alone makes a random parameter. A path fails on which an input is not
+    /// finite, or the function panics, with the number of the step. The name stands for the
+    /// function in shards and checkpoints: other inputs need another name.
+    ///
+    /// Observables see the system without inputs. One that depends on them, such as the energy of a
+    /// Lagrangian with inputs, is not a number, and the path fails; compute it with the system of
+    /// [`holding`](Integrator::holding) the inputs that are meant.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A particle in a bath, with a force.
+    /// struct Particle { sigma: f64 }
+    ///
+    /// #[variational(midpoint)]
+    /// impl Particle {
+    ///     fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64 { 0.5 * v * v + u * q }
+    ///     #[gamma]
+    ///     fn kick(&self, q: f64) -> f64 { self.sigma * q }
+    /// }
+    ///
+    /// # fn main() -> Result<(), EnsembleError> {
+    /// // cold damping: a controller that measures the momentum
+    /// let particle = Integrator::new(Particle { sigma: 1.0 }, Midpoint);
+    /// let summary = Ensemble::new(&particle)
+    ///     .inputs("damping", |_, _, state| -state.p[0])
+    ///     .paths(10_000).seed(1)
+    ///     .steps(0.1, 100)
+    ///     .start(State::new([0.0], [0.0]))
+    ///     .observe("p2", |_, state| state.p[0] * state.p[0])
+    ///     .run()?;
+    /// // p₁ = (1 − h) p₀ + σΔW
+    /// let exact = 0.1 / (1.0 - 0.9 * 0.9);
+    /// let (mean, error) = (summary["p2"].mean()[1], summary["p2"].standard_error()[1]);
+    /// assert!((mean - exact).abs() < 4.0 * error && error < 0.01);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn inputs<F>(mut self, name: impl Into<String>, inputs: F) -> Self
+    where
+        F: Fn(u64, u64, &StateOf<S>) -> S::Input + Send + Sync + 'a,
+    {
+        if let Shared::Owned(method) = &mut self.method {
+            method.source = PathInputs(Some((name.into(), Box::new(OfPath(inputs)))));
+            self.needs_inputs = false;
+        }
+        self
+    }
+}
+
+/// Checks that the inputs of a system with inputs are given, for steps that are not divided.
+pub(super) fn check_inputs<I: Method>(
+    ensemble: &Ensemble<'_, I>,
+    leg: &Leg<'_, I>,
+) -> Result<(), EnsembleError> {
+    if ensemble.needs_inputs {
+        let write = ".inputs(\"push\", |path, step, state| 0.0)";
+        return Err(missing("function of the inputs", write));
+    }
+    match leg.of {
+        Some(first) if I::System::INPUTS > 0 => Err(EnsembleError::NotTogether {
+            settings: [first, "inputs"],
+            why: "an input is held over a step, and levels have steps of different lengths",
+        }),
+        _ => Ok(()),
+    }
+}

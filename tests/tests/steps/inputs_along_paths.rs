@@ -1,0 +1,128 @@
+//! Trajectories with inputs have the options of all trajectories: events, refinement, saved states,
+//! checkpoints. The function of the inputs is called once a step.
+
+use std::cell::Cell;
+
+use sve_runtime::prelude::*;
+
+/// A particle that is pushed, over a floor at q = 0.
+struct Pushed;
+
+#[variational(midpoint, stormer_verlet)]
+impl Pushed {
+    fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64 {
+        0.5 * v * v + u * q
+    }
+}
+
+/// A particle falls with the input −8 and bounces within the step: both parts of the step have the
+/// same input.
+#[test]
+fn an_event_within_a_step_keeps_its_inputs() {
+    let pushed = Integrator::new(Pushed, StormerVerlet);
+    let calls = Cell::new(0);
+    let path = pushed.trajectory(State::new([1.0], [0.0]), 0.4, NoNoise);
+    let path = path.inputs(|step, state| {
+        calls.set(calls.get() + 1);
+        // another function of a state that has bounced
+        if step == 1 && state.p[0] < 0.0 {
+            -8.0
+        } else {
+            -8.0 - step as f64
+        }
+    });
+    let mut path = path.change_at(|_, state| state.q[0], |_, state| state.p[0] = -state.p[0]);
+    let first = path.next().unwrap().unwrap();
+    assert!((first.q[0] - 0.36).abs() < 1e-14);
+    let second = path.next().unwrap().unwrap();
+    // the floor is hit at t = ½ with p = −4
+    assert!((second.t - 0.8).abs() < 1e-15);
+    assert!((second.q[0] - (4.0 * 0.3 - 4.0 * 0.09)).abs() < 1e-10);
+    assert!((second.p[0] - (4.0 - 8.0 * 0.3)).abs() < 1e-10);
+    assert_eq!(calls.get(), 2);
+}
+
+/// A state within a step and the end of the step come from one call.
+#[test]
+fn states_within_a_step_hold_its_inputs() {
+    let pushed = Integrator::new(Pushed, Midpoint);
+    let calls = Cell::new(0);
+    let path = pushed.trajectory(State::new([0.0], [0.0]), 1.0, NoNoise);
+    let path = path.inputs(|step, _| {
+        calls.set(calls.get() + 1);
+        2.0 + step as f64
+    });
+    let saved: Vec<_> = path.at([0.5, 1.0, 1.5]).map(Result::unwrap).collect();
+    let q: Vec<f64> = saved.iter().map(|state| state.q[0]).collect();
+    for (q, exact) in q.iter().zip([0.25, 1.0, 1.0 + 1.0 + 0.375]) {
+        assert!((q - exact).abs() < 1e-14, "{q} {exact}");
+    }
+    assert_eq!(calls.get(), 2);
+}
+
+/// A rotor whose step has no solution for large increments.
+struct Rotor;
+
+#[variational(midpoint)]
+impl Rotor {
+    fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64 {
+        0.5 * v * v + (1.0 + u) * q.cos()
+    }
+    #[h1]
+    fn jitter(&self, _q: f64, p: f64) -> f64 {
+        0.1 * p.powi(4)
+    }
+}
+
+/// The parts of a refined step hold the inputs of the step: with a constant input the path is that
+/// of the system that holds it.
+#[test]
+fn refined_steps_hold_the_inputs() {
+    let rotor = Integrator::new(Rotor, Midpoint);
+    let start = State::new([0.0], [2.0]);
+    let mut path = rotor
+        .trajectory(start, 0.5, Wiener::new(1))
+        .inputs(|_, _| 0.3)
+        .refine(16);
+    let held = rotor.holding(&0.3);
+    let expected = held.trajectory(start, 0.5, Wiener::new(1)).refine(16);
+    for expected in expected.take(1000) {
+        let (state, expected) = (path.next().unwrap().unwrap(), expected.unwrap());
+        assert!((state.q[0] - expected.q[0]).abs() < 1e-12 * state.q[0].abs().max(1.0));
+    }
+    assert!(path.refinements().steps > 0);
+}
+
+/// The gradient does not depend on the states that are kept, and the function of the inputs is
+/// called once a step, though steps are made again.
+#[test]
+fn gradients_with_few_checkpoints_see_the_same_inputs() {
+    let rotor = Integrator::new(Rotor, Midpoint);
+    let start = State::new([0.4], [0.1]);
+    let gradient = |checkpoints: Option<usize>| {
+        let calls = Cell::new(0.0);
+        let noise = Wiener::new(5);
+        let path = rotor.trajectory(start, 0.05, noise);
+        let path = path.inputs(|step, state| {
+            // the number of the call is an input
+            calls.set(calls.get() + 0.01);
+            calls.get() + 0.1 * (step as f64).sin() - 0.2 * state.p[0]
+        });
+        let mut adjoint = path.adjoint(60);
+        if let Some(states) = checkpoints {
+            adjoint = adjoint.checkpoints(states);
+        }
+        let gradient = adjoint.gradient(|k, state| {
+            (k % 20 == 0).then(|| state.q[0].sin() + state.parameter("u[0]") * state.p[0])
+        });
+        (gradient.unwrap(), (100.0 * calls.get()).round() as u64)
+    };
+    let (all, calls) = gradient(None);
+    assert_eq!((calls, all.inputs().len()), (60, 60));
+    assert!(all.inputs().all(|by| by.len() == 1 && by[0] != 0.0));
+    for states in [1, 2, 7] {
+        let (few, calls) = gradient(Some(states));
+        assert_eq!(calls, 60, "{states}");
+        assert_eq!(few, all, "{states}");
+    }
+}
