@@ -1,8 +1,8 @@
 //! A quadrotor in gusts: attitude and height under a digital controller.
 //!
 //! The vehicle is a body with a place. Its controller reads the state at the start of each step and
-//! holds a thrust along the axis of the body and a torque over it: four inputs. Gusts are torques in
-//! the frame of the body, noises that no potential has. The attitude is a rotation, so that the
+//! holds a thrust along the axis of the body and a torque over it: four inputs. Gusts are torques
+//! in the frame of the body, noises that no potential has. The attitude is a rotation, so that the
 //! controller rights the vehicle from a tilt of 150 degrees.
 //!
 //! `cargo run --release --example quadrotor` draws `target/quadrotor/quadrotor.svg` and `.png`, and
@@ -182,8 +182,8 @@ fn stationary() -> [f64; 2] {
     [covariance[(0, 0)], covariance[(1, 1)]]
 }
 
-/// Returns the mean squares of the first component of the tilt vector and of the spin momentum, from
-/// one long path after it has forgotten its start.
+/// Returns the mean squares of the first component of the tilt vector and of the spin momentum,
+/// from one long path after it has forgotten its start.
 fn mean_squares() -> Result<[f64; 2], StepError> {
     let states = path(start(0.0), true, 3, 400_000)?;
     let settled = &states[2000..];

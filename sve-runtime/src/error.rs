@@ -98,8 +98,8 @@ pub enum StepError {
         /// Length of the step, or of a part of it in a composition.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
-        /// The ratio of the last two changes of the impulses; for `midpoint`, a bound of the ratio of
-        /// successive errors.
+        /// The ratio of the last two changes of the impulses; for `midpoint`, a bound of the ratio
+        /// of successive errors.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         ratio: f64,
         /// The magnitude of a step size at which the iteration converges, by an estimate from the

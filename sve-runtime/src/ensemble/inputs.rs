@@ -1,7 +1,8 @@
 //! Inputs of the paths of an ensemble.
 //!
-//! Input: a function of the number of a path, the number of a step and the state at its start. Output:
-//! the inputs of the step, in each lane. Invariant: the function is called for existing paths only.
+//! Input: a function of the number of a path, the number of a step and the state at its start.
+//! Output: the inputs of the step, in each lane. Invariant: the function is called for existing
+//! paths only.
 
 use core::hash::Hasher;
 

@@ -8,8 +8,8 @@ use crate::phase::state::State;
 use crate::solve::SolveError;
 use crate::time::{is_next_time, time_after};
 
-/// Largest square of the angle of a rotation in a step, which is 229 degrees. The equations have a pole
-/// at 360 degrees, and beyond this limit a step is no approximation of the motion.
+/// Largest square of the angle of a rotation in a step, which is 229 degrees. The equations have a
+/// pole at 360 degrees, and beyond this limit a step is no approximation of the motion.
 const MAX_TURN_SQUARE: f64 = 16.0;
 
 /// Returns the reason why an increment is not accepted.
@@ -27,7 +27,8 @@ pub(super) fn refusal<F: FlatConfiguration<N>, const N: usize>(dq: &[f64; N]) ->
 /// Returns the time after a number of steps from `start`, the last of which begins at `t`.
 ///
 /// # Errors
-/// [`StepError::Time`] if it is not another time than `t`. The step reports a `t` that is not finite.
+/// [`StepError::Time`] if it is not another time than `t`. The step reports a `t` that is not
+/// finite.
 #[inline(always)]
 pub(crate) fn time_of_next(start: f64, steps: u64, h: f64, t: f64) -> Result<f64, StepError> {
     let end = time_after(start, steps, h);

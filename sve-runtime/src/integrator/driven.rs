@@ -1,8 +1,8 @@
 //! Steps of systems whose inputs come from a function.
 //!
-//! Input: an integrator of a system with inputs, and a source of their values. Output: a method whose
-//! prepared values hold the inputs of a step. Invariant: the values that depend on the step size, and
-//! those that are carried from step to step, do not depend on inputs.
+//! Input: an integrator of a system with inputs, and a source of their values. Output: a method
+//! whose prepared values hold the inputs of a step. Invariant: the values that depend on the step
+//! size, and those that are carried from step to step, do not depend on inputs.
 
 use core::fmt;
 use core::hash::Hasher;

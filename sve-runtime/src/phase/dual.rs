@@ -109,7 +109,7 @@ impl Dual {
     }
 
     /// Returns the number itself.
-    pub(crate) fn value(self) -> f64 {
+    pub fn value(self) -> f64 {
         self.value
     }
 

@@ -8,8 +8,8 @@ use crate::phase::configuration::Configuration;
 /// scene, a system whose `q` is a slice, so that its length is the length of the state, or a system
 /// with inputs, which steps while their values are held.
 ///
-/// Implemented for every [`System`], and by `#[variational(…)]` for scenes and systems with inputs. Integrators and
-/// trajectories ask for this trait.
+/// Implemented for every [`System`], and by `#[variational(…)]` for scenes and systems with inputs.
+/// Integrators and trajectories ask for this trait.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a mechanical system",
     note = "put `#[variational(midpoint)]` on the `impl` block that holds its `lagrangian`"

@@ -56,13 +56,15 @@ impl<S: WithInputs, R, W> fmt::Debug for NeedsInputs<'_, S, R, W> {
 }
 
 impl<'a, S: WithInputs, R, W: Noise> NeedsInputs<'a, S, R, W> {
-    /// Returns the states after each step, with the inputs that a function returns for the number of
-    /// a step, from 0, and the state at its start. A table is `|step, _| table[step as usize]`; it
-    /// needs an entry for each step that is made, and panics beyond its end.
+    /// Returns the states after each step, with the inputs that a function returns for the number
+    /// of a step, from 0, and the state at its start. A table is `|step, _| table[step as usize]`;
+    /// it needs an entry for each step that is made. Where the function panics, as beyond the end
+    /// of a table, the path ends with [`StepError::Inputs`](crate::StepError::Inputs).
     ///
-    /// A function of the state is a feedback, which does not see the increments of its step. Where such an input multiplies increments, the limit h → 0 is that of Itô in
-    /// the input, and no order of convergence is claimed. Against a feedback without hold a step is
-    /// late by h/2, an error of order 1: continuous friction belongs into `#[force]`.
+    /// A function of the state is a feedback, which does not see the increments of its step. Where
+    /// such an input multiplies increments, the limit h → 0 is that of Itô in the input, and no
+    /// order of convergence is claimed. Against a feedback without hold a step is late by h/2, an
+    /// error of order 1: continuous friction belongs into `#[force]`.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -114,9 +116,10 @@ impl<'a, S: WithInputs, R, W: Noise> NeedsInputs<'a, S, R, W> {
 /// A trajectory of a system with inputs. It has the options of all trajectories, and a
 /// [`gradient`](Trajectory::gradient) by the inputs of each step.
 ///
-/// A loss of the inputs themselves, such as their squares, is added by the caller. A loss that reads
-/// the input as a parameter of the state, `u[0]`, sees that of the step before the state, and at the
-/// present state that of the step behind it. An event within a step does not change its inputs.
+/// A loss of the inputs themselves, such as their squares, is added by the caller. A loss that
+/// reads the input as a parameter of the state, `u[0]`, sees that of the step before the state, and
+/// at the present state that of the step behind it. An event within a step does not change its
+/// inputs.
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -143,7 +146,8 @@ impl<'a, S: WithInputs, R, W: Noise> NeedsInputs<'a, S, R, W> {
 pub type DrivenTrajectory<'a, S, R, W, F> =
     Trajectory<'a, Driven<'a, S, R, RefCell<Once<F, <S as WithInputs>::Numbers>>>, W>;
 
-/// A function of inputs that is called once a step. Where steps are made again, the inputs are kept.
+/// A function of inputs that is called once a step. Where steps are made again, the inputs are
+/// kept.
 #[doc(hidden)]
 pub struct Once<F, N> {
     inputs: F,

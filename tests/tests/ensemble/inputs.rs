@@ -1,5 +1,5 @@
-//! Inputs of the paths of an ensemble: each path is the trajectory with the same inputs, also where a
-//! step leaves the lanes.
+//! Inputs of the paths of an ensemble: each path is the trajectory with the same inputs, also where
+//! a step leaves the lanes.
 
 use sve_runtime::ensemble::Cause;
 use sve_runtime::prelude::*;

@@ -1,5 +1,5 @@
-//! Inputs that are held over a step: closed forms, the system with parameters instead, gradients, and
-//! bad inputs.
+//! Inputs that are held over a step: closed forms, the system with parameters instead, gradients,
+//! and bad inputs.
 
 use sve_models::differences::derivative;
 use sve_runtime::prelude::*;
@@ -14,8 +14,8 @@ impl Pushed {
     }
 }
 
-/// `∂p_N/∂u_k` = h and `∂q_N/∂u_k` = h² (N − k − w), with w = 0 for the initial point, 1 for the endpoint,
-/// ½ for symmetric rules and their compositions.
+/// `∂p_N/∂u_k` = h and `∂q_N/∂u_k` = h² (N − k − w), with w = 0 for the initial point, 1 for the
+/// endpoint, ½ for symmetric rules and their compositions.
 #[test]
 fn a_pushed_particle_has_the_derivatives_of_its_closed_form() {
     let (h, n) = (0.1, 7);
@@ -54,8 +54,8 @@ impl Tuned {
     }
 }
 
-/// Half the trace of the midpoint step is (1 − x)/(1 + x), x = w h²/(4m). The momentum is continuous
-/// where the mass jumps, and the energy jumps by the work of the inputs.
+/// Half the trace of the midpoint step is (1 − x)/(1 + x), x = w h²/(4m). The momentum is
+/// continuous where the mass jumps, and the energy jumps by the work of the inputs.
 #[test]
 fn held_mass_and_stiffness() {
     let tuned = Integrator::new(Tuned, Midpoint);
@@ -118,7 +118,7 @@ fn lenses_at_the_starts_of_steps() {
 }
 
 /// A push whose strength is an input.
-struct Kicked;
+pub(crate) struct Kicked;
 
 #[variational(midpoint)]
 impl Kicked {
@@ -131,7 +131,8 @@ impl Kicked {
     }
 }
 
-/// A feedback that multiplies increments is non-anticipating: `p_N` = p₀ Π (1 + σ `ΔW_k`), as of Itô.
+/// A feedback that multiplies increments is non-anticipating: `p_N` = p₀ Π (1 + σ `ΔW_k`), as of
+/// Itô.
 #[test]
 fn a_feedback_is_known_before_the_increments() {
     let (sigma, h, n) = (0.7, 0.1, 20);
@@ -396,65 +397,4 @@ fn the_plan_names_inputs() {
     let plan = Integrator::new(Tuned, StormerVerlet).plan();
     assert_eq!(plan.system, "Tuned");
     assert!(plan.to_string().contains("u[0]·v²/2 − u[1]·q²/2"), "{plan}");
-}
-
-/// A smooth input limits the order: to 1 if it is taken at the starts of steps, to 2 in their middles.
-#[test]
-fn sampled_inputs_have_the_order_of_their_place() {
-    let pushed = Integrator::new(Pushed, Gauss::<4>);
-    // v' = cos t from rest: q = 1 − cos t
-    let error = |steps: u64, place: f64| {
-        let h = 2.0 / steps as f64;
-        let path = pushed.trajectory(State::new([0.0], [0.0]), h, NoNoise);
-        let mut path = path.inputs(|k, _| ((k as f64 + place) * h).cos());
-        let end = path.nth(steps as usize - 1).unwrap().unwrap();
-        end.q[0] - (1.0 - f64::cos(2.0))
-    };
-    for (place, order) in [(0.0, 1.0), (0.5, 2.0)] {
-        let slope = (error(100, place) / error(200, place)).log2();
-        assert!((slope - order).abs() < 0.02, "{place}: {slope}");
-    }
-}
-
-/// A table with as many entries as the path has steps is read to its end, and no further.
-#[test]
-fn a_table_ends_with_its_recorded_path() {
-    let kicked = Integrator::new(Kicked, Midpoint);
-    let noise = Recorded::new(0.1, vec![[0.1], [-0.2], [0.3]]).unwrap();
-    let table = [1.0, 2.0, 3.0];
-    let path = kicked.trajectory(State::new([0.0], [1.0]), 0.1, noise);
-    let path = path.inputs(|k, _| table[k as usize]);
-    assert_eq!(path.map(Result::unwrap).count(), 3);
-}
-
-/// A loss sees at each state the input of the step before it, and at the present state, before which
-/// there is none, that of the step behind it.
-#[test]
-fn a_loss_may_read_inputs() {
-    let pushed = Integrator::new(Pushed, Midpoint);
-    let path = || {
-        let mut path = pushed
-            .trajectory(State::new([0.4], [0.5]), 0.1, NoNoise)
-            .inputs(|k, _| 1.0 + k as f64);
-        // a gradient may begin behind the start
-        assert!(path.next().unwrap().is_ok());
-        path
-    };
-    let read = path().gradient(3, |k, state| {
-        (k > 0).then(|| 10.0 * k as f64 * state.parameter("u[0]"))
-    });
-    let read = read.unwrap();
-    assert_eq!(read.loss(), 10.0 * 2.0 + 20.0 * 3.0 + 30.0 * 4.0);
-    let by_inputs: Vec<f64> = read.inputs().map(|u| u[0]).collect();
-    assert_eq!(by_inputs, [10.0, 20.0, 30.0]);
-
-    let at_start = path().gradient(0, |_, state| {
-        Some(state.q[0] * state.q[0] + state.parameter("u[0]"))
-    });
-    let at_start = at_start.unwrap();
-    // the next step, number 1, has the input 2
-    let q = 0.4 + 0.1 * (0.5 + 0.05);
-    assert!((at_start.loss() - (q * q + 2.0)).abs() < 1e-15);
-    assert!((at_start.start().q[0] - 2.0 * q).abs() < 1e-15);
-    assert_eq!(at_start.inputs().len(), 0);
 }

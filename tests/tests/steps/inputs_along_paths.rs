@@ -5,10 +5,12 @@ use std::cell::Cell;
 
 use sve_runtime::prelude::*;
 
+use crate::inputs::Kicked;
+
 /// A particle that is pushed, over a floor at q = 0.
 struct Pushed;
 
-#[variational(midpoint, stormer_verlet)]
+#[variational(midpoint, stormer_verlet, gauss(4))]
 impl Pushed {
     fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64 {
         0.5 * v * v + u * q
@@ -125,4 +127,82 @@ fn gradients_with_few_checkpoints_see_the_same_inputs() {
         assert_eq!(calls, 60, "{states}");
         assert_eq!(few, all, "{states}");
     }
+}
+
+/// A smooth input limits the order: to 1 if it is taken at the starts of steps, to 2 in their
+/// middles.
+#[test]
+fn sampled_inputs_have_the_order_of_their_place() {
+    let pushed = Integrator::new(Pushed, Gauss::<4>);
+    // v' = cos t from rest: q = 1 − cos t
+    let error = |steps: u64, place: f64| {
+        let h = 2.0 / steps as f64;
+        let path = pushed.trajectory(State::new([0.0], [0.0]), h, NoNoise);
+        let mut path = path.inputs(|k, _| ((k as f64 + place) * h).cos());
+        let end = path.nth(steps as usize - 1).unwrap().unwrap();
+        end.q[0] - (1.0 - f64::cos(2.0))
+    };
+    for (place, order) in [(0.0, 1.0), (0.5, 2.0)] {
+        let slope = (error(100, place) / error(200, place)).log2();
+        assert!((slope - order).abs() < 0.02, "{place}: {slope}");
+    }
+}
+
+/// A table with as many entries as the path has steps is read to its end, and no further. A shorter
+/// one ends the path with an error that names the step.
+#[test]
+fn a_table_ends_with_its_path() {
+    let pushed = Integrator::new(Pushed, Midpoint);
+    let table = [1.0, 2.0, 3.0];
+    let path = || {
+        let path = pushed.trajectory(State::new([0.0], [1.0]), 0.1, NoNoise);
+        path.inputs(|k, _| table[k as usize])
+    };
+    assert_eq!(path().take(3).map(Result::unwrap).count(), 3);
+    let mut longer = path();
+    let error = longer.advance(5).unwrap_err();
+    assert!(
+        matches!(error, StepError::Inputs { step: 3, .. }),
+        "{error}"
+    );
+    assert_eq!(longer.step(), 3);
+    assert!(longer.next().is_none());
+
+    let kicked = Integrator::new(Kicked, Midpoint);
+    let noise = Recorded::new(0.1, vec![[0.1], [-0.2], [0.3]]).unwrap();
+    let path = kicked.trajectory(State::new([0.0], [1.0]), 0.1, noise);
+    let path = path.inputs(|k, _| table[k as usize]);
+    assert_eq!(path.map(Result::unwrap).count(), 3);
+}
+
+/// A loss sees at each state the input of the step before it, and at the present state, before
+/// which there is none, that of the step behind it.
+#[test]
+fn a_loss_may_read_inputs() {
+    let pushed = Integrator::new(Pushed, Midpoint);
+    let path = || {
+        let mut path = pushed
+            .trajectory(State::new([0.4], [0.5]), 0.1, NoNoise)
+            .inputs(|k, _| 1.0 + k as f64);
+        // a gradient may begin behind the start
+        assert!(path.next().unwrap().is_ok());
+        path
+    };
+    let read = path().gradient(3, |k, state| {
+        (k > 0).then(|| 10.0 * k as f64 * state.parameter("u[0]"))
+    });
+    let read = read.unwrap();
+    assert_eq!(read.loss(), 10.0 * 2.0 + 20.0 * 3.0 + 30.0 * 4.0);
+    let by_inputs: Vec<f64> = read.inputs().map(|u| u[0]).collect();
+    assert_eq!(by_inputs, [10.0, 20.0, 30.0]);
+
+    let at_start = path().gradient(0, |_, state| {
+        Some(state.q[0] * state.q[0] + state.parameter("u[0]"))
+    });
+    let at_start = at_start.unwrap();
+    // the next step, number 1, has the input 2
+    let q = 0.4 + 0.1 * (0.5 + 0.05);
+    assert!((at_start.loss() - (q * q + 2.0)).abs() < 1e-15);
+    assert!((at_start.start().q[0] - 2.0 * q).abs() < 1e-15);
+    assert_eq!(at_start.inputs().len(), 0);
 }

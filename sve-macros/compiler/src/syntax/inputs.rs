@@ -19,8 +19,8 @@ fn is_input(pattern: &Pat) -> bool {
     }
 }
 
-/// Returns the type of the last argument of a function, if it is called `u` or `_u` and stands behind
-/// at least `others` other arguments.
+/// Returns the type of the last argument of a function, if it is called `u` or `_u` and stands
+/// behind at least `others` other arguments.
 pub(crate) fn last_input(function: &ImplItemFn, others: usize) -> Option<&Type> {
     let inputs = &function.sig.inputs;
     match inputs.last() {
