@@ -24,7 +24,7 @@ use sve_examples::palette::{BLUE, GREY, ORANGE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::nalgebra::{DVector, Matrix4, RowVector4, Vector4};
 use sve_runtime::prelude::*;
-use sve_runtime::{DrivenGradient, Dual};
+use sve_runtime::{Dual, Gradient};
 
 /// A cart with a pole, in SI units, and the strength of gusts.
 #[derive(Clone, Copy, Debug)]
@@ -94,7 +94,7 @@ fn terminal_cost<const C: usize>(multipliers: &[f64; C], conditions: [Dual; C]) 
 }
 
 /// Adds the effort to a cost of the end and to its gradient.
-fn with_effort<V>(u: &Controls, end: &DrivenGradient<V>) -> (f64, Controls) {
+fn with_effort<V>(u: &Controls, end: &Gradient<V>) -> (f64, Controls) {
     let by_inputs = end.inputs().map(|by_input| by_input[0]);
     let gradient = H * u + DVector::from_iterator(u.len(), by_inputs);
     (0.5 * H * u.norm_squared() + end.loss(), gradient)
