@@ -151,6 +151,53 @@ impl Gusts {
     }
 }
 
+#[test]
+fn plans_name_the_time_of_a_noise_force() {
+    let texts = [
+        (
+            Integrator::new(Gusts, Midpoint).plan().to_string(),
+            "f(t̄, q̄, v)",
+        ),
+        (
+            Integrator::new(Gusts, Gauss::<2>).plan().to_string(),
+            "f(tᵢ, Qᵢ, Vᵢ)",
+        ),
+    ];
+    for (text, force) in texts {
+        assert!(
+            text.contains("L(q̄, v)") || text.contains("L(Qᵢ, Vᵢ)"),
+            "{text}"
+        );
+        assert!(!text.contains("f(q") && !text.contains("f(Q"), "{text}");
+        assert!(text.contains(force), "{text}");
+        assert!(text.contains("t̄ = ") || text.contains("tᵢ = "), "{text}");
+    }
+}
+
+/// Masses whose elimination finds no pivot on the diagonal, with two noise forces of positions.
+struct Swapped;
+
+#[variational(midpoint)]
+impl Swapped {
+    fn lagrangian(&self, q: [f64; 4], v: [f64; 4]) -> f64 {
+        v[0] * v[1] + v[1] * v[2] + v[2] * v[3] - q[0] * q[1]
+    }
+    #[force(noise)]
+    fn first(&self, q: [f64; 4], _v: [f64; 4]) -> [f64; 4] {
+        [q[1], 0.0, q[0] * q[2], 0.0]
+    }
+    #[force(noise)]
+    fn second(&self, q: [f64; 4], _v: [f64; 4]) -> [f64; 4] {
+        [0.0, q[3], q[1], 1.0]
+    }
+}
+
+#[test]
+fn noise_forces_of_positions_commute_whatever_the_masses() {
+    let order = Integrator::new(Swapped, Midpoint).plan().strong_order;
+    assert_eq!(order, StrongOrder::One);
+}
+
 /// A push in one direction as a γ, and as a force.
 struct Pushed {
     sigma: f64,

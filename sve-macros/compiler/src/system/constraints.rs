@@ -222,7 +222,7 @@ fn check_noise_forces(
     };
     let is_given = |e: &Expr| arena.constant_value(*e) != Some(0.0);
     let moves_position = noises.iter().any(|noise| noise.dp.iter().any(is_given));
-    let reads_velocity = noises.iter().position(|noise| noise.reads_velocity(arena));
+    let reads_velocity = noises.iter().position(|noise| noise.reads_velocity);
     let Some(at) = reads_velocity.or(moves_position.then_some(first)) else {
         return;
     };
