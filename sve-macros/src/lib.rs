@@ -227,7 +227,7 @@ use sve_compiler::Settings;
 /// | `weak2` with noises that do not commute, an H₁ that depends on p, a force that is not affine in v, no noise; `gauss(s, weak2)` takes an H₁ that depends on p where there is no force | the term would not raise the weak order |
 /// | `weak2` with a `#[force(noise)]` that depends on v, or with masses that depend on the position or time | its term is not derived |
 /// | `initial_point` and `endpoint` with a `#[force(noise)]` of velocities and more than three coordinates coupled by masses that depend on the configuration | the correction needs the inverse of the mass matrix as a formula |
-/// | constraints with a `#[force(noise)]` of velocities beside other noises, or by `initial_point` and `endpoint` | whether projected noises commute, and their correction, are not derived |
+/// | constraints with a `#[force(noise)]` of velocities beside other noises, or by `initial_point` and `endpoint`; with any `#[force(noise)]` beside an H₁ that depends on p | whether projected noises commute, and their correction, are not derived |
 /// | `weak2` with ∂²L/∂v² that depends on v | the term would not be a function of time and configuration |
 /// | `weak2` with more than three coordinates coupled by masses that depend on the configuration | the inverse of the mass matrix is a formula, which would grow too long |
 /// | a `#[symmetry]` that changes L, a noise, or on which a force does work | its momentum would not be conserved |

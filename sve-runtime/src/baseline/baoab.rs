@@ -198,7 +198,7 @@ impl<S> Baoab<S> {
         let rates = self.rates(at, v, mass).map_err(refused)?;
         let noises = Noises::at(&self.system, at);
         let moves_position = noises.jets.iter().flat_map(|jet| jet.dp).any(|x| x != 0.0);
-        if moves_position || noises.read_velocity() {
+        if moves_position || S::NOISE_READS_VELOCITY {
             return Err(refused("a noise depends on the momentum"));
         }
         let kicks = noises.kicks();

@@ -132,7 +132,8 @@ where
         fold.as_ref()?.met_at(system, state.t + part * h, &there)
     };
     let mut end = follow_path(
-        (start, FIRST),
+        start,
+        FIRST,
         |part| at_whole_step.of_part(part),
         |part, x| step(part, 0.0, x),
         meets_fold,
@@ -142,7 +143,8 @@ where
         // a stride must not jump over a pole
         let reach = mechanics::reach_of_noise(system, state, dw.as_ref());
         end = follow_path(
-            (Point { at: 0.0, ..end }, FIRST / reach.max(1.0)),
+            Point { at: 0.0, ..end },
+            FIRST / reach.max(1.0),
             |_| at_whole_step,
             |noise, x| step(1.0, noise, x),
             |_, q| meets_fold(1.0, q),
@@ -240,7 +242,8 @@ impl End {
 /// # Errors
 /// The [`End`] before 1.
 fn follow_path<const N: usize, X: Copy + AsRef<[f64]> + AsMut<[f64]>>(
-    (start, first): (Point<N, X>, f64),
+    start: Point<N, X>,
+    first: f64,
     scale: impl Fn(f64) -> Scale,
     solve: impl Fn(f64, &X) -> Result<([f64; N], [f64; N], X), SolveError>,
     meets_fold: impl Fn(f64, &[f64; N]) -> Option<f64>,

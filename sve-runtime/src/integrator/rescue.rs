@@ -5,11 +5,11 @@
 
 use super::accept::{add, refusal, replace};
 use super::continuation::{self, ContinuationError};
+use super::start::NO_POLE;
 use crate::error::{StepError, step_error};
 use crate::mechanics::constraints::explain::{constraint_error, gradient_error};
 use crate::mechanics::degenerate::{self, is_degenerate};
-use crate::mechanics::legendre;
-use crate::mechanics::{self};
+use crate::mechanics::{legendre, reach_of_noise};
 use crate::phase::configuration::{Coordinates, FlatConfiguration};
 use crate::phase::state::State;
 use crate::rule::Walker;
@@ -101,7 +101,7 @@ where
                 step,
                 reached: noise,
             };
-            if step == 1.0 && mechanics::reach_of_noise(system, state, dw.as_ref()) >= 1.0 {
+            if step == 1.0 && reach_of_noise(system, state, dw.as_ref()) >= NO_POLE {
                 return Err(StepError::NoisePole {
                     t: state.t,
                     h,

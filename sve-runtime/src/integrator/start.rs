@@ -21,7 +21,7 @@ use crate::rule::Walker;
 use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::system::equations::{Memory, StepEquations, StepOf};
-use crate::system::start::{StartOfStep, Tested};
+use crate::system::start::Tested;
 use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
 
 /// Returned by a failed test. The error of the step is made off the fast path, from the inverse
@@ -30,7 +30,7 @@ const NO_START: SolveError = SolveError::Singular { iteration: 0 };
 
 /// Below this reach of the noise forces of velocities no rule has a pole. From here on the solution is
 /// followed: where several eigenvalues pass a pole together, no determinant changes its sign.
-const NO_POLE: f64 = 1.0;
+pub(super) const NO_POLE: f64 = 1.0;
 
 /// Returns whether the mass matrix has to be tested in each step.
 const fn tests_state<S: StepEquations<R>, R>() -> bool {
@@ -67,7 +67,7 @@ where
     if const { tests_state::<S, R>() } && !system.state_gives_regular_mass(state.t, &state.q) {
         return Err(NO_START);
     }
-    if S::NOISE_FORCED && !is_finite(dw.as_ref()) {
+    if S::NOISE_READS_VELOCITY && !is_finite(dw.as_ref()) {
         return Err(SolveError::NonFinite);
     }
     if const { S::NOISE_READS_VELOCITY && iterates(S::PLAN) }
@@ -138,7 +138,7 @@ where
     let coefficients = &prepared.coefficients;
     let unsolved = system.increment_lanes(coefficients, states, next, h, dw, newton, unknowns);
     let mut unsure = 0;
-    if S::NOISE_FORCED {
+    if S::NOISE_READS_VELOCITY {
         let processes = dw.as_ref().iter();
         let sizes = processes.fold([0.0; LANES], |mut sizes, process| {
             for lane in 0..LANES {
@@ -149,9 +149,18 @@ where
         });
         unsure |= marked(&sizes);
     }
+    // bounds of the Jacobian reject a pole in steps without constraints
+    if const { S::NOISE_READS_VELOCITY && !S::CONSTRAINTS.is_empty() && iterates(S::PLAN) } {
+        unsure |= lanes_where::<S, Q, N, M>(states, |lane, state| {
+            let dw: [f64; M] = core::array::from_fn(|process| dw.as_ref()[process][lane]);
+            reach_of_noise(system, state, &dw) >= NO_POLE
+        });
+    }
     if const { tests_state::<S, R>() } {
+        let is_singular =
+            |_, state: &State<Q::Flat>| !system.state_gives_regular_mass(state.t, &state.q);
         let singular = system.lanes_of_singular_mass(states);
-        unsure |= singular.unwrap_or_else(|| singular_masses(system, states));
+        unsure |= singular.unwrap_or_else(|| lanes_where::<S, Q, N, M>(states, is_singular));
     }
     if unsure != 0 {
         restore::<S>(unsure, states, next);
@@ -165,19 +174,19 @@ fn is_finite(increments: &[f64]) -> bool {
     increments.iter().fold(0.0, |sum, dw| sum + 0.0 * dw) == 0.0
 }
 
-/// Returns the lanes where the mass matrix is singular, tested lane by lane.
-fn singular_masses<S, Q, const N: usize, const M: usize>(
-    system: &S,
+/// Returns the lanes whose states pass a test, lane by lane.
+fn lanes_where<S, Q, const N: usize, const M: usize>(
     states: &StateLanesOf<S>,
+    test: impl Fn(usize, &State<Q::Flat>) -> bool,
 ) -> Mask
 where
-    S: StartOfStep + System<Dims = Dims<N, M, Q>>,
+    S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
     let mut mask = 0;
     for lane in 0..LANES {
-        let State { t, q, .. } = S::Dims::get(states, lane).to_coordinates();
-        mask |= Mask::from(!system.state_gives_regular_mass(t, &q)) << lane;
+        let state = S::Dims::get(states, lane).to_coordinates();
+        mask |= Mask::from(test(lane, &state)) << lane;
     }
     mask
 }

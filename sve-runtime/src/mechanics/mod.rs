@@ -125,8 +125,9 @@ pub trait Mechanics: System {
     fn acceleration(&self, state: &StateOf<Self>) -> Result<Field<MomentumOf<Self>>, StepError>;
 
     /// Returns `Σ_a g_a dW_a`, the noise fields `g_a = (∂G_a/∂p, f_a − ∂G_a/∂q)` combined with the
-    /// given increments. The force f of a noise is NaN if no velocity has the momentum. Does not compile for a system with constraints, whose forces balance a part of
-    /// the noise:
+    /// given increments. A force f that depends on the velocity is NaN if no velocity has the
+    /// momentum. Does not compile for a system with constraints, whose forces balance a part of the
+    /// noise:
     ///
     /// ```compile_fail
     /// use sve_runtime::prelude::*;

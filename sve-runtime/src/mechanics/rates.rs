@@ -99,38 +99,42 @@ where
     let Ok(v) = legendre::velocity(system, state) else {
         return f64::INFINITY;
     };
-    let mass = system.lagrangian_jet(state.t, &state.q, &v).dvv;
     let forces = system.noise_force_jets(state.t, &state.q, &v);
     // with stage noise, the increment of a process is the sum of those at its stages
     let stages = dw.len() / M.max(1);
-    let mut largest = 0.0_f64;
-    for i in 0..N {
-        let mut row = [0.0; N];
-        for (force, parts) in forces.iter().zip(dw.chunks(stages.max(1))) {
-            let size: f64 = parts.iter().map(|part| part.abs()).sum();
-            let dw: f64 = if stages == 1 { parts[0] } else { size };
+    let mut slopes = [[0.0; N]; N];
+    for (force, parts) in forces.iter().zip(dw.chunks(stages.max(1))) {
+        let size: f64 = parts.iter().map(|part| part.abs()).sum();
+        let dw: f64 = if stages == 1 { parts[0] } else { size };
+        for (row, dv) in slopes.iter_mut().zip(&force.dv) {
             for j in 0..N {
-                row[j] += dw * force.dv[i][j];
+                row[j] += dw * dv[j];
             }
         }
-        let Some(row) = dense::solve(&mass, &row) else {
-            return f64::INFINITY;
-        };
-        largest = largest.max(row.iter().map(|x| x.abs()).sum());
     }
-    largest
+    if slopes.as_flattened().iter().all(|&slope| slope == 0.0) {
+        return 0.0;
+    }
+    let mass = system.lagrangian_jet(state.t, &state.q, &v).dvv;
+    let Some(mass) = dense::factored(&mass) else {
+        return f64::INFINITY;
+    };
+    let sizes = slopes.map(|row| mass.solve(&row).iter().map(|x| x.abs()).sum::<f64>());
+    sizes.into_iter().fold(0.0, f64::max)
 }
 
 /// The noises at a state.
 pub(crate) struct Noises<const N: usize, const M: usize> {
     /// The Hamiltonians.
     pub(crate) jets: [NoiseJet<N>; M],
-    /// The forces and the mass matrix; `None` if no noise is a force.
-    forces: Option<([ForceJet<N>; M], [[f64; N]; N])>,
+    /// The forces; `None` if no noise is a force.
+    forces: Option<[ForceJet<N>; M]>,
+    /// The mass matrix; `None` if no force depends on the velocity.
+    mass: Option<[[f64; N]; N]>,
 }
 
 impl<const N: usize, const M: usize> Noises<N, M> {
-    /// Evaluates the noises. If no velocity has the momentum, forces are NaN.
+    /// Evaluates the noises. If no velocity has the momentum, forces that depend on it are NaN.
     #[inline]
     pub(crate) fn at<S, Q>(system: &S, state: &State<Q::Flat>) -> Self
     where
@@ -138,12 +142,14 @@ impl<const N: usize, const M: usize> Noises<N, M> {
         Q: Coordinates<N>,
     {
         let jets = system.noise_jets(state.t, &state.q, &state.p);
-        let forces = S::NOISE_FORCED.then(|| {
-            let v = legendre::velocity(system, state).unwrap_or([f64::NAN; N]);
-            let forces = system.noise_force_jets(state.t, &state.q, &v);
-            (forces, system.lagrangian_jet(state.t, &state.q, &v).dvv)
-        });
-        Self { jets, forces }
+        let mut v = [0.0; N];
+        let mut mass = None;
+        if S::NOISE_READS_VELOCITY {
+            v = legendre::velocity(system, state).unwrap_or([f64::NAN; N]);
+            mass = Some(system.lagrangian_jet(state.t, &state.q, &v).dvv);
+        }
+        let forces = S::NOISE_FORCED.then(|| system.noise_force_jets(state.t, &state.q, &v));
+        Self { jets, forces, mass }
     }
 
     /// Returns `Σ_a g_a dW_a`.
@@ -159,8 +165,7 @@ impl<const N: usize, const M: usize> Noises<N, M> {
                 sum.p[i] -= jet.dq[i] * dw;
             }
         }
-        let forces = self.forces.iter().flat_map(|(forces, _)| forces);
-        for (force, dw) in forces.zip(dw) {
+        for (force, dw) in self.forces.iter().flatten().zip(dw) {
             for i in 0..N {
                 sum.p[i] += force.value[i] * dw;
             }
@@ -175,13 +180,6 @@ impl<const N: usize, const M: usize> Noises<N, M> {
             dw[a] = 1.0;
             self.field(&dw).p
         })
-    }
-
-    /// Returns whether a noise has a force that depends on the velocity.
-    pub(crate) fn read_velocity(&self) -> bool {
-        let forces = self.forces.iter().flat_map(|(forces, _)| forces);
-        let mut slopes = forces.flat_map(|force| force.dv.as_flattened());
-        slopes.any(|&slope| slope != 0.0)
     }
 
     /// Returns `½ Σ_a (Dg_a) g_a`. A noise is either a Hamiltonian or a force.
@@ -199,10 +197,10 @@ impl<const N: usize, const M: usize> Noises<N, M> {
                 }
             }
         }
-        let Some((forces, mass)) = &self.forces else {
+        let Some(mass) = &self.mass else {
             return sum;
         };
-        for force in forces {
+        for force in self.forces.iter().flatten() {
             // the change of the velocity by the force
             let change = dense::solve(mass, &force.value).unwrap_or([f64::NAN; N]);
             for i in 0..N {

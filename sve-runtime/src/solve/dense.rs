@@ -187,7 +187,7 @@ impl<const K: usize> Factors<K> {
     }
 }
 
-/// Factors a matrix of three and more rows. Returns `None` if it is singular to rounding.
+/// Factors a matrix. Returns `None` if it is singular to rounding.
 pub fn factored<const K: usize>(matrix: &[[f64; K]; K]) -> Option<Factors<K>> {
     let mut lu = *matrix;
     let (rows, sign) = factor(matrix, SINGULAR, &mut lu)?;

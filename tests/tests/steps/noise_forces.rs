@@ -1,6 +1,8 @@
-//! Noises that are forces: closed forms of steps, poles, what is conserved, the Itô correction, and
-//! ensembles. `derivatives.rs` compares the steps with the equations of the discrete action, with
+//! Noises that are forces: closed forms of steps, what is conserved, the Itô correction, and
+//! ensembles. Poles of many unknowns are in `noise_forces/poles.rs`. `derivatives.rs` compares the steps with the equations of the discrete action, with
 //! the corrections of rules with one node at an end.
+
+mod poles;
 
 use sve_models::differences::derivatives;
 use sve_models::models::Rubbed;
@@ -107,152 +109,6 @@ fn a_step_that_meets_a_pole_is_an_error() {
     }
 }
 
-/// Three bodies in a plane with the same friction noise: six coupled unknowns, whose eigenvalues pass
-/// the pole together, so that no determinant changes its sign.
-struct Three;
-
-#[variational(midpoint, stormer_verlet)]
-impl Three {
-    fn lagrangian(&self, q: [Vector2<f64>; 3], v: [Vector2<f64>; 3]) -> f64 {
-        let mut l = 0.0;
-        for i in 0..3 {
-            l += 0.5 * v[i].norm_squared();
-            for j in 0..i {
-                l -= 0.5 * ((q[i] - q[j]).norm_squared() + 1.0).sqrt();
-            }
-        }
-        l
-    }
-    #[force(noise)]
-    fn rub(&self, _q: [Vector2<f64>; 3], v: [Vector2<f64>; 3]) -> [Vector2<f64>; 3] {
-        v
-    }
-}
-
-/// Masses that are all coupled.
-struct Dense;
-
-#[variational(midpoint, stormer_verlet)]
-impl Dense {
-    fn lagrangian(&self, q: [f64; 6], v: [f64; 6]) -> f64 {
-        let sum: f64 = v.iter().sum();
-        let squares: f64 = v.iter().map(|v| 0.5 * v * v).sum();
-        squares + 0.1 * sum * sum - q.iter().map(|q| 0.5 * q * q).sum::<f64>()
-    }
-    #[force(noise)]
-    fn rub(&self, _q: [f64; 6], v: [f64; 6]) -> [f64; 6] {
-        let sum: f64 = v.iter().sum();
-        v.map(|v| v + 0.2 * sum)
-    }
-}
-
-/// A bead on a sphere.
-struct Bead;
-
-#[variational(midpoint, stormer_verlet)]
-impl Bead {
-    fn lagrangian(&self, q: [f64; 3], v: [f64; 3]) -> f64 {
-        0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) - q[2]
-    }
-    #[force(noise)]
-    fn rub(&self, _q: [f64; 3], v: [f64; 3]) -> [f64; 3] {
-        v
-    }
-    #[constraint]
-    fn sphere(&self, q: [f64; 3]) -> f64 {
-        0.5 * (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] - 1.0)
-    }
-}
-
-/// A force that turns the velocity, with a pole of the initial-point rule at y = 1 ± i.
-struct Turning;
-
-#[variational(initial_point, endpoint)]
-impl Turning {
-    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * q[0] * q[0]
-    }
-    #[force(noise)]
-    fn turn(&self, _q: [f64; 2], v: [f64; 2]) -> [f64; 2] {
-        [v[0] - v[1], v[0] + v[1]]
-    }
-}
-
-#[test]
-fn poles_of_several_eigenvalues_are_errors_too() {
-    let plane = [0.3, -0.2, 0.9].map(|x| Vector2::new(x, 0.4 - x));
-    let row = [0.3, -0.2, 0.9, 0.1, -0.5, 0.6];
-    macro_rules! check {
-        ($system:expr, $rule:expr, $start:expr, $pole:expr) => {
-            let integrator = Integrator::new($system, $rule);
-            let rule = integrator.plan().to_string();
-            for dw in [2.1, 2.5, 4.0, 6.0, 100.0, 1e4, 1e6] {
-                let mut state = $start;
-                let result = integrator.step(&mut state, 0.01, &[dw]);
-                let is_pole = matches!(result, Err(StepError::NoisePole { .. }));
-                assert_eq!(is_pole, dw > $pole, "{dw}: {result:?} {rule}");
-                assert_eq!(integrator.tangent(&$start, 0.01, &[dw]).is_err(), is_pole);
-            }
-            for dw in [-30.0, -0.5, 0.9] {
-                integrator.step(&mut { $start }, 0.01, &[dw]).unwrap();
-            }
-        };
-    }
-    check!(Three, Midpoint, State::new(plane, plane), 2.0);
-    check!(Three, StormerVerlet, State::new(plane, plane), 2.0);
-    check!(Dense, Midpoint, State::new(row, row), 2.0);
-    check!(Dense, StormerVerlet, State::new(row, row), 2.0);
-    check!(
-        Turning,
-        InitialPoint,
-        State::new([0.3, 0.1], [0.2, 0.5]),
-        1.0
-    );
-    check!(
-        Turning,
-        Endpoint,
-        State::new([0.3, 0.1], [0.2, 0.5]),
-        f64::INFINITY
-    );
-    for dw in [2.1, 3.0, 4.0, 5.0, 6.0, 100.0, 1e4] {
-        let mut state = State::new([1.0, 0.0, 0.0], [0.0, 0.4, 0.3]);
-        let bead = Integrator::new(Bead, Midpoint);
-        assert!(bead.step(&mut state, 0.01, &[dw]).is_err(), "{dw}");
-        let bead = Integrator::new(Bead, StormerVerlet);
-        assert!(bead.step(&mut state, 0.01, &[dw]).is_err(), "{dw}");
-    }
-}
-
-/// A lost branch of another noise is none of a force.
-#[test]
-fn a_weak_noise_force_is_not_blamed() {
-    struct Both;
-    #[variational(gauss(2))]
-    impl Both {
-        fn lagrangian(&self, q: f64, v: f64) -> f64 {
-            0.5 * v * v + q.cos()
-        }
-        #[gamma]
-        fn shake(&self, q: f64) -> f64 {
-            q.cos()
-        }
-        #[force(noise)]
-        fn rub(&self, _q: f64, v: f64) -> f64 {
-            1e-9 * v
-        }
-    }
-    let integrator = Integrator::new(Both, Gauss::<2>);
-    let mut lost = 0;
-    for k in 0..60 {
-        let mut state = State::new([0.1 * f64::from(k)], [0.3]);
-        if let Err(error) = integrator.step(&mut state, 0.5, &[-59.5, 0.0]) {
-            assert!(!matches!(error, StepError::NoisePole { .. }), "{error}");
-            lost += 1;
-        }
-    }
-    assert!(lost > 0);
-}
-
 #[test]
 fn plans_tell_of_poles_and_of_structure() {
     macro_rules! text {
@@ -278,6 +134,67 @@ fn plans_tell_of_poles_and_of_structure() {
     let pair = ("jitter", "push");
     assert_eq!(order, StrongOrder::Half { pair });
     let order = Integrator::new(rubbed(), Midpoint).plan().strong_order;
+    assert_eq!(order, StrongOrder::One);
+}
+
+/// A noise force that depends on time, without another force.
+struct Gusts;
+
+#[variational(midpoint, gauss(2))]
+impl Gusts {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q
+    }
+    #[force(noise)]
+    fn gust(&self, t: f64, q: f64, _v: f64) -> f64 {
+        t.cos() * q
+    }
+}
+
+#[test]
+fn plans_name_the_time_of_a_noise_force() {
+    let texts = [
+        (
+            Integrator::new(Gusts, Midpoint).plan().to_string(),
+            "f(t̄, q̄, v)",
+        ),
+        (
+            Integrator::new(Gusts, Gauss::<2>).plan().to_string(),
+            "f(tᵢ, Qᵢ, Vᵢ)",
+        ),
+    ];
+    for (text, force) in texts {
+        assert!(
+            text.contains("L(q̄, v)") || text.contains("L(Qᵢ, Vᵢ)"),
+            "{text}"
+        );
+        assert!(!text.contains("f(q") && !text.contains("f(Q"), "{text}");
+        assert!(text.contains(force), "{text}");
+        assert!(text.contains("t̄ = ") || text.contains("tᵢ = "), "{text}");
+    }
+}
+
+/// Masses whose elimination finds no pivot on the diagonal, with two noise forces of positions.
+struct Swapped;
+
+#[variational(midpoint)]
+impl Swapped {
+    fn lagrangian(&self, q: [f64; 4], v: [f64; 4]) -> f64 {
+        v[0] * v[1] + v[1] * v[2] + v[2] * v[3] - q[0] * q[1]
+    }
+    #[force(noise)]
+    fn first(&self, q: [f64; 4], _v: [f64; 4]) -> [f64; 4] {
+        [q[1], 0.0, q[0] * q[2], 0.0]
+    }
+    #[force(noise)]
+    fn second(&self, q: [f64; 4], _v: [f64; 4]) -> [f64; 4] {
+        [0.0, q[3], q[1], 1.0]
+    }
+}
+
+#[test]
+fn noise_forces_of_positions_commute_whatever_the_masses() {
+    let order = Integrator::new(Swapped, Midpoint).plan().strong_order;
     assert_eq!(order, StrongOrder::One);
 }
 

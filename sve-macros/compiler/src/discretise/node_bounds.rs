@@ -61,10 +61,7 @@ pub(crate) fn uniqueness(
     let derivatives = Derivatives::new(model, mechanics, arena);
     let moving = [&model.q[..], &model.v, &model.p].concat();
     let second = derivatives.second();
-    let reads_velocity = mechanics
-        .noises
-        .iter()
-        .any(|noise| noise.reads_velocity(arena));
+    let reads_velocity = mechanics.noises.iter().any(|noise| noise.reads_velocity);
     let moves = |&e: &Expr| moving.iter().any(|&s| arena.contains(e, s));
     if !reads_velocity && !second.iter().any(moves) {
         return Uniqueness::Linear;

@@ -19,7 +19,6 @@ pub(super) fn with_notation(
     written_out: Vec<String>,
     features: &Features,
     system: &Classified,
-    arena: &Arena,
 ) -> String {
     let Textbook {
         action,
@@ -43,8 +42,7 @@ pub(super) fn with_notation(
     if !notation.is_empty() {
         lines.push(notation.join(", "));
     }
-    let noises = system.mechanics.noises.iter();
-    if noises.clone().any(|noise| noise.reads_velocity(arena)) {
+    if (system.mechanics.noises.iter()).any(|noise| noise.reads_velocity) {
         lines.extend(pole(rule, system.model.dof()).map(ToOwned::to_owned));
     }
     lines.join("\n")
@@ -109,11 +107,12 @@ pub(super) fn features(
     let given = |list: &[Expr]| list.iter().any(|&e| arena.constant_value(e) != Some(0.0));
     let moves_q = mechanics.noises.iter().any(|g| given(&g.dp));
     let moves_p = mechanics.noises.iter().any(|g| given(&g.dq));
-    let reads_velocity = (mechanics.noises.iter()).any(|g| g.reads_velocity(arena));
+    let reads_velocity = (mechanics.noises.iter()).any(|g| g.reads_velocity);
     Features {
         degrees_of_freedom: model.dof(),
         is_timed: timed(model.lagrangian) || noises.iter().any(|g| timed(g.hamiltonian)),
-        force_is_timed: (model.force.as_ref()).map(|_| model.forces().flatten().any(|&e| timed(e))),
+        is_forced: model.force.is_some(),
+        forces_are_timed: model.forces().flatten().any(|&e| timed(e)),
         potential,
         has_stage_noise: rule.options.contain(RuleOption::StageNoise),
         gammas,

@@ -23,7 +23,7 @@ pub(crate) fn gauss(
     let features = features(rule, system, half_factor, arena);
     let textbook = discretisation(rule).textbook(&features);
     StepTexts {
-        action: with_notation(rule, textbook, Vec::new(), &features, system, arena),
+        action: with_notation(rule, textbook, Vec::new(), &features, system),
         step: equations(count, stages, &features).join("\n"),
         domain: Vec::new(),
     }
@@ -49,16 +49,20 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
         displacement.push(term.replacen('−', "+", 1));
     }
     let displacement = displacement.concat();
-    let mut impulse = vec![match features.force_is_timed {
-        Some(_) => format!("h·bᵢ·(∂L/∂q + F)({point})"),
-        None => format!("h·bᵢ·∂L/∂q({point})"),
+    let t_of_forces = features.time_of_forces("tᵢ");
+    let with_forces = if t.is_empty() { &t_of_forces } else { &t };
+    let mut impulse = vec![if features.is_forced {
+        format!("h·bᵢ·(∂L/∂q + F)({with_forces}Qᵢ, Vᵢ)")
+    } else {
+        format!("h·bᵢ·∂L/∂q({point})")
     }];
     if features.gammas > 0 {
         impulse.push(format!(" + {b}Σ ∂γ/∂q({t}Qᵢ)·{dw}"));
     }
     if features.noise_forces > 0 {
-        impulse.push(format!(" + {b}Σ f({point})·{dw}"));
-        impulse.push(features.push("h·|h|·bᵢ", &format!("D({t}Qᵢ)"), 1));
+        impulse.push(format!(" + {b}Σ f({t_of_forces}Qᵢ, Vᵢ)·{dw}"));
+        let push = format!("D({t_of_forces}Qᵢ)");
+        impulse.push(features.push("h·|h|·bᵢ", &push, 1));
     }
     let mut p = "";
     if features.hamiltonians > 0 {

@@ -218,15 +218,17 @@ impl SceneTexts {
             let h1 = nodes.replace(", v)", ", p)").replace('L', "H₁");
             write!(action, " − Σ {h1} ΔW").ok();
         }
+        let nodes = [(start, "q₀"), (end, "q₁")];
+        let nodes = nodes.map(|(part, q)| part.map(|part| (part, q)));
+        let nodes = || nodes.into_iter().flatten();
+        let mut work = Vec::new();
         if self.has_forces {
-            let at = |part: Option<&str>, at| part.map(|part| format!("{part}h F({at}, v)·δ{at}"));
-            let work: Vec<String> = at(start, "q₀").into_iter().chain(at(end, "q₁")).collect();
-            let work = work.join(" + ");
-            write!(action, "\nwith the virtual work {work} beside δS").ok();
+            work.extend(nodes().map(|(part, q)| format!("{part}h F({q}, v)·δ{q}")));
         }
         if self.has_noise_forces {
-            let at = |part: Option<&str>, at| part.map(|part| format!("{part}Σ f({at})·δ{at} ΔW"));
-            let work: Vec<String> = at(start, "q₀").into_iter().chain(at(end, "q₁")).collect();
+            work.extend(nodes().map(|(part, q)| format!("{part}Σ f({q})·δ{q} ΔW")));
+        }
+        if !work.is_empty() {
             let work = work.join(" + ");
             write!(action, "\nwith the virtual work {work} beside δS").ok();
         }

@@ -40,7 +40,7 @@ pub(crate) fn step(derived: &Derived, system: &Classified) -> StepTexts {
     textbook.action += &constraints(model, arena);
     let written_out = written_out(rule, action, symbols, arena);
     StepTexts {
-        action: with_notation(rule, textbook, written_out, &features, system, arena),
+        action: with_notation(rule, textbook, written_out, &features, system),
         step: equations(rule, action, scheme, symbols, arena).join("\n"),
         domain: domain(rule, scheme, symbols, arena),
     }

@@ -22,13 +22,14 @@ pub(crate) use nodes::{AtNode, END, NodeQuantity};
 pub(crate) use symbols::{Argument, Meaning, Quantity, Symbols};
 pub(crate) use unknowns::{Family, Unknown};
 
-/// The noise of one Wiener process: the Hamiltonian `−γ` or `H₁`, or a force.
+/// The noise of one Wiener process: the Hamiltonian `−γ` or `H₁`, or a force. The term of the option
+/// `weak2` may have both.
 #[derive(Clone)]
 pub(crate) struct NoiseTerm {
     /// Source name, with an index if the function returns an array.
     pub(crate) name: String,
     pub(crate) kind: NoiseKind,
-    /// G, which is zero for a force.
+    /// G, which is zero if the user wrote a force.
     pub(crate) hamiltonian: Expr,
     /// f, which adds `f ∘ dW` to dp, if there is one.
     pub(crate) force: Option<Vec<Expr>>,
@@ -159,6 +160,12 @@ impl Model {
     pub(crate) fn forces(&self) -> impl Iterator<Item = &Vec<Expr>> {
         let of_noises = self.noises.iter().filter_map(|noise| noise.force.as_ref());
         self.force.iter().chain(of_noises)
+    }
+
+    /// Returns whether a force depends on velocities.
+    pub(crate) fn reads_velocity(&self, force: &[Expr], arena: &Arena) -> bool {
+        let mut all = self.v.iter();
+        all.any(|&v| force.iter().any(|&f| arena.contains(f, v)))
     }
 
     /// Returns the model with one more noise.

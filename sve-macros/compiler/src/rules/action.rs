@@ -218,13 +218,16 @@ impl Variables<'_> {
 
     /// Returns the increments of noise forces that depend on velocities.
     fn dividing(&self) -> Vec<Symbol> {
-        let reads_velocity = |force: &Vec<Expr>| {
-            let mut all = self.model.v.iter();
-            all.any(|&v| force.iter().any(|&f| self.arena.contains(f, v)))
-        };
-        let noises = self.model.noises.iter().zip(&self.dw);
-        let of_velocities = noises.filter(|(noise, _)| noise.force.iter().any(reads_velocity));
-        of_velocities.map(|(_, &dw)| dw).collect()
+        let mut dividing = Vec::new();
+        for (noise, &dw) in self.model.noises.iter().zip(&self.dw) {
+            let mut force = noise.force.iter();
+            dividing.extend(
+                force
+                    .any(|f| self.model.reads_velocity(f, self.arena))
+                    .then_some(dw),
+            );
+        }
+        dividing
     }
 
     /// Returns an intermediate result for a quantity at a node.
@@ -319,26 +322,22 @@ impl Variables<'_> {
         let mut work = Vec::new();
         if let Some(force) = &model.force {
             let h = self.arena.symbol(self.h);
-            work.extend(self.work_of(force, part, h, (number, node)));
+            work.extend(self.work_of(force, part, h, number, node));
         }
         for (at, noise) in model.noises.iter().enumerate() {
             if let Some(force) = &noise.force {
                 let dw = self.arena.symbol(self.dw[at]);
-                work.extend(self.work_of(force, part, dw, (number, node)));
+                work.extend(self.work_of(force, part, dw, number, node));
             }
         }
-        if let Some((
-            half_factor,
-            Potential {
-                push: Some(push), ..
-            },
-        )) = self.potential
+        if let Some((half_factor, potential)) = self.potential
+            && let Some(push) = &potential.push
         {
             let h = self.arena.symbol(self.h);
             let size = self.arena.abs(h);
             let duration = self.arena.mul(h, size);
             let part = 2.0 * half_factor * part;
-            work.extend(self.work_of(push, part, duration, (number, node)));
+            work.extend(self.work_of(push, part, duration, number, node));
         }
         work
     }
@@ -349,7 +348,8 @@ impl Variables<'_> {
         force: &[Expr],
         part: f64,
         duration: Expr,
-        (number, node): (usize, &HashMap<Symbol, Expr>),
+        number: usize,
+        node: &HashMap<Symbol, Expr>,
     ) -> Vec<Work> {
         let mut work = Vec::new();
         for block in self.model.configuration().blocks() {

@@ -75,7 +75,7 @@ fn of_pair(
             }
         }
         (Some(force), _) => {
-            let reads_velocity = first.reads_velocity(arena);
+            let reads_velocity = first.reads_velocity;
             let against = second.against(arena);
             let change = if reads_velocity {
                 mechanics.velocity_along([&second.dp, &against], &model.q_and_v(), arena)?

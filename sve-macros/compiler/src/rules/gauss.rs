@@ -129,7 +129,7 @@ impl Discretisation for Gauss {
         let ends = system.pairing("λ", "q₁ − q₀ − h·Σⱼ bⱼ·Uⱼ");
         terms.push(format!(" }} + {ends}"));
         let mut notation = vec!["Qᵢ = q₀ + h·Σⱼ aᵢⱼ·Uⱼ".to_owned()];
-        if system.is_timed {
+        if system.is_timed || system.forces_are_timed {
             notation.push("tᵢ = t₀ + cᵢ·h".to_owned());
         }
         if system.has_stage_noise {
@@ -148,16 +148,16 @@ impl Discretisation for Gauss {
 /// Returns the virtual work of all forces at the stages.
 fn works(system: &Features) -> String {
     let mut works = Vec::new();
-    if system.force_is_timed.is_some() {
-        works.push(format!("h·Σᵢ bᵢ·{}", system.work("F", &STAGE)));
+    let at = |force, arguments: &str| system.work(force, arguments, &STAGE);
+    if system.is_forced {
+        works.push(format!("h·Σᵢ bᵢ·{}", at("F", &STAGE.moving())));
     }
     if system.noise_forces > 0 {
         let (b, dw) = system.increment_at_stage();
         let sum = sum(system.noise_forces);
-        works.push(format!("Σᵢ {b}{sum}{}·{dw}", system.work("f", &STAGE)));
+        works.push(format!("Σᵢ {b}{sum}{}·{dw}", at("f", &STAGE.moving())));
     }
-    let push = system.work("D", &STAGE).replace(", Vᵢ)", ")");
-    works.join(" + ") + &system.push("h·|h|·Σᵢ bᵢ", &push, 1)
+    works.join(" + ") + &system.push("h·|h|·Σᵢ bᵢ", &at("D", STAGE.position), 1)
 }
 
 /// Returns the values of the model's variables at node `i`.

@@ -98,10 +98,7 @@ impl Discretisation for Taylor2 {
 
     fn textbook(&self, system: &Features) -> Textbook {
         let drift = if system.is_timed { " + L_vt" } else { "" };
-        let force = match system.force_is_timed {
-            Some(_) => " − F",
-            None => "",
-        };
+        let force = if system.is_forced { " − F" } else { "" };
         let displacement = system.pairing("μ", "q₁ − q₀ − h·v − h²·a/2");
         let flow = system.pairing("ν", &format!("L_vv·a + L_vq·v{drift} − L_q{force}"));
         system.textbook(

@@ -45,6 +45,11 @@ impl Point {
         self.position == END.position
     }
 
+    /// Returns position and velocity, as the arguments of a force.
+    pub(super) fn moving(&self) -> String {
+        format!("{}, {}", self.position, self.velocity)
+    }
+
     pub(crate) fn name(&self, quantity: NodeQuantity) -> &'static str {
         match quantity {
             NodeQuantity::Time => self.time,
@@ -68,10 +73,12 @@ pub(crate) struct Textbook {
 #[allow(clippy::struct_excessive_bools)] // properties that do not depend on one another
 pub(crate) struct Features {
     pub(crate) degrees_of_freedom: usize,
-    /// True if L or a noise depends on time.
+    /// True if L or a noise Hamiltonian depends on time.
     pub(crate) is_timed: bool,
-    /// True if a force depends on time; `None` without F.
-    pub(crate) force_is_timed: Option<bool>,
+    /// True if there is a force F.
+    pub(crate) is_forced: bool,
+    /// True if F or the force of a noise depends on time.
+    pub(crate) forces_are_timed: bool,
     /// ½κ of the option `weak2`, if the action has its term.
     pub(crate) potential: Option<f64>,
     /// True if each process has an increment for each stage.
@@ -117,7 +124,8 @@ impl Features {
         let mut notation: Vec<&str> = Vec::new();
         for point in points {
             notation.extend(point.others_are);
-            notation.extend(point.time_is.filter(|_| self.is_timed));
+            let is_timed = self.is_timed || self.forces_are_timed;
+            notation.extend(point.time_is.filter(|_| is_timed));
         }
         Textbook {
             action: action.concat(),
@@ -128,18 +136,19 @@ impl Features {
 
     /// Returns the virtual work of all forces at nodes of equal weights.
     fn works(&self, points: &[Point], part: &str) -> String {
-        let at = |force: &str| {
-            let works: Vec<String> = points.iter().map(|x| self.work(force, x)).collect();
-            joined(&works)
+        let at = |force: &str, arguments: fn(&Point) -> String| {
+            let works = points.iter().map(|x| self.work(force, &arguments(x), x));
+            joined(&works.collect::<Vec<_>>())
         };
         let mut works = Vec::new();
-        if self.force_is_timed.is_some() {
-            works.push(format!("h·{}{part}", at("F")));
+        if self.is_forced {
+            works.push(format!("h·{}{part}", at("F", Point::moving)));
         }
         if self.noise_forces > 0 {
-            works.push(format!("{}{}·ΔW{part}", sum(self.noise_forces), at("f")));
+            let work = at("f", Point::moving);
+            works.push(format!("{}{work}·ΔW{part}", sum(self.noise_forces)));
         }
-        let push = at("D").replace(", v)", ")");
+        let push = at("D", |x| x.position.to_owned());
         works.join(" + ") + &self.push("h·|h|", &push, points.len())
     }
 
@@ -168,11 +177,7 @@ impl Features {
     /// Returns the leading time argument of L and the noises, `t̄, `; empty if they do not depend
     /// on time.
     pub(crate) fn time(&self, t: &str) -> String {
-        if self.is_timed {
-            format!("{t}, ")
-        } else {
-            String::new()
-        }
+        leading(self.is_timed, t)
     }
 
     /// Returns `p·(x)`, or `⟨p, x⟩` for vectors.
@@ -206,23 +211,28 @@ impl Features {
         }
     }
 
-    /// Returns the virtual work of a force at a node.
-    pub(super) fn work(&self, force: &str, point: &Point) -> String {
-        let Point {
-            time,
-            position: q,
-            velocity: v,
-            ..
-        } = point;
-        let t = match self.force_is_timed {
-            Some(true) => format!("{time}, "),
-            _ => String::new(),
-        };
+    /// Returns the leading time argument of forces.
+    pub(crate) fn time_of_forces(&self, t: &str) -> String {
+        leading(self.forces_are_timed, t)
+    }
+
+    /// Returns the virtual work at a node of a force with these arguments beside time.
+    pub(super) fn work(&self, force: &str, arguments: &str, point: &Point) -> String {
+        let (t, q) = (self.time_of_forces(point.time), point.position);
         if self.degrees_of_freedom == 1 {
-            format!("{force}({t}{q}, {v})·δ{q}")
+            format!("{force}({t}{arguments})·δ{q}")
         } else {
-            format!("⟨{force}({t}{q}, {v}), δ{q}⟩")
+            format!("⟨{force}({t}{arguments}), δ{q}⟩")
         }
+    }
+}
+
+/// Returns the time argument of a function before others, `t̄, `, if it has one.
+fn leading(is_timed: bool, t: &str) -> String {
+    if is_timed {
+        format!("{t}, ")
+    } else {
+        String::new()
     }
 }
 

@@ -14,10 +14,11 @@
 //! midpoint rule and the rule of Störmer and Verlet are flows of Hamiltonians that lack another
 //! `h ΔW² K_a/24` if `G_a` is a γ; this makes κ = ¼. For a γ, `K_a = ⟨γ_q, M⁻¹ γ_q⟩` with
 //! `M = ∂²L/∂v²`. For an H₁, K also depends on the momentum and acts as a noise Hamiltonian with
-//! the increment `½ κ h |h| bᵢ` at node i. A force f(q) of a noise, with constant masses, gives the
-//! impulse `− κ h |h| bᵢ ∂f/∂q M⁻¹ f`, which is that of `K` if f is the gradient of a γ. A force is then refused, since the leading error also
-//! contains the double bracket with the force. A Gauss rule with stage noise has
-//! `κ = 1/(4(2S − 1))`.
+//! the increment `½ κ h |h| bᵢ` at node i. A force F is then refused, since the leading error also
+//! contains the double bracket with F. A Gauss rule with stage noise has `κ = 1/(4(2S − 1))`.
+//!
+//! A noise force f(q), with constant masses, gives the impulse `− κ h |h| bᵢ ∂f/∂q M⁻¹ f`, which is
+//! that of `K` if f is the gradient of a γ.
 //!
 //! The derivation is in `docs/mathematics.md`, section 9.
 //!
@@ -108,7 +109,7 @@ fn of_noise_force(model: &Model, mechanics: &Mechanics, arena: &Arena) -> Option
     let moves = |&e: &Expr| moving.iter().any(|&s| arena.contains(e, s));
     let has_constant_masses = !masses.copied().any(|e| moves(&e));
     for (noise, jet) in model.noises.iter().zip(&mechanics.noises) {
-        let reads_velocity = jet.reads_velocity(arena);
+        let reads_velocity = jet.reads_velocity;
         if jet.force.is_some() && (reads_velocity || !has_constant_masses) {
             let name = noise.name.clone();
             return Some(Obstacle::NoiseForce {

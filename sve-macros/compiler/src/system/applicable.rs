@@ -88,12 +88,12 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
             errors.push(place, message);
         }
     }
-    let others = block.noises.iter();
-    let others = others.filter(|f| f.role == FunctionRole::TangentH1);
+    let tangent = block.noises.iter();
+    let tangent = tangent.filter(|f| f.role == FunctionRole::TangentH1);
     for symmetry in &block.symmetries {
         check_name(symmetry, block, &mut errors);
     }
-    for function in others.chain(&block.constraints) {
+    for function in tangent.chain(&block.constraints) {
         let attribute = match function.role {
             FunctionRole::TangentH1 => "h1(tangent)",
             role => role.attribute(),
@@ -209,13 +209,14 @@ pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> sy
         );
         errors.push(constraint.name.span(), message);
     }
-    let of_noises = block
-        .noises
-        .iter()
-        .filter(|f| f.role == FunctionRole::NoiseForce);
-    for force in block.forces.iter().chain(of_noises) {
+    for force in block.forces.iter().chain(&block.noises) {
+        let instead = match force.role {
+            FunctionRole::Force => "the force as a part of L",
+            FunctionRole::NoiseForce => "a force that is a gradient in q as `#[gamma]`",
+            _ => continue,
+        };
         let message = format!(
-            "{what}, and steps with a force are not derived there: write the force as a part of L, or give each velocity a kinetic term"
+            "{what}, and steps with a force are not derived there: write {instead}, or give each velocity a kinetic term"
         );
         errors.push(force.name.span(), message);
     }

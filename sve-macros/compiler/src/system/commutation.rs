@@ -47,15 +47,20 @@ pub(crate) fn commutation(
 fn brackets(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Commutation {
     let noises = &mechanics.noises;
     let jets: Vec<[Vec<Expr>; 2]> = noises.iter().map(|jet| scaled(jet, arena)).collect();
-    let fields = Fields::new(model, mechanics, arena);
+    let of_positions: Vec<bool> = noises.iter().map(|g| g.is_of_positions(arena)).collect();
+    let mut fields = None;
     let mut evidence = Vanishing::Proved;
     for i in 0..noises.len() {
         for j in i + 1..noises.len() {
             if arena.is_exhausted() {
                 return Commutation::All(evidence);
             }
+            if of_positions[i] && of_positions[j] {
+                continue;
+            }
             let has_force = noises[i].force.is_some() || noises[j].force.is_some();
             let bracket = if has_force {
+                let fields = fields.get_or_insert_with(|| Fields::new(model, mechanics, arena));
                 let fields = fields.as_ref();
                 fields.map(|fields| fields.bracket(i, j, model, arena))
             } else {
@@ -115,16 +120,11 @@ struct Field {
     q: Vec<Expr>,
     p: Vec<Expr>,
     v: Vec<Expr>,
-    /// True if the field moves momenta alone, by an amount that depends on t and q.
-    is_of_positions: bool,
 }
 
 impl Fields {
-    /// Returns the fields if a noise has a force; `None` too if M⁻¹ has no formula.
+    /// Returns the fields; `None` if M⁻¹ has no formula.
     fn new(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Self> {
-        if !mechanics.noises.iter().any(|noise| noise.force.is_some()) {
-            return None;
-        }
         let momenta = model.p.iter().copied();
         let momenta = momenta
             .zip(mechanics.lagrangian.dv.iter().copied())
@@ -140,15 +140,8 @@ impl Fields {
             let factor = arena.scale_of(&[&q[..], &p].concat());
             let [q, p] = [q, p]
                 .map(|row| -> Vec<Expr> { row.iter().map(|&e| arena.scale(factor, e)).collect() });
-            let is_zero = |&e: &Expr| arena.constant_value(e) == Some(0.0);
-            let is_of_positions = q.iter().all(is_zero) && !noise.reads_velocity(arena);
             let v = mechanics.velocity_along([&q, &p], &[], arena).ok()?;
-            Some(Field {
-                q,
-                p,
-                v,
-                is_of_positions,
-            })
+            Some(Field { q, p, v })
         };
         mechanics
             .noises
@@ -161,9 +154,6 @@ impl Fields {
     /// Returns the bracket of two fields in q and p.
     fn bracket(&self, i: usize, j: usize, model: &Model, arena: &mut Arena) -> Vec<Expr> {
         let [a, b] = [i, j].map(|at| &self.0[at]);
-        if a.is_of_positions && b.is_of_positions {
-            return Vec::new();
-        }
         let turned = model.configuration().commutator(&a.q, &b.q, arena);
         let mut bracket = Vec::new();
         for (of_a, of_b) in a.q.iter().zip(&b.q).chain(a.p.iter().zip(&b.p)) {

@@ -206,9 +206,9 @@ fn check_gradients(
     true
 }
 
-/// Reports noise forces that depend on velocities beside other noises: the fields of the motion are
-/// projected on the constraints, and whether these commute is not derived. A rule with one node at
-/// an end needs a correction by projected fields.
+/// Reports a noise force that depends on velocities, and any noise force beside a noise that moves
+/// the position. The fields of the motion are projected on the constraints. For such fields, neither
+/// the bracket with another noise nor the correction of a rule with one node at an end is derived.
 fn check_noise_forces(
     block: &Annotated,
     model: &Model,
@@ -221,22 +221,26 @@ fn check_noise_forces(
         return;
     };
     let is_given = |e: &Expr| arena.constant_value(*e) != Some(0.0);
-    let moves_position = noises.iter().any(|noise| noise.dp.iter().any(is_given));
-    let reads_velocity = noises.iter().position(|noise| noise.reads_velocity(arena));
-    let Some(at) = reads_velocity.or(moves_position.then_some(first)) else {
-        return;
+    let name = |at: usize| &model.noises[at].name;
+    let reads_velocity = noises.iter().position(|noise| noise.reads_velocity);
+    let moves_position = noises
+        .iter()
+        .position(|noise| noise.dp.iter().any(is_given));
+    let (name, cause) = match (reads_velocity, moves_position) {
+        (Some(at), _) => (name(at), format!("`{}` depends on velocities", name(at))),
+        (None, Some(at)) => (name(first), format!("`{}` moves the position", name(at))),
+        (None, None) => return,
     };
-    let name = &model.noises[at].name;
     if noises.len() > 1 {
         let message = format!(
-            "with constraints, whether the noise force `{name}` commutes with the other noises is not derived, since velocities are involved: give it no velocity and the others no momentum, or leave one noise"
+            "with constraints, whether the noise force `{name}` commutes with the other noises is not derived, since {cause}: write all noises as functions of q, or leave one noise"
         );
         errors.push(function(&block.noises, name).name.span(), message);
     }
     let listed = block.arguments.rules.iter();
     for listed in listed.filter(|listed| listed.rule.has_correction()) {
         let message = format!(
-            "the Stratonovich correction of `{}` is not derived for systems with constraints and the noise force `{name}`, which depends on velocities: use `midpoint` or `stormer_verlet`",
+            "with constraints, the Stratonovich correction of `{}` with the noise force `{name}` is not derived, since {cause}: use `midpoint` or `stormer_verlet`",
             listed.rule.name()
         );
         errors.push(listed.place, message);

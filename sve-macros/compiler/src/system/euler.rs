@@ -54,11 +54,8 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
     let n = model.dof();
     let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
     let is_diagonal = (0..n).all(|i| (0..n).all(|j| i == j || is_zero(jet.dvv[i][j])));
-    let has_solved_correction = !is_diagonal
-        && mechanics
-            .noises
-            .iter()
-            .any(|noise| noise.reads_velocity(arena));
+    let has_solved_correction =
+        !is_diagonal && mechanics.noises.iter().any(|noise| noise.reads_velocity);
     if !is_plain
         || n > MAX_COORDINATES
         || (!is_diagonal && n > MAX_COUPLED)

@@ -28,6 +28,8 @@ pub(crate) struct NoiseJet {
     pub(crate) dpp: Vec<Vec<Expr>>,
     /// f, if the noise has a force.
     pub(crate) force: Option<ForceJet>,
+    /// True if f depends on velocities.
+    pub(crate) reads_velocity: bool,
 }
 
 /// A force with its derivatives, in the order of the runtime's `ForceJet`.
@@ -79,15 +81,10 @@ impl NoiseJet {
         }
     }
 
-    /// Returns whether the noise has a force that depends on velocities.
-    pub(crate) fn reads_velocity(&self, arena: &Arena) -> bool {
-        let slopes = self
-            .force
-            .iter()
-            .flat_map(|force| force.dv.iter().flatten());
-        slopes
-            .copied()
-            .any(|e| arena.constant_value(e) != Some(0.0))
+    /// Returns whether the noise moves momenta alone, by an amount that depends on t and q.
+    pub(crate) fn is_of_positions(&self, arena: &Arena) -> bool {
+        let is_zero = |&e: &Expr| arena.constant_value(e) == Some(0.0);
+        self.dp.iter().all(is_zero) && !self.reads_velocity
     }
 
     fn exprs(&mut self) -> Vec<&mut Expr> {
@@ -98,6 +95,7 @@ impl NoiseJet {
             dqp,
             dpp,
             force,
+            reads_velocity: _,
         } = self;
         let matrices = [dqq, dqp, dpp].into_iter().flatten().flatten();
         let force = force.iter_mut().flat_map(ForceJet::exprs);
@@ -275,6 +273,7 @@ pub(crate) fn noise_jet_of(
         dqq: gradients(arena, &dq, model),
         dqp: hessian(arena, &dq, &model.p),
         dpp: hessian(arena, &dp, &model.p),
+        reads_velocity: force.is_some_and(|force| model.reads_velocity(force, arena)),
         force: force.map(|force| force_jet(force, model, arena)),
         dq,
         dp,

@@ -72,7 +72,7 @@ pub(super) fn noise_force_jets(
     [n, m]: [&Literal; 2],
     formulas: Formulas<'_>,
 ) -> Option<TokenStream> {
-    let reads_velocity = jets.iter().any(|jet| jet.reads_velocity(formulas.arena));
+    let reads_velocity = jets.iter().any(|jet| jet.reads_velocity);
     let jets = noise_forces(jets, formulas)?;
     let private = formulas.private;
     Some(quote! {
