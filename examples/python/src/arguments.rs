@@ -1,5 +1,8 @@
 //! The checks of arguments. A message begins with the name of the argument.
 
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
 use numpy::{AllowTypeChange, PyArrayLikeDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -10,12 +13,17 @@ pub(crate) fn wrong(message: String) -> PyErr {
     PyValueError::new_err(message)
 }
 
-/// Returns a whole number that is not below `least`.
-pub(crate) fn whole(name: &str, value: i128, least: u64) -> PyResult<u64> {
-    match u64::try_from(value) {
-        Ok(value) if value >= least => Ok(value),
+/// Returns a whole number of a range.
+pub(crate) fn whole<T>(name: &str, value: i128, range: RangeInclusive<T>) -> PyResult<T>
+where
+    T: TryFrom<i128> + PartialOrd + Display,
+{
+    match T::try_from(value) {
+        Ok(value) if range.contains(&value) => Ok(value),
         _ => Err(wrong(format!(
-            "{name} is {value}, and has to be a whole number from {least} to 2**64 - 1"
+            "{name} is {value}, and has to be a whole number from {} to {}",
+            range.start(),
+            range.end()
         ))),
     }
 }

@@ -21,10 +21,13 @@ use crate::errors;
 use crate::expose::{Exposable, Stepper};
 use crate::state::State;
 use crate::summary::Summary;
-use crate::trajectory::{LOOK, Rows};
+use crate::trajectory::{LOOK, MOST_HALVINGS, Rows};
 
 /// The observable that is no coordinate and no momentum.
 const ENERGY: &str = "energy";
+
+/// Largest number of threads: a larger one is a mistake.
+const MOST_THREADS: usize = 65_536;
 
 /// The settings of an ensemble, checked.
 pub(crate) struct Request {
@@ -33,18 +36,16 @@ pub(crate) struct Request {
     paths: u64,
     seed: u64,
     every: u64,
+    refine: u32,
     observe: Option<Vec<String>>,
     threads: usize,
     keep_ends: bool,
 }
 
 impl Request {
-    #[allow(clippy::too_many_arguments)]
     pub(crate) fn new(
         h: f64,
-        steps: i128,
-        paths: i128,
-        seed: i128,
+        [steps, paths, seed, refine]: [i128; 4],
         every: Option<i128>,
         observe: Option<Vec<String>>,
         threads: Option<i128>,
@@ -55,12 +56,13 @@ impl Request {
         let threads = threads.unwrap_or(cores as i128);
         Ok(Self {
             h,
-            steps: whole("steps", steps, 1)?,
-            paths: whole("paths", paths, 1)?,
-            seed: whole("seed", seed, 0)?,
-            every: whole("every", every.unwrap_or(steps), 1)?,
+            steps: whole("steps", steps, 1..=u64::MAX)?,
+            paths: whole("paths", paths, 1..=u64::MAX)?,
+            seed: whole("seed", seed, 0..=u64::MAX)?,
+            every: whole("every", every.unwrap_or(steps), 1..=u64::MAX)?,
+            refine: whole("refine", refine, 0..=MOST_HALVINGS)?,
             observe,
-            threads: usize::try_from(whole("threads", threads, 1)?).unwrap_or(usize::MAX),
+            threads: whole("threads", threads, 1..=MOST_THREADS)?,
             keep_ends,
         })
     }
@@ -165,6 +167,7 @@ fn run_paths<I: Stepper>(
         .seed(request.seed)
         .steps(request.h, request.steps)
         .every(request.every)
+        .refine(request.refine)
         .start(start)
         .threads(request.threads)
         .keep_final_states(request.keep_ends)

@@ -50,11 +50,10 @@ impl<I> Stepper for I where
 }
 
 /// Tells the classes of a module its name, which `repr` and tracebacks show.
-pub(crate) fn name_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    let name = module.name()?;
+pub(crate) fn name_classes(module: &Bound<'_, PyModule>, name: &str) -> PyResult<()> {
     for class in module.dict().values() {
         if class.is_instance_of::<PyType>() {
-            class.setattr("__module__", &name)?;
+            class.setattr("__module__", name)?;
         }
     }
     Ok(())
@@ -133,9 +132,12 @@ macro_rules! expose {
                 ///
                 /// The array has the start, the state after each `every` steps, and the end; "q"
                 /// and "p" have a column for each coordinate. The noise is a function of seed and
-                /// path: path k is path k of ensemble() with the same seed. A step that fails
-                /// raises StepError, whose attribute `states` has the states before it.
-                #[pyo3(signature = (start, h, steps, *, seed = 0, path = 0, every = 1))]
+                /// path, and that of path k in ensemble() with the same seed. A step that fails
+                /// raises StepError, whose attribute `states` has the states before it. With
+                /// `refine` such a step is divided into halves, and these again, so many times at
+                /// most.
+                #[pyo3(signature = (start, h, steps, *, seed = 0, path = 0, every = 1,
+                    refine = 0))]
                 #[allow(clippy::too_many_arguments)]
                 fn trajectory<'py>(
                     &self,
@@ -146,9 +148,13 @@ macro_rules! expose {
                     seed: i128,
                     path: i128,
                     every: i128,
+                    refine: i128,
                 ) -> PyResult<Bound<'py, PyAny>> {
                     let method = Integrator::new(self.clone(), $rule);
-                    let request = $crate::trajectory::Request::new(h, steps, seed, path, every)?;
+                    let request = $crate::trajectory::Request::new(
+                        h,
+                        [steps, seed, path, every, refine],
+                    )?;
                     $crate::trajectory::trajectory(py, &method, start, &request)
                 }
 
@@ -157,11 +163,12 @@ macro_rules! expose {
                 /// The names are those of the coordinates and momenta in the Lagrangian, and
                 /// "energy"; without `observe` all of them. Statistics are taken at the start,
                 /// after each `every` steps and at the end; without `every`, at the start and the
-                /// end. A path that fails is counted, and the others go on. The function
+                /// end. A path that fails is counted, and the others go on; `refine` is that of
+                /// trajectory(). The function
                 /// `progress(done, paths)` is called some times a second. With `keep_ends` the
                 /// summary has the states of all paths at the end.
                 #[pyo3(signature = (start, h, steps, paths, *, seed = 0, every = None,
-                    observe = None, threads = None, progress = None, keep_ends = false))]
+                    refine = 0, observe = None, threads = None, progress = None, keep_ends = false))]
                 #[allow(clippy::too_many_arguments)]
                 fn ensemble(
                     &self,
@@ -172,6 +179,7 @@ macro_rules! expose {
                     paths: i128,
                     seed: i128,
                     every: Option<i128>,
+                    refine: i128,
                     observe: Option<Vec<String>>,
                     threads: Option<i128>,
                     progress: Option<Py<PyAny>>,
@@ -179,7 +187,7 @@ macro_rules! expose {
                 ) -> PyResult<$crate::summary::Summary> {
                     let method = Integrator::new(self.clone(), $rule);
                     let request = $crate::ensemble::Request::new(
-                        h, steps, paths, seed, every, observe, threads, keep_ends,
+                        h, [steps, paths, seed, refine], every, observe, threads, keep_ends,
                     )?;
                     $crate::ensemble::run(py, method, start, request, progress.as_ref())
                 }
@@ -214,7 +222,7 @@ macro_rules! expose {
 
             #[pymodule_init]
             fn name_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
-                $crate::expose::name_classes(module)
+                $crate::expose::name_classes(module, stringify!($module))
             }
         }
     };

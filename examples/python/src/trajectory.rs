@@ -24,6 +24,9 @@ pub(crate) const LOOK: Duration = Duration::from_millis(50);
 /// Number of steps between two looks at the clock.
 const STEPS_AT_ONCE: u64 = 256;
 
+/// Largest number of halvings of a step: the noise has no increments of smaller parts.
+pub(crate) const MOST_HALVINGS: u32 = 63;
+
 /// Makes one step of a state, in place.
 pub(crate) fn step<I: Stepper>(
     method: &I,
@@ -50,17 +53,19 @@ pub(crate) struct Request {
     seed: u64,
     path: u64,
     every: u64,
+    refine: u32,
 }
 
 impl Request {
-    pub(crate) fn new(h: f64, steps: i128, seed: i128, path: i128, every: i128) -> PyResult<Self> {
+    pub(crate) fn new(h: f64, [steps, seed, path, every, refine]: [i128; 5]) -> PyResult<Self> {
         check_step_size(h)?;
         Ok(Self {
             h,
-            steps: whole("steps", steps, 0)?,
-            seed: whole("seed", seed, 0)?,
-            path: whole("path", path, 0)?,
-            every: whole("every", every, 1)?,
+            steps: whole("steps", steps, 0..=u64::MAX)?,
+            seed: whole("seed", seed, 0..=u64::MAX)?,
+            path: whole("path", path, 0..=u64::MAX)?,
+            every: whole("every", every, 1..=u64::MAX)?,
+            refine: whole("refine", refine, 0..=MOST_HALVINGS)?,
         })
     }
 }
@@ -74,7 +79,7 @@ pub(crate) fn trajectory<'py, I: Stepper>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let start = start.read::<I::System>(py)?;
     let mut rows = Rows::new::<I::System>(request.steps.div_ceil(request.every))?;
-    let made = py.detach(|| fill(&mut rows, method, start, request));
+    let made = py.detach(|| make_steps(&mut rows, method, start, request));
     let states = rows.into_array(py)?;
     match made {
         Ok(()) => Ok(states),
@@ -87,9 +92,8 @@ pub(crate) fn trajectory<'py, I: Stepper>(
     }
 }
 
-#[allow(clippy::redundant_closure_for_method_calls)] // the method is not general in its lifetime
-/// Fills the rows of a path. Looks for Ctrl-C between steps.
-fn fill<I: Stepper>(
+/// Makes the steps of a path, and divides those that fail if this was asked for.
+fn make_steps<I: Stepper>(
     rows: &mut Rows,
     method: &I,
     start: StateOf<I::System>,
@@ -98,22 +102,41 @@ fn fill<I: Stepper>(
     let noise = Wiener::new(request.seed).path(request.path);
     rows.push::<I::System>(&start);
     let mut path = method.trajectory(start, request.h, noise);
+    if request.refine == 0 {
+        return save::<I::System>(rows, request, |steps| path.advance(steps).copied());
+    }
+    let mut path = path.refine(request.refine);
+    save::<I::System>(rows, request, |steps| {
+        for _ in 0..steps {
+            path.next().transpose()?;
+        }
+        Ok(*path.state())
+    })
+}
+
+#[allow(clippy::redundant_closure_for_method_calls)] // the method is not general in its lifetime
+/// Saves states of a path, which `advance` steps. Looks for Ctrl-C between steps.
+fn save<S: Exposable>(
+    rows: &mut Rows,
+    request: &Request,
+    mut advance: impl FnMut(u64) -> Result<StateOf<S>, sve_runtime::StepError>,
+) -> PyResult<()> {
     let mut looked = Instant::now();
-    let mut left = request.steps;
-    while left > 0 {
-        let mut unsaved = request.every.min(left);
-        left -= unsaved;
-        while unsaved > 0 {
-            let some = unsaved.min(STEPS_AT_ONCE);
-            path.advance(some)
-                .map_err(|error| errors::of_step(&error))?;
-            unsaved -= some;
+    let mut made = 0;
+    while made < request.steps {
+        let saved = request.steps.min(made.saturating_add(request.every));
+        while made < saved {
+            let some = STEPS_AT_ONCE.min(saved - made);
+            let state = advance(some).map_err(|error| errors::of_step(&error))?;
+            made += some;
+            if made == saved {
+                rows.push::<S>(&state);
+            }
             if looked.elapsed() > LOOK {
                 Python::attach(|py| py.check_signals())?;
                 looked = Instant::now();
             }
         }
-        rows.push::<I::System>(path.state());
     }
     Ok(())
 }
