@@ -16,3 +16,6 @@ rm -rf target/wheels
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
 cargo build --release --locked --example bits
 BITS="$PWD/target/release/examples/bits" "$venv/bin/python" -W error -m unittest discover --start-directory tests "$@"
+
+# the page of the guide, followed in a copy of this folder
+"$venv/bin/python" tests/page.py

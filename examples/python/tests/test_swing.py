@@ -260,7 +260,7 @@ class Texts(unittest.TestCase):
         for one in (swing.Pendulum, swing.State, swing.Summary, swing.Statistics, swing.StepError):
             self.assertEqual(one.__module__, "swing")
             names = [name for name in vars(one) if not name.startswith("_")]
-            lacking = [name for name in names if not getattr(one, name).__doc__]
+            lacking = sorted(name for name in names if not getattr(one, name).__doc__)
             self.assertIn(lacking, ([], ["g", "sigma"], ["t"]))
 
     def test_a_system_shows_its_parameters_and_its_step(self):
