@@ -28,6 +28,7 @@ pages! {
     degenerate
     inputs
     failures
+    python_module
     claims
     macro_tour
     not_planned
