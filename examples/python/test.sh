@@ -6,10 +6,12 @@ cd "$(dirname "$0")"
 
 venv=target/venv
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
-"$venv/bin/python" -m pip install --quiet --disable-pip-version-check 'maturin>=1.9.4,<2' numpy
+"$venv/bin/python" -m pip install --quiet --disable-pip-version-check 'maturin>=1.9.4,<2' numpy matplotlib
 
-# what maturin sets: a module does not link to the library of Python
-export PYO3_BUILD_EXTENSION_MODULE=1 PYO3_PYTHON="$PWD/$venv/bin/python"
+# What maturin sets: a module does not link to the library of Python. With all of it, cargo does not build pyo3 again.
+export PYO3_BUILD_EXTENSION_MODULE=1 PYO3_PYTHON="$PWD/$venv/bin/python" PYTHON_SYS_EXECUTABLE="$PWD/$venv/bin/python"
+PYO3_ENVIRONMENT_SIGNATURE=$("$PYO3_PYTHON" -c 'import sys, struct; v = sys.version_info; bits = 8 * struct.calcsize("P"); print(f"cpython-{v[0]}.{v[1]}-{bits}bit")')
+export PYO3_ENVIRONMENT_SIGNATURE
 
 rm -rf target/wheels
 "$venv/bin/maturin" build --release --locked --interpreter "$PYO3_PYTHON"
