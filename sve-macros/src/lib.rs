@@ -37,7 +37,7 @@ use sve_compiler::Settings;
 /// | item | signature (`t: f64` may come first, after `&self`) | meaning |
 /// | --- | --- | --- |
 /// | `fn lagrangian` | `(&self, q: [f64; N], v: [f64; N]) -> f64` | L, required |
-/// | `#[gamma] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; M]` | γ: one Wiener process a component |
+/// | `#[gamma] fn …` | `(&self, q: [f64; N]) -> f64` or `-> [f64; M]` | γ: one Wiener process a component; the result may have any shape that `q` may have, such as `[[f64; D]; B]` |
 /// | `#[h1] fn …` | `(&self, q: [f64; N], p: [f64; N]) -> f64` or `-> [f64; M]` | H₁: one Wiener process a component |
 /// | `#[force] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | F, a force that no potential has (Lagrange–d'Alembert); several add up |
 /// | `#[force(noise)] fn …` | `(&self, q: [f64; N], v: [f64; N]) -> [f64; N]` | f, a force that acts with a Wiener process of its own: dp = … + f ∘ dW; each function is a process, numbered after those of γ and H₁ |
@@ -107,8 +107,11 @@ use sve_compiler::Settings;
 /// vector of nalgebra, `Vector1<f64>` to `Vector6<f64>` or `SVector<f64, N>`, or an array of these,
 /// `[Vector3<f64>; B]`; the paths of these types may be written out, as in `na::Vector3<f64>`. All
 /// coordinates, velocities and momenta of a block have the same type, and so have forces and
-/// generators, unless there is a rotation. `M` noises may be returned as a vector too. `N` and `M`
-/// are literals or constants of the block, `Self::N`, and `{ Self::N }` among generic arguments.
+/// generators, unless there is a rotation. The `M` noises and `K` constraints of a function may have
+/// any of these shapes. The increments stay a row of numbers, `[f64; M]`, in which the noises of a
+/// function are numbered in the order of its memory, row by row; the plan names them as it names
+/// coordinates, `bath[1][0]` or `bath[0].z`. `N` and `M` are literals or constants of the block,
+/// `Self::N`, and `{ Self::N }` among generic arguments.
 ///
 /// # Rotations
 ///

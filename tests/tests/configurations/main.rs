@@ -3,6 +3,7 @@
 
 mod ensembles;
 mod mechanics;
+mod noises;
 mod states;
 mod steps;
 

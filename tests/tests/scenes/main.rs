@@ -48,6 +48,7 @@ mod kinetic;
 mod lattices;
 mod midpoint;
 mod noise_forces;
+mod noises;
 mod output;
 mod restored;
 mod rough;

@@ -45,7 +45,13 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         let processes = match &noise.processes {
             Processes::Listed(list) if list.len() == 1 => "one process".to_owned(),
             Processes::Listed(list) => format!("{} processes", list.len()),
-            Processes::Each(sum) => format!("a process {}", names.loops(Some(*sum))),
+            Processes::Each(sums) => {
+                let number = match sums.len() {
+                    1 => "a process".to_owned(),
+                    n => format!("{n} processes"),
+                };
+                format!("{number} {}", names.loops(sums.first().copied()))
+            }
         };
         let letter = if noise.is_h1 { "H₁" } else { "γ" };
         format!("{letter} {}: {processes}", noise.name)

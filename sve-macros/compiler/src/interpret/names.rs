@@ -106,7 +106,7 @@ fn collect(pattern: &Pat, shape: &Shape, leaves: &mut Vec<(String, Shape)>) -> b
 }
 
 /// Adds the names of the entries of a variable.
-fn entries(name: &str, shape: &Shape, to: &mut Vec<String>) {
+pub(super) fn entries(name: &str, shape: &Shape, to: &mut Vec<String>) {
     let components = |of: &[&str]| of.iter().map(|c| format!("{name}.{c}")).collect::<Vec<_>>();
     match shape {
         Shape::Scalar => to.push(name.to_owned()),

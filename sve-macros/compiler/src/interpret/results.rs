@@ -1,11 +1,13 @@
 //! Results of functions with roles: numbers and rows of numbers, as expressions. A result whose
 //! type differs from the type of its role is an error.
 
-use syn::Type;
+use proc_macro2::Span;
 use syn::spanned::Spanned;
+use syn::{Stmt, Type};
 
 use super::Lowering;
 use super::matrices::Matrix;
+use super::names;
 use super::roles::Space;
 use super::types::Shape;
 use super::value::Value;
@@ -29,11 +31,7 @@ impl Lowering<'_> {
     /// expression.
     pub(super) fn result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {
         let outer = self.errors.enter(&function.name.to_string());
-        let result = match function.item.block.stmts.last() {
-            Some(syn::Stmt::Expr(_, Some(semicolon))) => self.scalar(value, semicolon),
-            Some(last) => self.scalar(value, last),
-            None => self.scalar(value, &function.name),
-        };
+        let result = self.scalar(value, &end(function));
         self.errors.leave(outer);
         result
     }
@@ -174,37 +172,29 @@ impl Lowering<'_> {
         Some(())
     }
 
-    /// Returns the numbers that a function returns, each with its name: `f`, or `f[0]`, `f[1]`, ….
-    /// `wanted` describes these numbers in messages.
+    /// Returns the numbers that a function returns in the order of memory, each with its name: `f`,
+    /// or `f[0]`, `f[1]`, …, or the other names of coordinates of this shape.
     pub(super) fn named_results(
         &mut self,
         function: &RoleFunction,
         shape: &Shape,
-        value: Value,
-        wanted: &str,
+        value: &Value,
     ) -> Vec<(String, Expr)> {
-        let name = &function.name;
-        let is_list = match (shape, &value) {
-            (_, Value::Poison) => return Vec::new(),
-            (Shape::Scalar, _) => false,
-            (Shape::Array(_, inner), Value::Array(_)) if **inner == Shape::Scalar => true,
-            (Shape::Vector(ty), Value::Matrix(matrix)) if matrix.ty == *ty => true,
-            _ => {
-                let message = format!("`{name}` must return `f64` or {wanted}");
-                self.errors.push(function.output.span(), message);
-                return Vec::new();
-            }
-        };
-        let named: Vec<(String, Value)> = if is_list {
-            let values = value.items().iter().cloned().enumerate();
-            values
-                .map(|(i, value)| (format!("{name}[{i}]"), value))
-                .collect()
-        } else {
-            vec![(name.to_string(), value)]
-        };
-        let results = named.into_iter();
-        let results = results.map(|(name, value)| Some((name, self.result(function, &value)?)));
-        results.flatten().collect()
+        let (mut names, mut numbers) = (Vec::new(), Vec::new());
+        let name = function.name.to_string();
+        names::entries(&name, shape, &mut names);
+        let outer = self.errors.enter(&name);
+        self.entries(value, shape, &end(function), &mut numbers);
+        self.errors.leave(outer);
+        names.into_iter().zip(numbers).collect()
+    }
+}
+
+/// Returns the place of the value that a function returns: its last expression.
+fn end(function: &RoleFunction) -> Span {
+    match function.item.block.stmts.last() {
+        Some(Stmt::Expr(_, Some(semicolon))) => semicolon.span(),
+        Some(last) => last.span(),
+        None => function.name.span(),
     }
 }

@@ -72,7 +72,7 @@ impl Lowering<'_> {
             let result = self.run(noise, &space, time, arguments);
             match noise.role {
                 Role::NoiseForce => noises.extend(self.noise_force(noise, &result, &space)),
-                _ => self.noise_terms(noise, result, &mut noises),
+                _ => self.noise_terms(noise, &result, &mut noises),
             }
         }
         let force = self.force(&space, time, &[&q, &v]);
@@ -87,7 +87,7 @@ impl Lowering<'_> {
         let mut constraints = Vec::new();
         for function in &block.constraints {
             let result = self.run(function, &space, time, &[&q]);
-            self.constraint_terms(function, result, &mut constraints);
+            self.constraint_terms(function, &result, &mut constraints);
         }
         self.check_fields_beside_inputs();
         Some(Model {
@@ -293,15 +293,14 @@ impl Lowering<'_> {
     }
 
     /// Appends the noises that a function returns.
-    fn noise_terms(&mut self, function: &RoleFunction, value: Value, noises: &mut Vec<NoiseTerm>) {
+    fn noise_terms(&mut self, function: &RoleFunction, value: &Value, noises: &mut Vec<NoiseTerm>) {
         let Some(shape) = self.shape(&function.output) else {
             return;
         };
-        if let (Shape::Array(..) | Shape::Vector(_), Value::Field(_)) = (&shape, &value) {
+        if let (Shape::Array(..) | Shape::Vector(_), Value::Field(_)) = (&shape, value) {
             return self.report_constant_noise(function, &function.name.to_string());
         }
-        let wanted = "`[f64; M]`, one entry a Wiener process";
-        for (name, value) in self.named_results(function, &shape, value, wanted) {
+        for (name, value) in self.named_results(function, &shape, value) {
             let is_moving = |s| {
                 let meaning = self.symbols.meaning(s);
                 matches!(meaning, Meaning::Position(_) | Meaning::Momentum(_))
@@ -327,14 +326,13 @@ impl Lowering<'_> {
     fn constraint_terms(
         &mut self,
         function: &RoleFunction,
-        value: Value,
+        value: &Value,
         constraints: &mut Vec<Constraint>,
     ) {
         let Some(shape) = self.shape(&function.output) else {
             return;
         };
-        let wanted = "`[f64; K]`, one entry a constraint";
-        for (name, value) in self.named_results(function, &shape, value, wanted) {
+        for (name, value) in self.named_results(function, &shape, value) {
             let is_position = |s| matches!(self.symbols.meaning(s), Meaning::Position(_));
             if !self.arena.symbols_of(value).any(is_position) {
                 let message = format!(

@@ -160,11 +160,22 @@ pub(crate) struct SceneNoise {
 /// The processes of a noise.
 #[derive(Clone, Debug)]
 pub(crate) enum Processes {
-    /// The noise of each process, of a function that returns `f64` or `[f64; M]`.
+    /// The noise of each process, of a function that returns `f64` or an array.
     Listed(Vec<Expr>),
-    /// A function that returns a `Vec`. The summand of the sum, a `For`, is that of the process
-    /// `counter − from`.
-    Each(SumId),
+    /// A function that returns a `Vec`, with the sum of each of the K components of an entry. The
+    /// summand of sum k, a `For`, is that of the process `K (counter − from) + k`.
+    Each(Vec<SumId>),
+}
+
+/// A component of the entries of a function that returns a `Vec`.
+#[derive(Clone, Copy)]
+pub(crate) struct Each {
+    pub(crate) increment: Symbol,
+    /// The sum over the entries.
+    pub(crate) sum: SumId,
+    /// Number of the component, and the number of components.
+    pub(crate) component: usize,
+    pub(crate) of: usize,
 }
 
 /// A force, or the generator of a symmetry.

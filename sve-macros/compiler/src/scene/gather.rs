@@ -83,7 +83,10 @@ impl Derived {
             let increment = self.terms[pair.term].increment;
             if let Some(each) = increment.filter(|_| pair.reads_increment) {
                 let read = Read::Increment(gather.counts[2]);
-                by.insert(self.each[each].0, self.read(read, &mut gather, arena));
+                by.insert(
+                    self.each[each].increment,
+                    self.read(read, &mut gather, arena),
+                );
                 gather.counts[2] += 1;
             }
             let term = &self.terms[pair.term];

@@ -32,16 +32,17 @@ impl Derived {
         }
         let commutes = match &h1.processes {
             Processes::Listed(list) => list.len() == 1,
-            Processes::Each(_) => self.reads_own_site(h1, arena),
+            Processes::Each(sums) => sums.len() == 1 && self.reads_own_site(h1, arena),
         };
         (!commutes).then_some([&h1.name, &h1.name])
     }
 
     /// Returns whether each process of an H₁ reads the site of its number alone.
     fn reads_own_site(&self, h1: &SceneNoise, arena: &Arena) -> bool {
-        let Processes::Each(sum) = h1.processes else {
+        let Processes::Each(ref sums) = h1.processes else {
             return false;
         };
+        let sum = sums[0];
         let Head::For { counter, .. } = self.scene.sums[sum.0].head else {
             return false;
         };

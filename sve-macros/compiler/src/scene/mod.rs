@@ -26,7 +26,7 @@ use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::catalogue::{Nodes, Rule};
 use crate::errors::Errors;
 use crate::model::Meaning;
-use crate::model::scene::{Int, Processes, Scene, SlotArray, SumId};
+use crate::model::scene::{Each, Int, Processes, Scene, SlotArray, SumId};
 use forces::Forces;
 pub(crate) use gather::{Gather, Read};
 pub(crate) use inner::InnerTotals;
@@ -72,8 +72,8 @@ pub(crate) struct Derived {
     pub(crate) node: Gather,
     /// Number of the processes of functions that return numbers or arrays, and of forces.
     pub(crate) listed: usize,
-    /// The increment of each function that returns a `Vec`, with the sum over its processes.
-    pub(crate) each: Vec<(Symbol, SumId)>,
+    /// The functions that return a `Vec`, component by component.
+    pub(crate) each: Vec<Each>,
 }
 
 /// An outermost loop, or a function outside of its loops.
@@ -215,7 +215,7 @@ struct Terms<'a> {
     totals: Vec<Total>,
     inner: InnerTotals,
     listed: usize,
-    each: Vec<(Symbol, SumId)>,
+    each: Vec<Each>,
 }
 
 impl<'a> Terms<'a> {
@@ -265,15 +265,23 @@ impl<'a> Terms<'a> {
                     self.function(&noise.name, total, [&mut found, &mut slopes]);
                     found.extend(slopes);
                 }
-                Processes::Each(sum) => {
-                    let increment = Meaning::Read(self.scene.symbols.meanings().len());
-                    let increment = self.scene.symbols.declare(increment);
-                    self.each.push((increment, sum));
-                    let weight = self.arena.symbol(increment);
-                    let root = self.root(Some(sum), &noise.name);
-                    let mut slopes = Vec::new();
-                    self.sum(root, sum, weight, [&mut found, &mut slopes]);
-                    found.extend(slopes);
+                Processes::Each(sums) => {
+                    let of = sums.len();
+                    for (component, sum) in sums.into_iter().enumerate() {
+                        let increment = Meaning::Read(self.scene.symbols.meanings().len());
+                        let increment = self.scene.symbols.declare(increment);
+                        self.each.push(Each {
+                            increment,
+                            sum,
+                            component,
+                            of,
+                        });
+                        let weight = self.arena.symbol(increment);
+                        let root = self.root(Some(sum), &noise.name);
+                        let mut slopes = Vec::new();
+                        self.sum(root, sum, weight, [&mut found, &mut slopes]);
+                        found.extend(slopes);
+                    }
                 }
             }
             both[usize::from(noise.is_h1)].extend(found);

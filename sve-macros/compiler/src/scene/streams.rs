@@ -45,7 +45,7 @@ impl Derived {
                     other != site && slots.any(|(symbol, _)| reads(symbol))
                 });
                 let columns = (0..term.columns.len()).filter(|&c| reads(term.columns[c]));
-                let increment = term.increment.map(|each| self.each[each].0);
+                let increment = term.increment.map(|each| self.each[each].increment);
                 pairs.push(Pair {
                     term: at,
                     site,

@@ -85,19 +85,19 @@ fn functions(scene: &Scene) -> Vec<Invariant> {
         name, processes, ..
     } in &scene.noises
     {
-        match processes {
-            Processes::Listed(list) => {
-                let names = (0..).map(|at| match list.len() {
-                    1 => format!("the noise `{name}`"),
-                    _ => format!("the noise `{name}[{at}]`"),
-                });
-                functions.extend(names.zip(list).map(|(name, &gamma)| (name, gamma, None)));
+        let all: Vec<(Expr, Option<SumId>)> = match processes {
+            Processes::Listed(list) => list.iter().map(|&gamma| (gamma, None)).collect(),
+            Processes::Each(sums) => {
+                let summand = |&sum: &SumId| (scene.sums[sum.0].summand, Some(sum));
+                sums.iter().map(summand).collect()
             }
-            &Processes::Each(sum) => {
-                let gamma = scene.sums[sum.0].summand;
-                functions.push((format!("the noise `{name}`"), gamma, Some(sum)));
-            }
-        }
+        };
+        let names = (0..).map(|at| match all.len() {
+            1 => format!("the noise `{name}`"),
+            _ => format!("the noise `{name}[{at}]`"),
+        });
+        let named = names.zip(&all);
+        functions.extend(named.map(|(name, &(gamma, sum))| (name, gamma, sum)));
     }
     functions
 }

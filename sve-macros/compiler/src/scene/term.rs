@@ -99,7 +99,7 @@ impl Terms<'_> {
             return None;
         }
         let of_each = self.each.iter();
-        let mut of_each = of_each.map(|&(symbol, _)| self.scene.depends(value, symbol, self.arena));
+        let mut of_each = of_each.map(|each| self.scene.depends(value, each.increment, self.arena));
         Some(Term {
             root,
             sum,

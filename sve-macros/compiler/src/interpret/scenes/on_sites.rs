@@ -2,6 +2,7 @@
 
 use crate::algebra::Symbol;
 use crate::interpret::Lowering;
+use crate::interpret::types::Shape;
 use crate::interpret::value::Value;
 use crate::model::scene::{SiteField, Sum};
 use crate::syntax::parse::RoleFunction;
@@ -71,12 +72,22 @@ impl Lowering<'_> {
             );
             return self.refuse(&function.output, message);
         }
+        self.components_of_entries(function, value, &shape)
+    }
+
+    /// Returns the sum of each component of the entries of a `Vec` that a function returns; `None`
+    /// for a component that is zero.
+    pub(super) fn components_of_entries(
+        &mut self,
+        function: &RoleFunction,
+        value: Value,
+        shape: &Shape,
+    ) -> Option<Vec<Option<Symbol>>> {
         let (stream, at) = self.collected(function, value)?;
         let body = Body::none("i");
         let mut components = Vec::new();
         let sums = self.rounds(&stream, at, &body, |x, value| {
-            // the entries are of the shape of a site
-            x.entries(&value, &shape, &at, &mut components)?;
+            x.entries(&value, shape, &at, &mut components)?;
             let numbers = components.iter().map(|&number| Value::Scalar(number));
             Some(Value::Array(numbers.collect()))
         })?;

@@ -7,10 +7,10 @@ use proc_macro2::Span;
 use syn::Type;
 use syn::spanned::Spanned;
 
-use super::kept::Body;
 use super::streams::Stream;
 use super::{Kept, Lowering};
 use crate::algebra::{Expr, Node, Symbol};
+use crate::interpret::names;
 use crate::interpret::types::Shape;
 use crate::interpret::value::Value;
 use crate::model::scene::{
@@ -57,7 +57,11 @@ impl Lowering<'_> {
                     let values = values.map(|value| self.root(value, at, &mut sums));
                     Processes::Listed(values.collect::<Option<_>>()?)
                 }
-                Found::Each(sum) => Processes::Each(self.placed_root(sum, &mut sums)?),
+                Found::Each(components) => {
+                    let components = components.into_iter();
+                    let placed = components.map(|sum| self.placed_root(sum, &mut sums));
+                    Processes::Each(placed.collect::<Option<_>>()?)
+                }
             };
             let name = function.name.to_string();
             placed.push(SceneNoise {
@@ -165,31 +169,23 @@ impl Lowering<'_> {
 
     /// Returns the noise of each process.
     fn processes(&mut self, function: &RoleFunction, value: Value) -> Option<Found> {
-        let name = function.name.to_string();
         if let Some(entry) = entry_of_vec(&function.output) {
-            if !crate::syntax::parse::is_f64(entry) {
-                return self.refuse(entry, "a process an entry is a number: return `Vec<f64>`");
-            }
-            let (stream, at) = self.collected(function, value)?;
-            let first = self.scene.sums.len();
-            let value = self.rounds(&stream, at, &Body::none("i"), |_, value| Some(value))?;
-            self.scalar(&value, &at)?;
-            let is_kept = self.scene.sums.len() > first;
-            let sum = self.scene.sums.pop().filter(|_| is_kept);
-            return match sum {
-                Some((symbol, sum)) if self.moves(sum.summand) => {
-                    self.scene.sums.push((symbol, sum));
-                    Some(Found::Each(symbol))
+            let shape = self.shape(entry)?;
+            let mut names = Vec::new();
+            names::entries(&function.name.to_string(), &shape, &mut names);
+            let sums = self.components_of_entries(function, value, &shape)?;
+            let sums = names.into_iter().zip(sums).map(|(name, sum)| {
+                let kept = sum.and_then(|symbol| self.kept_sum(symbol));
+                if kept.is_some_and(|kept| self.moves(kept.summand)) {
+                    return sum;
                 }
-                _ => {
-                    self.report_constant_noise(function, &name);
-                    None
-                }
-            };
+                self.report_constant_noise(function, &name);
+                None
+            });
+            return sums.collect::<Option<_>>().map(Found::Each);
         }
         let shape = self.shape(&function.output)?;
-        let wanted = "`[f64; M]`, one entry a Wiener process, or `Vec<f64>`";
-        let named = self.named_results(function, &shape, value, wanted);
+        let named = self.named_results(function, &shape, &value);
         for (name, value) in &named {
             if !self.moves(*value) {
                 self.report_constant_noise(function, name);
@@ -329,7 +325,7 @@ impl Lowering<'_> {
 /// The processes of a function before its sums have their places.
 enum Found {
     Listed(Vec<Expr>),
-    Each(Symbol),
+    Each(Vec<Symbol>),
 }
 
 fn name_span(function: &RoleFunction) -> Span {

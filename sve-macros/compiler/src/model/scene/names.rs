@@ -1,6 +1,6 @@
 //! Formulas of a scene as text.
 
-use super::{Comparison, Condition, Head, Scene, SlotArray, SumId};
+use super::{Comparison, Condition, Each, Head, Scene, SlotArray, SumId};
 use crate::algebra::{Arena, Expr, Notation, Symbol};
 use crate::model::{Meaning, SymbolNames};
 
@@ -13,7 +13,7 @@ pub(crate) struct SceneNames<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) arena: &'a Arena,
     /// The increments of functions with a process for each instance.
-    pub(crate) each: &'a [(Symbol, SumId)],
+    pub(crate) each: &'a [Each],
 }
 
 impl SceneNames<'_> {
@@ -96,8 +96,7 @@ impl Notation for SceneNames<'_> {
             let sum = &scene.sums[*sum];
             return format!("(Σ {} {})", self.formula(sum.summand), self.head(&sum.head));
         }
-        let is_increment = |each: &&(Symbol, SumId)| each.0 == symbol;
-        match self.each.iter().find(is_increment) {
+        match self.each.iter().find(|each| each.increment == symbol) {
             Some(_) => "ΔW".to_owned(),
             None => SymbolNames::of_system(&scene.symbols).symbol(symbol),
         }

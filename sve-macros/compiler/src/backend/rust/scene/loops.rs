@@ -11,7 +11,7 @@ use super::kinetic::kinetic;
 use super::nodes::{contribution, node};
 use super::tables::tables;
 use super::walk::{Action, Leaf, Walk};
-use crate::model::scene::{Head, SumId};
+use crate::model::scene::{Each, Head, SumId};
 use crate::scene::{Coefficient, Derived, Kinetic, Root, Summand, Term};
 
 /// `is_implicit` is true if a rule of the block joins all sites.
@@ -137,15 +137,18 @@ impl Loops<'_> {
 
     /// The number of the first process of a function that returns a `Vec`.
     pub(super) fn offset(&self, each: usize) -> TokenStream {
-        let (count, name) = (self.count(each), format_ident!("offset_{each}"));
-        quote!(let #name: i64 = { #count };)
+        let component = self.derived.each[each].component;
+        let (count, name) = (self.count(each - component), format_ident!("offset_{each}"));
+        let component = Literal::i64_suffixed(component as i64);
+        quote!(let #name: i64 = { #count } + #component;)
     }
 
-    /// The number of the listed processes and of those of the first functions that return a `Vec`.
-    fn count(&self, functions: usize) -> TokenStream {
+    /// The number of the listed processes and of those of the first components of functions that
+    /// return a `Vec`.
+    fn count(&self, components: usize) -> TokenStream {
         let listed = Literal::i64_suffixed(self.derived.listed as i64);
         let mut code = quote!(let mut count = #listed;);
-        for &(_, sum) in &self.derived.each[..functions] {
+        for &Each { sum, .. } in &self.derived.each[..components] {
             let mut roots = self.derived.roots.iter();
             let function = roots.find(|root| root.sum == Some(sum));
             let function = function.map_or("", |root| &root.function);

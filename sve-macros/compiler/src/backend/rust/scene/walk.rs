@@ -19,7 +19,9 @@ use super::super::function::Formulas;
 use super::super::{ident, number, verbatim};
 use super::nodes::where_defined;
 use crate::algebra::Symbol;
-use crate::model::scene::{Array, Counter, Head, Int, IntNode, Scene, Slot, SlotArray, SumId};
+use crate::model::scene::{
+    Array, Counter, Each, Head, Int, IntNode, Scene, Slot, SlotArray, SumId,
+};
 use crate::program::symbol_name;
 use crate::scene::Derived;
 pub(super) use leaf::{Action, Leaf};
@@ -276,14 +278,22 @@ impl<'a> Walk<'a> {
 
     /// Returns the number of the increment of an instance of a function that returns a `Vec`.
     fn increment(&mut self, each: usize, code: &mut TokenStream) -> TokenStream {
-        let sum = self.derived.each[each].1;
+        let Each { sum, of, .. } = self.derived.each[each];
         let offset = format_ident!("offset_{each}");
         let Head::For { counter, from, .. } = self.scene().sums[sum.0].head else {
             return quote!(#offset);
         };
         let from = self.integer(from, code);
         let counter = format_ident!("counter_{}", counter.0);
-        quote!((#offset + (#counter - #from)))
+        let index = quote!((#counter - #from));
+        let index = match of {
+            1 => index,
+            of => {
+                let of = Literal::i64_suffixed(of as i64);
+                quote!(#of * #index)
+            }
+        };
+        quote!((#offset + #index))
     }
 
     /// Reads a symbol, unless it is known.
@@ -296,7 +306,11 @@ impl<'a> Walk<'a> {
             return;
         }
         let private = self.formulas.private;
-        let each = self.derived.each.iter().position(|each| each.0 == symbol);
+        let each = self
+            .derived
+            .each
+            .iter()
+            .position(|each| each.increment == symbol);
         let value = if let Some(each) = each {
             let index = self.increment(each, code);
             let text = verbatim(&format!("the increment of `{}`", self.function));

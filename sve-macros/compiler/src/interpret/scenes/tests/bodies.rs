@@ -106,7 +106,7 @@ fn noises() {
     let values: Vec<Vec<f64>> = (read.scene.noises.iter())
         .map(|noise| match &noise.processes {
             Processes::Listed(values) => values.iter().map(|&e| data.number(e, None)).collect(),
-            Processes::Each(sum) => data.terms(sum.0, &read.scene.sums[sum.0]),
+            Processes::Each(sums) => data.terms(sums[0].0, &read.scene.sums[sums[0].0]),
         })
         .collect();
     let x: Vec<f64> = q.iter().map(|row| row[0]).collect();

@@ -103,7 +103,12 @@ impl Walk<'_> {
             if self.symbols.contains(&symbol) || is_column {
                 return true;
             }
-            if self.derived.each.iter().any(|each| each.0 == symbol) {
+            if self
+                .derived
+                .each
+                .iter()
+                .any(|each| each.increment == symbol)
+            {
                 return false;
             }
             let Some(slot) = scene.slot(symbol) else {
