@@ -235,6 +235,7 @@ where
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl<'a, S, R, F> Differentiable for Driven<'a, S, R, F>
 where
     S: WithInputs + 'a,
