@@ -30,9 +30,10 @@ pub(super) fn within(context: &Context<'_>, output: TokenStream) -> TokenStream 
         user_ty: context.user_ty(),
         input,
         count: quote!(#count),
-        numbers: match is_f64(input) {
-            true => quote!([*u]),
-            false => quote!((*u).into()),
+        numbers: if is_f64(input) {
+            quote!([*u])
+        } else {
+            quote!((*u).into())
         },
     };
     holder.print(&output)
