@@ -111,7 +111,7 @@ fn distance([x, y]: [f64; 2]) -> f64 {
 /// Returns the number of whole turns that each start survived, `TURNS` if it was kept.
 fn turns(summary: &Summary) -> Vec<u64> {
     let steps = summary.final_states().map(|(_, end)| match end.t {
-        t if t < (STEPS) as f64 => t.ceil() as u64 - 1,
+        t if t < STEPS as f64 => (t.ceil() as i64).unsigned_abs() - 1,
         _ => STEPS,
     });
     steps.map(|step| step / TURN).collect()
@@ -180,7 +180,7 @@ fn growth(strength: f64) -> Result<f64, StepError> {
     Ok((farthest / distance(first.q)).ln() / 500.0)
 }
 
-/// Returns the largest entry of MᵀΩM − Ω for the map M of a turn with sextupole and ripple.
+/// Returns the largest entry of `MᵀΩM − Ω` for the map M of a turn with sextupole and ripple.
 fn symplectic_defect() -> Result<f64, StepError> {
     let magnets = (0..TURN).map(|step| lattice(step, SEXTUPOLE));
     let map = tangent(magnets, State::new([0.2, 0.1], [0.0, 0.05]), 0.7)?;
@@ -207,7 +207,7 @@ fn path(ripple: f64, first: [f64; 2], number: u64) -> Result<Vec<Particle>, Step
 fn difference(summary: &Summary) -> Result<f64, StepError> {
     let mut worst = f64::NAN;
     for (number, end) in summary.final_states() {
-        if end.t == (STEPS) as f64 {
+        if end.t == STEPS as f64 {
             let path = path(RIPPLE, start(COARSE, number), number)?;
             let last = path[path.len() - 1];
             let [x, y] = [0, 1].map(|plane| (last.q[plane] - end.q[plane]).abs());
