@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use super::symmetry_caveat;
 use crate::algebra::{Arena, Notation};
 use crate::catalogue::{Nodes, Rule};
-use crate::model::scene::{Processes, SceneNames};
+use crate::model::scene::{Processes, SceneNames, SceneNoise};
 use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
 
 const CHEBYSHEV: &str = "Chebyshev";
@@ -34,6 +34,23 @@ pub(crate) struct SceneTexts {
     has_noise_forces: bool,
 }
 
+/// Returns the number of processes of a noise.
+fn of_noise(noise: &SceneNoise, names: &SceneNames<'_>) -> String {
+    let processes = match &noise.processes {
+        Processes::Listed(list) if list.len() == 1 => "one process".to_owned(),
+        Processes::Listed(list) => format!("{} processes", list.len()),
+        Processes::Each(sums) => {
+            let number = match sums.len() {
+                1 => "a process".to_owned(),
+                n => format!("{n} processes"),
+            };
+            format!("{number} {}", names.loops(sums.first().copied()))
+        }
+    };
+    let letter = if noise.is_h1 { "H₁" } else { "γ" };
+    format!("{letter} {}: {processes}", noise.name)
+}
+
 /// Prints a scene.
 pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
     let names = SceneNames {
@@ -41,21 +58,8 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         arena,
         each: &derived.each,
     };
-    let noises = derived.scene.noises.iter().map(|noise| {
-        let processes = match &noise.processes {
-            Processes::Listed(list) if list.len() == 1 => "one process".to_owned(),
-            Processes::Listed(list) => format!("{} processes", list.len()),
-            Processes::Each(sums) => {
-                let number = match sums.len() {
-                    1 => "a process".to_owned(),
-                    n => format!("{n} processes"),
-                };
-                format!("{number} {}", names.loops(sums.first().copied()))
-            }
-        };
-        let letter = if noise.is_h1 { "H₁" } else { "γ" };
-        format!("{letter} {}: {processes}", noise.name)
-    });
+    let noises = derived.scene.noises.iter();
+    let noises = noises.map(|noise| of_noise(noise, &names));
     let summands = |name: String, list: &[Summand]| {
         let lines = list.iter().map(|summand| {
             let (value, loops) = (names.formula(summand.value), names.loops(summand.sum));
