@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use super::symmetry_caveat;
 use crate::algebra::{Arena, Notation};
 use crate::catalogue::{Nodes, Rule};
-use crate::model::scene::{Processes, SceneNames};
+use crate::model::scene::{Processes, SceneNames, SceneNoise};
 use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
 
 const CHEBYSHEV: &str = "Chebyshev";
@@ -41,21 +41,8 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         arena,
         each: &derived.each,
     };
-    let noises = derived.scene.noises.iter().map(|noise| {
-        let processes = match &noise.processes {
-            Processes::Listed(list) if list.len() == 1 => "one process".to_owned(),
-            Processes::Listed(list) => format!("{} processes", list.len()),
-            Processes::Each(sums) => {
-                let number = match sums.len() {
-                    1 => "a process".to_owned(),
-                    n => format!("{n} processes"),
-                };
-                format!("{number} {}", names.loops(sums.first().copied()))
-            }
-        };
-        let letter = if noise.is_h1 { "H₁" } else { "γ" };
-        format!("{letter} {}: {processes}", noise.name)
-    });
+    let noises = derived.scene.noises.iter();
+    let noises = noises.map(|noise| noise_line(noise, &names));
     let summands = |name: String, list: &[Summand]| {
         let lines = list.iter().map(|summand| {
             let (value, loops) = (names.formula(summand.value), names.loops(summand.sum));
@@ -142,6 +129,21 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         has_forces,
         has_noise_forces,
     }
+}
+
+/// Returns the name of a noise with the number of its processes.
+fn noise_line(noise: &SceneNoise, names: &SceneNames<'_>) -> String {
+    let (count, one, loops) = match &noise.processes {
+        Processes::Listed(list) => (list.len(), "one process", None),
+        Processes::Each(sums) => (sums.len(), "a process", sums.first().copied()),
+    };
+    let number = match count {
+        1 => one.to_owned(),
+        n => format!("{n} processes"),
+    };
+    let processes = format!("{number} {}", names.loops(loops));
+    let letter = if noise.is_h1 { "H₁" } else { "γ" };
+    format!("{letter} {}: {}", noise.name, processes.trim_end())
 }
 
 impl SceneTexts {
