@@ -59,7 +59,8 @@ use sve_compiler::Settings;
 /// `initial_point`, `endpoint`, `midpoint` and `stormer_verlet` take constraints: the action gets
 /// the terms `⟨λ, φ(t₀,q₀)⟩ + ⟨μ, φ(t₁,q₁)⟩`, so the forces of constraints act at both ends of a
 /// step, and the momentum at the end is along the constraints. `stormer_verlet` is then RATTLE. If
-/// masses are constant and forces explicit, Newton's method has one unknown for each constraint.
+/// masses are constant and forces explicit, or frictions `−ν(t, q) v` of coordinates by their own
+/// velocities, Newton's method has one unknown for each constraint.
 ///
 /// An H₁ must move q along the constraints: `⟨∂φ/∂q, ∂H₁/∂p⟩ = 0` where `φ = 0` and the momentum is
 /// along the constraints. `#[h1(tangent)]` evaluates H₁ at the momentum along the constraints,

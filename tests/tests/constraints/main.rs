@@ -6,6 +6,7 @@ mod ensembles;
 mod errors;
 mod folds;
 mod forces;
+mod friction;
 mod lane_failures;
 mod lanes;
 mod path;
