@@ -173,7 +173,7 @@ fn passages_within_steps_hold_the_inputs() {
     assert!(stopped > 10, "{stopped}");
 }
 
-/// dp = u dW with u = σp: Itô's moment, E p_N² = p₀² (1 + σ²h)^N.
+/// dp = u dW with u = σp: the moment of Itô, `E p_N²` = p₀² (1 + σ²h)^N.
 #[test]
 fn feedback_of_a_noise_has_the_moments_of_ito() {
     struct Kicked;
