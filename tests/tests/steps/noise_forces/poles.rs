@@ -6,8 +6,8 @@ use sve_runtime::prelude::*;
 
 use super::{Gusts, Rubbing};
 
-/// Three bodies in a plane with the same friction noise: six coupled unknowns, whose eigenvalues pass
-/// the pole together, so that no determinant changes its sign.
+/// Three bodies in a plane with the same friction noise: six coupled unknowns, whose eigenvalues
+/// pass the pole together, so that no determinant changes its sign.
 struct Three;
 
 #[variational(midpoint, stormer_verlet)]
@@ -154,8 +154,8 @@ fn a_weak_noise_force_is_not_blamed() {
     assert!(lost > 0);
 }
 
-/// Increments of three values are 0 or ±√(3h), so that these beads meet σΔW = 0 or ±y. The step has a
-/// pole at 2, and from 3.5 on Newton's method contracts beyond it.
+/// Increments of three values are 0 or ±√(3h), so that these beads meet `σΔW` = 0 or ±y. The step
+/// has a pole at 2, and from 3.5 on Newton's method contracts beyond it.
 #[test]
 fn a_path_of_an_ensemble_fails_at_the_pole_of_the_single_step() {
     let (h, paths) = (0.01_f64, 64);
