@@ -36,7 +36,7 @@ pub use crate::angle_addition::sin_cos_of_sum;
 pub use crate::error::StepError;
 pub use crate::integrator::steps::Steps;
 pub use crate::lanes::{LANES, Lane, Mask};
-pub use crate::method::Differentiable;
+pub use crate::method::{Differentiable, Shared};
 pub use crate::parameter::{entry, number};
 pub use crate::phase::Field;
 pub use crate::phase::configuration::{
