@@ -384,15 +384,6 @@ impl<'a> Terms<'a> {
         sums.into_iter().filter(enters).collect()
     }
 
-    /// Returns the slots in an expression, in the order of their symbols.
-    fn slots_of(&self, value: Expr) -> Vec<(Symbol, &SlotArray, usize)> {
-        let slot = |symbol| {
-            let slot = self.scene.slot(symbol)?;
-            Some((symbol, &slot.array, slot.component))
-        };
-        self.arena.symbols_of(value).filter_map(slot).collect()
-    }
-
     /// Returns a summand without velocities.
     fn at_rest(&mut self, summand: &Summand) -> Summand {
         let zero = self.arena.constant(0.0);

@@ -113,6 +113,15 @@ impl Terms<'_> {
             increment: of_each.position(|is_read| is_read),
         })
     }
+
+    /// Returns the slots in an expression, in the order of their symbols.
+    pub(super) fn slots_of(&self, value: Expr) -> Vec<(Symbol, &SlotArray, usize)> {
+        let slot = |symbol| {
+            let slot = self.scene.slot(symbol)?;
+            Some((symbol, &slot.array, slot.component))
+        };
+        self.arena.symbols_of(value).filter_map(slot).collect()
+    }
 }
 
 impl Term {
