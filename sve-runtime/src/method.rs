@@ -102,8 +102,7 @@ pub trait OneStepMethod {
         self.system()
     }
 
-    /// Keeps what the steps from a number on are given: a step that is made again is given the
-    /// same.
+    /// Keeps what the steps from a number on are given, for steps that are made again.
     #[doc(hidden)]
     fn keep_held(&self, first: u64) {
         let _ = first;
