@@ -29,11 +29,13 @@ impl SystemDescription {
     pub(crate) fn of<S: System>(system: &S) -> Self {
         let mut values = Vec::new();
         system.parameters(&mut |value| values.push(value));
-        // inputs have no value of their own
-        values.drain(..S::INPUTS);
+        // inputs that come from a function have no value of their own
+        let inputs = values.iter().take(S::INPUTS);
+        let unknown = inputs.take_while(|u| u.is_nan()).count();
+        values.drain(..unknown);
         let others = values.len().saturating_sub(MOST_PARAMETERS);
         values.truncate(MOST_PARAMETERS);
-        let names = S::PARAMETERS.iter().skip(S::INPUTS).take(values.len());
+        let names = S::PARAMETERS.iter().skip(unknown).take(values.len());
         Self {
             name: short_name::<S>(),
             parameters: names.map(|&name| name.to_owned()).collect(),

@@ -175,7 +175,7 @@ pub enum StepError {
     },
     /// The function of the inputs panicked.
     #[error(
-        "the function of the inputs panicked at step {step}, t = {t}: its message is above; \
+        "the function of the inputs panicked at step {step}, t = {t}: {message}; \
          a table of inputs needs an entry for each step"
     )]
     Inputs {
@@ -184,6 +184,8 @@ pub enum StepError {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
+        /// The message of the panic.
+        message: String,
     },
     /// The step size is zero or not finite.
     #[error("the step size h = {h} must be finite and not zero")]

@@ -4,6 +4,7 @@
 //! whose prepared values hold the inputs of a step. Invariant: the values that depend on the step
 //! size, and those that are carried from step to step, do not depend on inputs.
 
+use core::any::Any;
 use core::fmt;
 use core::hash::Hasher;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -143,7 +144,11 @@ where
             return Ok(());
         }
         let numbers = catch_unwind(AssertUnwindSafe(|| self.source.numbers(path, step, state)));
-        let numbers = numbers.map_err(|_| StepError::Inputs { t: state.t, step })?;
+        let numbers = numbers.map_err(|panic| StepError::Inputs {
+            step,
+            t: state.t,
+            message: message_of(&*panic),
+        })?;
         check_numbers(numbers.as_ref(), state.t)?;
         S::inputs_of(&mut prepared.integrator.system).set(numbers);
         prepared.step = Some((path, step));
@@ -233,6 +238,14 @@ where
     fn order(&self) -> Option<f64> {
         self.open.order()
     }
+}
+
+/// Returns the message of a panic.
+#[cold]
+fn message_of(panic: &dyn Any) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("it has no message").to_owned()
 }
 
 #[diagnostic::do_not_recommend]

@@ -174,7 +174,8 @@ fn is_finite(increments: &[f64]) -> bool {
     increments.iter().fold(0.0, |sum, dw| sum + 0.0 * dw) == 0.0
 }
 
-/// Returns the lanes whose states pass a test, lane by lane.
+/// Returns the lanes whose states pass a test, lane by lane. Inputs differ from lane to lane, and
+/// the test of a single state does not know those of its lane: with inputs all lanes are returned.
 fn lanes_where<S, Q, const N: usize, const M: usize>(
     states: &StateLanesOf<S>,
     test: impl Fn(usize, &State<Q::Flat>) -> bool,
@@ -183,6 +184,9 @@ where
     S: System<Dims = Dims<N, M, Q>>,
     Q: Coordinates<N>,
 {
+    if S::INPUTS > 0 {
+        return ALL;
+    }
     let mut mask = 0;
     for lane in 0..LANES {
         let state = S::Dims::get(states, lane).to_coordinates();

@@ -151,6 +151,18 @@ fn no_path_sees_the_inputs_of_another() {
     }
 }
 
+/// Each row of a sweep over starts is the run of its own, with the same inputs.
+#[test]
+fn rows_of_a_sweep_have_the_inputs() {
+    let motor = motor();
+    let other = State::at(0.5, [0.1, 0.2], [0.0, 0.3]);
+    let ensemble = |start| ensemble!(&motor).start(start).observe("q", |_, s| s.q[0]);
+    let sweep = ensemble(start()).sweep(&[start(), other]).unwrap();
+    for (row, start) in sweep.rows().iter().zip([start(), other]) {
+        assert_eq!(row["q"].mean(), ensemble(start).run().unwrap()["q"].mean());
+    }
+}
+
 /// A passage is found within a step that holds the inputs of its path: where the event of the
 /// trajectory is.
 #[test]
@@ -274,6 +286,10 @@ fn bad_inputs_are_errors_with_path_and_step() {
 
     let none = Ensemble::new(&motor).paths(1).steps(0.1, 1).start(start());
     assert!(none.run().unwrap_err().to_string().contains(".inputs("));
+
+    let leveled = ensemble!(&motor).observe("q", |_, state| state.q[0]);
+    let error = leveled.multilevel("q").run(0.1).unwrap_err().to_string();
+    assert!(error.contains("inputs"), "{error}");
 
     // what reads the inputs is no number between steps
     let energy = ensemble!(&motor).observe("H", |system, state| system.hamiltonian(state));

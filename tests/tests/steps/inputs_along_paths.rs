@@ -44,6 +44,19 @@ fn an_event_within_a_step_keeps_its_inputs() {
     assert_eq!(calls.get(), 2);
 }
 
+/// A function of an event sees the inputs, also at the start: with the input 1 the energy
+/// ½p² − u q stays −1 on a path that begins at rest in q = 1, where p = t.
+#[test]
+fn functions_of_events_see_inputs() {
+    let pushed = Integrator::new(Pushed, Midpoint);
+    let path = pushed.trajectory(State::new([1.0], [0.0]), 0.5, NoNoise);
+    let mut events = path
+        .inputs(|_, _| 1.0)
+        .crossings(|system, state| Ok(system.hamiltonian(state)? + 0.3 + state.p[0]));
+    let event = events.next().unwrap().unwrap();
+    assert!((event.t - 0.7).abs() < 1e-12, "{}", event.t);
+}
+
 /// A state within a step and the end of the step come from one call.
 #[test]
 fn states_within_a_step_hold_its_inputs() {
@@ -165,6 +178,8 @@ fn a_table_ends_with_its_path() {
         matches!(error, StepError::Inputs { step: 3, .. }),
         "{error}"
     );
+    let text = error.to_string();
+    assert!(text.contains("the len is 3 but the index is 3"), "{text}");
     assert_eq!(longer.step(), 3);
     assert!(longer.next().is_none());
 

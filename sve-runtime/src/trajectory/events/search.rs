@@ -44,6 +44,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         let before = *self.trajectory.state();
         if !self.has_begun {
             self.has_begun = true;
+            // a function may read what the step is given
+            self.trajectory.hold()?;
             self.evaluate(&before)?;
             self.arrive();
         }

@@ -195,6 +195,64 @@ fn a_path_of_an_ensemble_fails_at_the_pole_of_the_single_step() {
     }
 }
 
+/// A bead whose noise force has the strength of its input.
+struct Driven;
+
+#[variational(midpoint, stormer_verlet)]
+impl Driven {
+    fn lagrangian(&self, _q: [f64; 3], v: [f64; 3]) -> f64 {
+        0.5 * v.iter().map(|v| v * v).sum::<f64>()
+    }
+    #[constraint]
+    fn sphere(&self, q: [f64; 3]) -> f64 {
+        q.iter().map(|q| q * q).sum::<f64>() - 1.0
+    }
+    #[force(noise)]
+    fn rub(&self, _q: [f64; 3], v: [f64; 3], u: f64) -> [f64; 3] {
+        v.map(|v| u * v)
+    }
+}
+
+/// Each path of an ensemble meets the pole of its own inputs.
+#[test]
+fn poles_of_paths_with_inputs() {
+    let (h, paths) = (0.01_f64, 64);
+    let start = State::new([1.0, 0.0, 0.0], [0.0, 0.4, 0.3]);
+    let strength = |path: u64| [0.5, 1.5, 2.5, 5.0][path as usize % 4] / (3.0 * h).sqrt();
+    macro_rules! check {
+        ($rule:expr) => {
+            let integrator = Integrator::new(Driven, $rule);
+            let summary = Ensemble::new(&integrator)
+                .inputs("strength", |path, _, _| strength(path))
+                .paths(paths)
+                .noise(ThreePoint::new(1))
+                .steps(h, 2)
+                .start(start)
+                .run()
+                .unwrap();
+            for path in 0..paths {
+                let noise = ThreePoint::new(1).path(path);
+                let mut alone = integrator
+                    .trajectory(start, h, noise)
+                    .inputs(|_, _| strength(path));
+                let failure = summary.failures().iter().find(|f| f.path == path);
+                match (alone.advance(2).err(), failure.map(|f| &f.cause)) {
+                    (None, None) => {}
+                    (Some(error), Some(Cause::Step(found))) => {
+                        assert!(matches!(error, StepError::NoisePole { .. }), "{error}");
+                        assert_eq!(*found, error);
+                    }
+                    pair => panic!("path {path}: {pair:?}"),
+                }
+            }
+            // half of the paths have a pole at √(3h), which a sixth of the increments is: 9.8 ± 2.6
+            assert!((2..=18).contains(&summary.failed()), "{}", summary.failed());
+        };
+    }
+    check!(Midpoint);
+    check!(StormerVerlet);
+}
+
 /// A force of positions has no pole, and an infinite increment shows in the state.
 #[test]
 fn an_infinite_increment_of_a_noise_force_is_an_error() {
