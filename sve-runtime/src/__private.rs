@@ -63,7 +63,7 @@ pub use crate::solve::newton::{
 pub use crate::solve::regularity::{all_positive, contains_path, is_regular_within};
 pub use crate::system::aliases::{
     ConfigurationOf, DualStateOf, FlatOf, FlatStateOf, IncrementLanesOf, MomentumOf, StateLanesOf,
-    VectorOf,
+    StateOf, VectorOf,
 };
 pub use crate::system::any::{FixedSizes, Kind};
 pub use crate::system::equations::{Memory, StepOf};
@@ -80,6 +80,7 @@ pub use crate::system::{
     AnySystem, ConstraintJet, CoordinateRole, Dims, ForceJet, LagrangianJet, Names, NoiseJet,
     System, WithInputs,
 };
+pub use crate::trajectory::StepsWithoutInputs;
 pub use nalgebra::UnitQuaternion;
 /// The derivatives of a step.
 pub type DMatrix = nalgebra::DMatrix<f64>;

@@ -8,12 +8,12 @@ use core::hash::Hasher;
 
 use super::settings::{Leg, missing};
 use super::{Ensemble, EnsembleError};
+use crate::integrator::Integrator;
 use crate::integrator::driven::{Driven, Source};
-use crate::integrator::{Holding, Integrator};
 use crate::lanes::{LANES, Mask};
-use crate::method::{OneStepMethod, Shared};
+use crate::method::Shared;
 use crate::rule::Rule;
-use crate::system::{Dimensions, IncrementsOf, StateOf, System, WithInputs};
+use crate::system::{StateOf, System, WithInputs};
 use crate::trajectory::Method;
 
 /// What an ensemble has paths of: a method, or an integrator of a system with inputs.
@@ -75,7 +75,7 @@ impl<S: WithInputs> Source<S> for PathInputs<'_, S> {
         &self,
         paths: (&[u64; LANES], Mask),
         step: u64,
-        states: &<S::Sizes as Dimensions>::StateLanes,
+        states: &S::Lanes,
         inputs: &mut [S::Numbers; LANES],
     ) -> Mask {
         let source = self.0.as_ref();
@@ -110,7 +110,6 @@ where
     S: WithInputs,
     R: Copy + Rule<S::Held<'a>>,
     Driven<'a, S, R, PathInputs<'a, S>>: Method,
-    Holding<'a, S, R>: OneStepMethod<System = S::Held<'a>, Increments = IncrementsOf<S::Held<'a>>>,
 {
     /// Sets the inputs of each step: a function of the number of the path, of the number of the
     /// step, both from 0, and of the state at its start. They are held over the step.

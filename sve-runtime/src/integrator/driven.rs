@@ -18,7 +18,7 @@ use crate::phase::tangents::LaneDirections;
 use crate::rule::Rule;
 use crate::system::linearisation::{Covector, Directions};
 use crate::system::{
-    Dimensions, IncrementLanesOf, StateLanesOf, StateOf, TangentLanesOf, VectorOf, WithInputs,
+    IncrementLanesOf, StateLanesOf, StateOf, System, TangentLanesOf, VectorOf, WithInputs,
 };
 
 /// A source of inputs.
@@ -33,15 +33,15 @@ pub trait Source<S: WithInputs> {
         &self,
         (paths, lanes): (&[u64; LANES], Mask),
         step: u64,
-        states: &<S::Sizes as Dimensions>::StateLanes,
+        states: &S::Lanes,
         inputs: &mut [S::Numbers; LANES],
     ) -> Mask {
         let mut bad = 0;
         for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
-            let numbers = self.numbers(paths[lane], step, &S::Sizes::get(states, lane));
-            let is_finite = numbers.as_ref().iter().all(|u| u.is_finite());
+            let state = S::lane(states, lane);
+            inputs[lane] = state.map_or(S::OPEN, |state| self.numbers(paths[lane], step, &state));
+            let is_finite = inputs[lane].as_ref().iter().all(|u| u.is_finite());
             bad |= Mask::from(!is_finite) << lane;
-            inputs[lane] = numbers;
         }
         bad
     }
@@ -195,6 +195,10 @@ where
         self.open.stages()
     }
 
+    fn processes(&self, state: &StateOf<S::Held<'a>>) -> Result<usize, StepError> {
+        self.open.processes(state)
+    }
+
     #[inline]
     fn next_step(
         &self,
@@ -254,6 +258,7 @@ where
     S: WithInputs + 'a,
     F: Source<S>,
     R: Copy + Rule<S::Held<'a>>,
+    S::Held<'a>: System,
     Holding<'a, S, R>: Differentiable<System = S::Held<'a>> + Clone,
 {
     fn push_forward(

@@ -85,10 +85,7 @@ pub struct Integrator<S: AnySystem, R> {
 }
 
 #[allow(clippy::expl_impl_clone_on_copy)] // a cache with a clone may have no copy
-impl<S, R: Clone> Clone for Integrator<S, R>
-where
-    S: AnySystem<Kind: Kind<Cache: Clone>> + Clone,
-{
+impl<S: AnySystem + Clone, R: Clone> Clone for Integrator<S, R> {
     fn clone(&self) -> Self {
         Self {
             system: self.system.clone(),

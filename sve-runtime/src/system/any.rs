@@ -67,7 +67,7 @@ pub struct Names {
 pub trait Kind {
     /// What an integrator keeps between steps: tables and work vectors, which a step computes again
     /// if they are not there.
-    type Cache: Default + Send + Sync;
+    type Cache: Clone + Default + Send + Sync;
 }
 
 /// The kind of systems whose sizes are known when the program is compiled.

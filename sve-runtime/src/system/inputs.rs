@@ -6,26 +6,34 @@
 
 use core::ops::Index;
 
-use super::{AnySystem, Dimensions, Kind, System};
+use super::{AnySystem, Kind, StateOf};
 use crate::lanes::{LANES, Lane};
-use crate::phase::configuration::FixedSize;
 
 /// A system whose functions have the argument `u`; `#[variational]` implements this trait.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no inputs",
     note = "a system has inputs if the last argument of a function of its block is called `u`, as in `fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64`; without them, leave `inputs` and the `u` of the step out"
 )]
-pub trait WithInputs: AnySystem<Kind = Inputs, Configuration: FixedSize> {
+pub trait WithInputs: AnySystem<Kind = Inputs> {
     /// The type of `u`.
     type Input;
     /// The numbers in `u`, `[f64; K]`.
     type Numbers: AsRef<[f64]> + Copy;
-    /// The sizes of the system.
-    type Sizes: Dimensions<Configuration = <Self as AnySystem>::Configuration>;
+    #[doc(hidden)]
+    /// A state in each lane; `()` for a scene.
+    type Lanes: Clone;
     /// The system while its inputs are held.
-    type Held<'a>: System<Dims = Self::Sizes, Itself = Self::Held<'a>> + Clone
+    type Held<'a>: AnySystem<
+            Configuration = <Self as AnySystem>::Configuration,
+            StateLanes = Self::Lanes,
+            Target = Self::Held<'a>,
+            Stepped = Self::Held<'a>,
+        > + Clone
     where
         Self: 'a;
+    /// Returns the state of a lane; `None` for a scene.
+    #[doc(hidden)]
+    fn lane(states: &Self::Lanes, lane: usize) -> Option<StateOf<Self>>;
     /// Returns the numbers in `u`.
     fn numbers(u: &Self::Input) -> Self::Numbers;
     /// Returns the system while the inputs have these values.
@@ -115,11 +123,15 @@ where
 {
     type Input = S::Input;
     type Numbers = S::Numbers;
-    type Sizes = S::Sizes;
+    type Lanes = S::Lanes;
     type Held<'a>
         = S::Held<'a>
     where
         Self: 'a;
+
+    fn lane(states: &S::Lanes, lane: usize) -> Option<StateOf<S>> {
+        S::lane(states, lane)
+    }
 
     fn numbers(u: &S::Input) -> S::Numbers {
         S::numbers(u)

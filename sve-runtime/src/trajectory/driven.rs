@@ -7,19 +7,44 @@ use core::cell::RefCell;
 use core::fmt;
 
 use super::Trajectory;
+use crate::error::StepError;
 use crate::integrator::Integrator;
 use crate::integrator::driven::{Driven, Source};
 use crate::integrator::inputs::Holding;
 use crate::method::{OneStepMethod, Shared};
 use crate::noise::Noise;
 use crate::rule::Rule;
-use crate::system::{StateOf, WithInputs};
+use crate::system::{AnySystem, StateOf, WithInputs};
 
 /// Trajectories of systems with inputs.
 pub trait DrivenPaths<S: WithInputs, R> {
     /// Returns a path that still needs the [`inputs`](NeedsInputs::inputs) of its steps.
     fn trajectory<W: Noise>(&self, state: StateOf<S>, h: f64, noise: W)
     -> NeedsInputs<'_, S, R, W>;
+
+    /// Does not compile, and names the call that does: [`Integrator::step_with`].
+    ///
+    /// # Errors
+    /// None: it is never called.
+    #[doc(hidden)]
+    fn step<D: ?Sized>(&self, state: &mut StateOf<S>, _: f64, _: &D) -> Result<(), StepError>
+    where
+        S: StepsWithoutInputs,
+    {
+        S::step(state)
+    }
+}
+
+/// Systems whose steps take no inputs: none that has them.
+#[doc(hidden)]
+#[diagnostic::on_unimplemented(
+    message = "a step of `{Self}` takes the values of its inputs",
+    label = "the inputs are missing",
+    note = "`step_with(&mut state, h, &dw, &u)` makes a step with the inputs `u`; trajectories take them by `.inputs(|step, state| …)`, ensembles by `.inputs(\"name\", |path, step, state| …)`"
+)]
+pub trait StepsWithoutInputs: AnySystem {
+    /// Makes a step.
+    fn step(state: &mut StateOf<Self>) -> Result<(), StepError>;
 }
 
 impl<S: WithInputs, R: Copy> DrivenPaths<S, R> for Integrator<S, R> {
@@ -59,7 +84,7 @@ impl<'a, S: WithInputs, R, W: Noise> NeedsInputs<'a, S, R, W> {
     /// Returns the states after each step, with the inputs that a function returns for the number
     /// of a step, from 0, and the state at its start. A table is `|step, _| table[step as usize]`;
     /// it needs an entry for each step that is made. Where the function panics, as beyond the end
-    /// of a table, the path ends with [`StepError::Inputs`](crate::StepError::Inputs).
+    /// of a table, the path ends with [`StepError::Inputs`].
     ///
     /// A function of the state is a feedback, which does not see the increments of its step. Where
     /// such an input multiplies increments, the limit h → 0 is that of Itô in the input, and no

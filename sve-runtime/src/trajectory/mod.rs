@@ -18,7 +18,7 @@ mod saved;
 mod snapshot;
 mod sweep;
 
-pub use driven::{DrivenPaths, DrivenTrajectory, NeedsInputs};
+pub use driven::{DrivenPaths, DrivenTrajectory, NeedsInputs, StepsWithoutInputs};
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
 pub use method::Method;

@@ -33,6 +33,18 @@ impl Quiet {
     }
 }
 
+/// With a motor.
+struct Driven {
+    g: f64,
+}
+
+#[variational(midpoint)]
+impl Driven {
+    fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64 {
+        0.5 * v * v + self.g * q.cos() + u * q
+    }
+}
+
 type Noisy = Integrator<Pendulum, Midpoint>;
 type Staged = Integrator<Pendulum, StageNoise<Gauss<3>>>;
 type Start = State<[f64; 1]>;
@@ -56,6 +68,10 @@ fn too_many_increments(quiet: Integrator<Quiet, Midpoint>, mut state: Start) {
 fn too_many_coordinates(pendulum: Noisy) {
     let mut state = State::new([1.0, 2.0], [0.0, 0.0]);
     let _ = pendulum.step(&mut state, 0.1, &[0.5]);
+}
+
+fn step_without_inputs(driven: Integrator<Driven, Midpoint>, mut state: Start) {
+    let _ = driven.step(&mut state, 0.1, &[]);
 }
 
 fn lengths_of_a_state_differ() {

@@ -43,6 +43,7 @@ mod h1;
 mod h1_midpoint;
 mod hard_steps;
 mod inner;
+mod inputs;
 mod invariants;
 mod kinetic;
 mod lattices;

@@ -9,6 +9,7 @@ use proc_macro2::Span;
 
 use super::{Coefficient, Summand, Term, Terms};
 use crate::algebra::{Expr, Node, Symbol};
+use crate::model::Meaning;
 use crate::model::scene::{Head, Int, SiteField, SlotArray, SumId};
 
 /// The parts of all forces.
@@ -125,8 +126,8 @@ impl Terms<'_> {
         })
     }
 
-    /// Returns the name of a time, coordinate or velocity that a number or a condition around it
-    /// depends on, beside some slots.
+    /// Returns the name of a time, input, coordinate or velocity that a number or a condition around
+    /// it depends on, beside some slots.
     pub(super) fn varies(
         &mut self,
         sum: Option<SumId>,
@@ -139,6 +140,9 @@ impl Terms<'_> {
             if self.arena.contains(expr, self.scene.time) {
                 return Some("`t`".to_owned());
             }
+            if let Some(input) = self.input_in(expr) {
+                return Some(format!("`{input}`"));
+            }
             let slots = self.slots_of(expr);
             let mut slots = slots.iter().filter(|slot| !beside.contains(&slot.0));
             let found = slots.find(|slot| slot.1.moves())?;
@@ -148,6 +152,17 @@ impl Terms<'_> {
             } else {
                 format!("`{text}`")
             })
+        })
+    }
+
+    /// Returns the name of an input that a number depends on, also through the value of a sum.
+    pub(super) fn input_in(&self, number: Expr) -> Option<String> {
+        let symbols = &self.scene.symbols;
+        let mut read = self.arena.symbols_of(number);
+        read.find_map(|symbol| match *symbols.meaning(symbol) {
+            Meaning::Parameter { input: Some(_), .. } => Some(symbols.source(symbol)),
+            Meaning::Sum(sum) => self.input_in(self.scene.sums[sum].summand),
+            _ => None,
         })
     }
 

@@ -93,9 +93,16 @@ impl Terms<'_> {
             let slots = self.slots_of(number);
             slots.iter().any(|s| matches!(s.1, SlotArray::Velocity(_)))
         });
+        let (at, numbers) = (sum.at, sum.head.numbers());
         if reads_velocity {
             let message = format!("this condition depends on a velocity: {WORKS}");
-            self.errors.push(sum.at, message);
+            self.errors.push(at, message);
+        }
+        if let Some(input) = numbers.into_iter().find_map(|number| self.input_in(number)) {
+            let message = format!(
+                "this condition depends on the input `{input}`: a condition of a kept loop reads fields and places; an input that is 0 or 1 may multiply the term"
+            );
+            self.errors.push(at, message);
         }
     }
 

@@ -2,9 +2,9 @@
 //! derived, and its implementation of `WithInputs`. Formulas read a field of the system as
 //! `self.m`, through `Deref`.
 
-use proc_macro2::{Literal, TokenStream};
-use quote::quote;
-use syn::{Type, parse_quote};
+use proc_macro2::{Group, Ident, Literal, Span, TokenStream, TokenTree};
+use quote::{ToTokens, quote};
+use syn::{Lifetime, Type, parse_quote};
 
 use super::{Context, attributes};
 use crate::syntax::parse::{Annotated, is_f64};
@@ -12,9 +12,51 @@ use crate::syntax::parse::{Annotated, is_f64};
 /// Returns the type whose steps are derived.
 pub(super) fn stepped(block: &Annotated) -> Type {
     match &block.inputs {
-        Some(_) => parse_quote!(__Held<'_>),
+        Some(_) => held(&block.item.self_ty),
         None => (*block.item.self_ty).clone(),
     }
+}
+
+/// Returns the type that holds inputs beside a system of this type.
+pub(super) fn held(user_ty: &Type) -> Type {
+    if named(user_ty, true).1.is_empty() {
+        parse_quote!(__Held<'_>)
+    } else {
+        parse_quote!(__Held<'_, '_>)
+    }
+}
+
+/// Returns a type with names for the lifetimes `'_`, one for all or one for each, and the names.
+pub(super) fn named(ty: &Type, one_for_all: bool) -> (TokenStream, Vec<Lifetime>) {
+    let mut names: Vec<Lifetime> = Vec::new();
+    let ty = each_elided(ty.to_token_stream(), &mut || {
+        if names.is_empty() || !one_for_all {
+            let name = format!("'__s{}", names.len());
+            names.push(Lifetime::new(&name, Span::mixed_site()));
+        }
+        names[names.len() - 1].ident.clone()
+    });
+    (ty, names)
+}
+
+/// Replaces the name of each lifetime `'_`.
+fn each_elided(tokens: TokenStream, name: &mut impl FnMut() -> Ident) -> TokenStream {
+    let mut after_quote = false;
+    let tokens = tokens.into_iter().map(|token| {
+        let is_name = core::mem::take(&mut after_quote);
+        match token {
+            TokenTree::Group(group) => {
+                let inner = each_elided(group.stream(), name);
+                TokenTree::Group(Group::new(group.delimiter(), inner))
+            }
+            TokenTree::Ident(ident) if is_name && ident == "_" => TokenTree::Ident(name()),
+            other => {
+                after_quote = matches!(&other, TokenTree::Punct(mark) if mark.as_char() == '\'');
+                other
+            }
+        }
+    });
+    tokens.collect()
 }
 
 /// Returns the implementations together with the type that holds inputs, if the block has any.
@@ -22,19 +64,8 @@ pub(super) fn within(context: &Context<'_>, output: TokenStream) -> TokenStream 
     let Some(input) = &context.block.inputs else {
         return output;
     };
-    let count = Literal::usize_unsuffixed(context.model.symbols.inputs());
-    let holder = Holder {
-        private: context.private,
-        user_ty: context.user_ty(),
-        input,
-        count: quote!(#count),
-        numbers: if is_f64(input) {
-            quote!([*u])
-        } else {
-            quote!((*u).into())
-        },
-    };
-    holder.print(&output)
+    let count = context.model.symbols.inputs();
+    Holder::new(context.private, context.block, input, count).print(&output)
 }
 
 /// The type that holds the values of inputs beside a system.
@@ -47,19 +78,44 @@ pub(super) struct Holder<'a> {
     pub(super) count: TokenStream,
     /// The numbers in the reference `u`, an array.
     pub(super) numbers: TokenStream,
+    /// True for a scene, which has no lanes.
+    pub(super) is_scene: bool,
 }
 
-impl Holder<'_> {
+impl<'a> Holder<'a> {
+    pub(super) fn new(
+        private: &'a TokenStream,
+        block: &'a Annotated,
+        input: &'a Type,
+        count: usize,
+    ) -> Self {
+        let count = Literal::usize_unsuffixed(count);
+        Self {
+            private,
+            user_ty: &block.item.self_ty,
+            input,
+            count: quote!(#count),
+            numbers: if is_f64(input) {
+                quote!([*u])
+            } else {
+                quote!((*u).into())
+            },
+            is_scene: block.is_scene(),
+        }
+    }
+
     /// Returns the type with implementations for it.
     pub(super) fn print(&self, output: &TokenStream) -> TokenStream {
         let Self {
             private,
-            user_ty,
             input,
             count,
             numbers,
+            ..
         } = self;
-        let (attributes, forward) = (attributes(), self.forward());
+        let (user_ty, lifetimes) = named(self.user_ty, true);
+        let lanes = self.lanes(&lifetimes);
+        let (attributes, forward) = (attributes(), self.forward(&lifetimes));
         quote! {
             const _: () = {
                 /// A system with inputs that are held over a step. Its type is as visible as the
@@ -80,9 +136,9 @@ impl Holder<'_> {
                     #[inline(always)]
                     fn deref(&self) -> &S { self.__system }
                 }
-                type __Held<'a> = __WithInputs<'a, #user_ty>;
+                type __Held<'a #(, #lifetimes)*> = __WithInputs<'a, #user_ty>;
                 #attributes
-                impl #private::AnySystem for #user_ty {
+                impl<#(#lifetimes),*> #private::AnySystem for #user_ty {
                     type Target = Self;
                     #forward
                     fn target(&self) -> &Self { self }
@@ -93,26 +149,26 @@ impl Holder<'_> {
                     }
                 }
                 #attributes
-                impl #private::AnySystem for &#user_ty {
+                impl<#(#lifetimes),*> #private::AnySystem for &#user_ty {
                     type Target = #user_ty;
                     #forward
                     fn target(&self) -> &#user_ty { self }
                 }
                 #attributes
-                impl #private::WithInputs for #user_ty {
+                impl<#(#lifetimes),*> #private::WithInputs for #user_ty {
                     type Input = #input;
                     type Numbers = [f64; #count];
-                    type Sizes = <__Held<'static> as #private::System>::Dims;
-                    type Held<'a> = __Held<'a>;
+                    #lanes
+                    type Held<'a> = __Held<'a #(, #lifetimes)*> where Self: 'a;
                     #[inline(always)]
                     fn numbers(u: &#input) -> [f64; #count] { #numbers }
                     #[inline(always)]
-                    fn held_numbers(&self, numbers: [f64; #count]) -> __Held<'_> {
+                    fn held_numbers(&self, numbers: [f64; #count]) -> __Held<'_ #(, #lifetimes)*> {
                         __WithInputs { __system: self, u: #private::HeldInputs::new(numbers) }
                     }
                     const OPEN: [f64; #count] = [f64::NAN; #count];
                     #[inline(always)]
-                    fn inputs_of<'h>(held: &'h mut __Held<'_>) -> &'h mut #private::HeldInputs<[f64; #count]> {
+                    fn inputs_of<'h>(held: &'h mut __Held<'_ #(, #lifetimes)*>) -> &'h mut #private::HeldInputs<[f64; #count]> {
                         &mut held.u
                     }
                 }
@@ -121,18 +177,50 @@ impl Holder<'_> {
         }
     }
 
+    /// How the states of lanes are read.
+    fn lanes(&self, lifetimes: &[Lifetime]) -> TokenStream {
+        let (private, stepped) = (self.private, longest(lifetimes));
+        let (lanes, lane) = if self.is_scene {
+            (quote!(()), quote!(::core::option::Option::None))
+        } else {
+            let sizes = quote!(<<#stepped as #private::System>::Dims as #private::Dimensions>);
+            let state = quote!(#sizes::get(states, lane));
+            (
+                quote!(#sizes::StateLanes),
+                quote!(::core::option::Option::Some(#state)),
+            )
+        };
+        quote! {
+            type Lanes = #lanes;
+            #[inline(always)]
+            fn lane(states: &#lanes, lane: usize) -> ::core::option::Option<#private::StateOf<Self>> {
+                let _ = (states, lane);
+                #lane
+            }
+        }
+    }
+
     /// What the system and references to it have from the type that holds its inputs.
-    fn forward(&self) -> TokenStream {
+    fn forward(&self, lifetimes: &[Lifetime]) -> TokenStream {
         let private = self.private;
-        let held = quote!(<__Held<'static> as #private::AnySystem>);
+        let stepped = longest(lifetimes);
+        let held = quote!(<#stepped as #private::AnySystem>);
         quote! {
             type Configuration = #held::Configuration;
-            type Stepped = __Held<'static>;
+            type Stepped = #stepped;
             type Kind = #private::Inputs;
             type StateLanes = ();
             type IncrementLanes = ();
             const NAMES: #private::Names = #held::NAMES;
             const FORMULAS_HASH: u64 = #held::FORMULAS_HASH;
         }
+    }
+}
+
+/// The type that holds inputs for as long as possible.
+fn longest(lifetimes: &[Lifetime]) -> TokenStream {
+    match lifetimes {
+        [] => quote!(__Held<'static>),
+        [own, ..] => quote!(__Held<#own, #own>),
     }
 }

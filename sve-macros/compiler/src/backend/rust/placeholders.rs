@@ -11,7 +11,7 @@ use syn::{
 
 use super::configuration::{is_vector_or_nested, stored};
 use super::implementation::Implementation;
-use super::inputs::Holder;
+use super::inputs::{Holder, held};
 use crate::catalogue::Rule;
 use crate::errors::Errors;
 use crate::syntax::arguments::Arguments;
@@ -33,12 +33,26 @@ pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenSt
 fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) -> TokenStream {
     let (user_ty, inputs) = (&*block.self_ty, inputs_type(block));
     let self_ty: &Type = &match inputs {
-        Some(_) => parse_quote!(__Held<'_>),
+        Some(_) => held(user_ty),
         None => user_ty.clone(),
     };
     let runtime = runtime(attribute);
     let private = quote!(#runtime::__private);
     let attributes = super::attributes();
+    let within = |implementations: TokenStream, is_scene: bool| match inputs {
+        Some(input) => {
+            let holder = Holder {
+                private: &private,
+                user_ty,
+                input,
+                count: quote!({ ::core::mem::size_of::<#input>() / ::core::mem::size_of::<f64>() }),
+                numbers: quote!(::core::unreachable!("the macro reported an error")),
+                is_scene,
+            };
+            holder.print(&implementations)
+        }
+        None => implementations,
+    };
     let (generics, _, clause) = block.generics.split_for_impl();
     // no constant is computed from a generic parameter other than a lifetime
     let mut generic = block.generics.params.iter();
@@ -51,8 +65,11 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         let site = site(entry);
         let result = quote!(::core::result::Result<f64, #private::StepError>);
         let momenta = momenta(block, &private, [&quote!(::std::vec::Vec<#site>), &result]);
-        let (of, plan) = ((user_ty, site), plan(&private));
-        let scene = super::scene::placeholders([&private, &runtime], of, &rules, &plan);
+        let (of, plan) = ((self_ty, site), plan(&private));
+        let has_inputs = inputs.is_some();
+        let paths = [&private, &runtime];
+        let scene = super::scene::placeholders(paths, of, &rules, &plan, has_inputs);
+        let scene = within(scene, true);
         return quote!(#scene #momenta);
     }
     let with_rotations = configuration_with_rotations(block, &private).filter(|_| !is_generic);
@@ -112,19 +129,7 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         impl #generics #private::QuadraticKineticEnergy for #self_ty #clause {}
         #(#rules)*
     };
-    let implementations = match inputs {
-        Some(input) => {
-            let holder = Holder {
-                private: &private,
-                user_ty,
-                input,
-                count: quote!({ ::core::mem::size_of::<#input>() / ::core::mem::size_of::<f64>() }),
-                numbers: fail,
-            };
-            holder.print(&implementations)
-        }
-        None => implementations,
-    };
+    let implementations = within(implementations, false);
     quote!(#implementations #momenta)
 }
 

@@ -32,6 +32,7 @@ impl Lowering<'_> {
         let (row, shape) = self.row_type(block.coordinates())?;
         self.scene.shape = Some(shape);
         let time = self.symbols.declare(Meaning::Time);
+        self.declare_inputs();
         let function = &block.lagrangian;
         let result = self.run_scene(function, time);
         let lagrangian = self.scalar_result(function, &result);
@@ -72,6 +73,7 @@ impl Lowering<'_> {
         }
         let forces = self.placed_on_sites(forces, &mut sums)?;
         let symmetries = self.placed_on_sites(symmetries, &mut sums)?;
+        self.check_fields_beside_inputs();
         if self.errors.count() > 0 {
             return None;
         }
@@ -125,12 +127,9 @@ impl Lowering<'_> {
                 let t = this.arena.symbol(time);
                 this.bind(pattern, Value::Scalar(t));
             }
-            if let Some((pattern, _)) = &function.input {
-                this.errors.push(
-                    pattern.span(),
-                    "scenes, systems whose coordinates are slices, have no inputs: change a field between the steps, by `system_mut`",
-                );
-                this.bind(pattern, Value::Poison);
+            if let Some((pattern, ty)) = &function.input {
+                let u = this.input_of(ty);
+                this.bind(pattern, u);
             }
             for ((pattern, ty), array) in arguments.zip(rows) {
                 let shape = this.same_rows(ty);

@@ -14,6 +14,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::function::Formulas;
+use super::inputs::{Holder, stepped};
 use super::{bounded, private};
 use crate::algebra::Arena;
 use crate::explain;
@@ -42,9 +43,10 @@ pub(crate) fn print(
         block,
         formulas,
         texts,
+        self_ty: stepped(block),
     };
     let system = context.system();
-    let self_ty = &block.item.self_ty;
+    let self_ty = &context.self_ty;
     let scene = loops::scene(derived, slopes.is_some(), self_ty, formulas);
     let slopes = slopes.map(|(slopes, arena)| {
         let formulas = Formulas {
@@ -57,5 +59,13 @@ pub(crate) fn print(
     let rules = block.arguments.rules.iter();
     let rules = rules.map(|listed| context.rule(listed.rule));
     let momenta = context.momenta();
-    bounded(quote!(#system #scene #slopes #(#rules)* #momenta))
+    let stepped = quote!(#system #scene #slopes #(#rules)*);
+    let stepped = match &block.inputs {
+        None => stepped,
+        Some(input) => {
+            let count = derived.scene.symbols.inputs();
+            Holder::new(private, block, input, count).print(&stepped)
+        }
+    };
+    bounded(quote!(#stepped #momenta))
 }

@@ -16,7 +16,7 @@ impl Context<'_> {
         if derived.momenta.is_empty() {
             return TokenStream::new();
         }
-        let (self_ty, site, attributes) = (self.self_ty(), self.site(), attributes());
+        let (self_ty, site, attributes) = (self.user_ty(), self.site(), attributes());
         let symmetries = self.block.symmetries.iter().zip(&derived.momenta);
         let functions = symmetries.map(|(part, momentum)| {
             let (visibility, function) = (&part.item.vis, momentum_name(&part.name));

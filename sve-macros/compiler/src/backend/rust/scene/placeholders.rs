@@ -9,12 +9,13 @@ use super::super::attributes;
 use super::system::implementation;
 
 /// Implementations without bodies, for a configuration of these entries and for some types of rules
-/// with their plan.
+/// with their plan. A reference to a type that holds inputs is no system.
 pub(in super::super) fn placeholders(
     [private, runtime]: [&TokenStream; 2],
     (self_ty, entry): (&Type, TokenStream),
     rules: &[TokenStream],
     plan: &TokenStream,
+    has_inputs: bool,
 ) -> TokenStream {
     let attributes = attributes();
     let fail = quote!(::core::unreachable!("the macro reported an error"));
@@ -32,32 +33,41 @@ pub(in super::super) fn placeholders(
         result(quote!(usize), "IndexError"),
         result(quote!(()), "Stop"),
     );
-    let kind = quote! {
-        type Configuration = ::std::vec::Vec<#entry>;
-        type Target = #self_ty;
-        type Stepped = #self_ty;
-        type Kind = #private::scene::Scenes;
-        type StateLanes = ();
-        type IncrementLanes = ();
+    let kind = |target: TokenStream| {
+        quote! {
+            type Configuration = ::std::vec::Vec<#entry>;
+            type Target = #target;
+            type Stepped = #target;
+            type Kind = #private::scene::Scenes;
+            type StateLanes = ();
+            type IncrementLanes = ();
+        }
     };
+    let own = kind(quote!(Self));
+    let reference = (!has_inputs).then(|| {
+        let kind = kind(quote!(#self_ty));
+        quote! {
+            #attributes
+            impl #private::AnySystem for &#self_ty {
+                #kind
+                fn target(&self) -> &#self_ty { self }
+            }
+        }
+    });
     let zero = Literal::usize_unsuffixed(0);
     let rules = rules.iter();
     let rules = rules.map(|rule| implementation([private, runtime], self_ty, [rule, plan, &fail]));
     quote! {
         #attributes
         impl #private::AnySystem for #self_ty {
-            #kind
+            #own
             const NAMES: #private::Names =
                 #private::Names { parameters: &[], coordinates: &[], momenta: &[] };
             const FORMULAS_HASH: u64 = 0;
             fn target(&self) -> &Self { self }
             fn visit_parameters(&self, _: &mut dyn ::core::ops::FnMut(f64)) {}
         }
-        #attributes
-        impl #private::AnySystem for &#self_ty {
-            #kind
-            fn target(&self) -> &#self_ty { self }
-        }
+        #reference
         #attributes
         impl #private::Separable for #self_ty {}
         #attributes

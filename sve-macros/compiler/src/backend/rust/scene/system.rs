@@ -8,6 +8,7 @@ use syn::Type;
 use twox_hash::XxHash64;
 
 use super::super::function::Formulas;
+use super::super::inputs::named;
 use super::super::plan::operations;
 use super::super::system::constant_check;
 use super::super::{attributes, documented, ident, number, rule_type, verbatim};
@@ -25,18 +26,22 @@ pub(super) struct Context<'a> {
     pub(super) block: &'a Annotated,
     pub(super) formulas: Formulas<'a>,
     pub(super) texts: &'a SceneTexts,
+    /// The type whose steps are derived.
+    pub(super) self_ty: Type,
 }
 
 impl Context<'_> {
-    pub(super) fn self_ty(&self) -> &Type {
+    /// The user's type.
+    pub(super) fn user_ty(&self) -> &Type {
         &self.block.item.self_ty
     }
 
     /// The implementations of what all systems have, for the system and for a reference to it.
     pub(super) fn system(&self) -> TokenStream {
-        let (private, self_ty, attributes) = (self.formulas.private, self.self_ty(), attributes());
+        let (private, self_ty, attributes) = (self.formulas.private, &self.self_ty, attributes());
+        let user_ty = self.user_ty();
         let doc = documented(&[("The system:", &self.texts.system())]);
-        let kind = self.kind();
+        let kind = self.kind(&quote!(Self));
         let [coordinates, momenta] = ["q", "p"].map(|letter| self.names(letter));
         let mut hash = XxHash64::default();
         hash.write(self.texts.formulas().as_bytes());
@@ -62,9 +67,19 @@ impl Context<'_> {
                 impl #private::QuadraticKineticEnergy for #self_ty {}
             }
         });
+        let reference = self.block.inputs.is_none().then(|| {
+            let kind = self.kind(&quote!(#user_ty));
+            quote! {
+                #attributes
+                impl #private::AnySystem for &#user_ty {
+                    #kind
+                    fn target(&self) -> &#user_ty { self }
+                }
+            }
+        });
         quote! {
             #attributes
-            const _: () = { #(let _ = <#self_ty>::#functions;)* };
+            const _: () = { #(let _ = <#user_ty>::#functions;)* };
             #(#constants)*
             #doc
             #attributes
@@ -81,11 +96,7 @@ impl Context<'_> {
                     #(visit(#visited);)*
                 }
             }
-            #attributes
-            impl #private::AnySystem for &#self_ty {
-                #kind
-                fn target(&self) -> &#self_ty { self }
-            }
+            #reference
             #attributes
             impl #private::Separable for #self_ty {}
             #quadratic
@@ -93,12 +104,12 @@ impl Context<'_> {
     }
 
     /// The types of a system.
-    fn kind(&self) -> TokenStream {
-        let (private, self_ty, site) = (self.formulas.private, self.self_ty(), self.site());
+    fn kind(&self, target: &TokenStream) -> TokenStream {
+        let (private, site) = (self.formulas.private, self.site());
         quote! {
             type Configuration = ::std::vec::Vec<#site>;
-            type Target = #self_ty;
-            type Stepped = #self_ty;
+            type Target = #target;
+            type Stepped = #target;
             type Kind = #private::scene::Scenes;
             type StateLanes = ();
             type IncrementLanes = ();
@@ -133,7 +144,7 @@ impl Context<'_> {
 
     /// The implementation of a rule: its shears and its plan.
     pub(super) fn rule(&self, rule: Rule) -> TokenStream {
-        let (private, self_ty) = (self.formulas.private, self.self_ty());
+        let (private, self_ty) = (self.formulas.private, &self.self_ty);
         let runtime = self.runtime();
         let ty = rule_type(rule, &runtime);
         let plan = self.plan(rule);
@@ -153,7 +164,7 @@ impl Context<'_> {
     }
 
     fn plan(&self, rule: Rule) -> TokenStream {
-        let (private, self_ty) = (self.formulas.private, self.self_ty());
+        let (private, self_ty) = (self.formulas.private, self.user_ty());
         let system = quote!(#self_ty).to_string();
         let (name, order) = (rule.name(), rule.order);
         let scene = &self.derived.scene;
@@ -249,9 +260,11 @@ pub(super) fn implementation(
     [rule, plan, walk]: [&TokenStream; 3],
 ) -> TokenStream {
     let attributes = attributes();
+    // the bound of `walk` takes no `'_`
+    let (self_ty, lifetimes) = named(self_ty, false);
     quote! {
         #attributes
-        impl #runtime::Rule<#self_ty> for #rule {
+        impl<#(#lifetimes),*> #runtime::Rule<#self_ty> for #rule {
             type Increments = [f64];
             type Prepared = ();
             type Memory = ();
