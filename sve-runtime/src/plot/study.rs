@@ -86,8 +86,10 @@ impl Report {
         body += &table(self);
         for line in self.conclusions() {
             let (first, rest) = line.split_at(1);
-            let line = format!("{}{rest}", first.to_uppercase());
-            body.push_str(&format!("<p>{}</p>\n", page::escape(&line)));
+            body.push_str("<p>");
+            body.push_str(&first.to_uppercase());
+            body.push_str(&page::escape(rest));
+            body.push_str("</p>\n");
         }
         page::write(path.as_ref(), &page::document(&title, &body))
     }

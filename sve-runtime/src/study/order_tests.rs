@@ -150,7 +150,7 @@ fn weak_errors_have_orders_where_they_are_no_scatter() {
         steps: 1 << k,
         // deviations with the mean 0
         of_paths: (0..99)
-            .map(|path| error + scatter * ((path % 3) as f64 - 1.0))
+            .map(|path| error + scatter * (f64::from(path % 3) - 1.0))
             .collect(),
     };
     let weak = |levels: Vec<Level>| fit(levels, ErrorOf::Differences, 1.0, true);
