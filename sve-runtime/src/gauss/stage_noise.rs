@@ -11,6 +11,7 @@
 //!
 //! so one path serves every number of stages, and the midpoint rule.
 
+pub(crate) use super::tableau::MOST_STAGES;
 use super::tableau::Tableau;
 
 /// Calls a function with the number of stages as a constant; `None` for a number that no rule has.
@@ -80,16 +81,43 @@ pub(crate) fn add_to_longer_step(parts: &[f64], [number, count]: [usize; 2], lon
     for (part, node) in parts.iter().zip(nodes) {
         let at = (number as f64 + node) / count as f64;
         for (i, longer) in longer.iter_mut().enumerate() {
-            let others = (0..c.len()).filter(|&j| j != i);
-            let basis: f64 = others.map(|j| (at - c[j]) / (c[i] - c[j])).product();
-            *longer += basis * part;
+            *longer += basis(c, i, at) * part;
         }
+    }
+}
+
+/// Returns the polynomial of the Lagrange basis of these nodes that is 1 at node `i`.
+fn basis(nodes: &[f64], i: usize, at: f64) -> f64 {
+    let others = (0..nodes.len()).filter(|&j| j != i);
+    let factors = others.map(|j| (at - nodes[j]) / (nodes[i] - nodes[j]));
+    factors.product()
+}
+
+/// Replaces independent increments at the stages of both halves of a step, with variances b h/2, by
+/// ones that add up to those of the step, `whole`.
+///
+/// Given the sums, the mean of an increment is its covariance with them over their variance: the
+/// change that the sums lack is shared out in proportion to it.
+pub(crate) fn condition(whole: &[f64], halves: &mut [f64]) {
+    let stages = whole.len();
+    let (Some(b), Some(c)) = (weights(stages), nodes(stages)) else {
+        return;
+    };
+    let mut sums = [0.0; MOST_STAGES];
+    for (number, parts) in halves.chunks_exact(stages).enumerate() {
+        add_to_longer_step(parts, [number, 2], &mut sums[..stages]);
+    }
+    for (place, part) in halves.iter_mut().enumerate() {
+        let (number, j) = (place / stages, place % stages);
+        let at = 0.5 * (number as f64 + c[j]);
+        let lacks = |i: usize| basis(c, i, at) * (whole[i] - sums[i]) / b[i];
+        *part += 0.5 * b[j] * (0..stages).map(lacks).sum::<f64>();
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{add_to_longer_step, from_coefficients, nodes, weights};
+    use super::{add_to_longer_step, condition, from_coefficients, nodes, weights};
 
     /// Returns the increments at the stages for each coefficient alone.
     fn matrix(stages: usize) -> Vec<Vec<f64>> {
@@ -148,6 +176,43 @@ mod tests {
                         (x - expected).abs() < 1e-13,
                         "{stages} {degree}: {x} {expected}"
                     );
+                }
+            }
+        }
+    }
+
+    /// The halves add up to the step, and have the variances of independent increments: those of a
+    /// linear function of independent numbers, which the unit vectors show.
+    #[test]
+    fn halves_of_a_step_are_those_of_one_path() {
+        for stages in 2..=8 {
+            let b = weights(stages).unwrap();
+            let variance = |number: usize| match number {
+                // of a step of length 1, then of its halves
+                i if i < stages => b[i],
+                other => 0.5 * b[other % stages],
+            };
+            let mut columns = Vec::new();
+            for number in 0..3 * stages {
+                let mut unit = vec![0.0; 3 * stages];
+                unit[number] = 1.0;
+                let (whole, halves) = unit.split_at_mut(stages);
+                condition(whole, halves);
+                let mut sums = vec![0.0; stages];
+                for (number, parts) in halves.chunks(stages).enumerate() {
+                    add_to_longer_step(parts, [number, 2], &mut sums);
+                }
+                for (sum, whole) in sums.iter().zip(whole) {
+                    assert!((sum - *whole).abs() < 1e-12, "{stages}");
+                }
+                columns.push(halves.to_vec());
+            }
+            for i in 0..2 * stages {
+                for j in 0..2 * stages {
+                    let terms = columns.iter().enumerate();
+                    let covariance: f64 = terms.map(|(k, x)| variance(k) * x[i] * x[j]).sum();
+                    let expected = if i == j { 0.5 * b[i % stages] } else { 0.0 };
+                    assert!((covariance - expected).abs() < 1e-13, "{stages} {i} {j}");
                 }
             }
         }

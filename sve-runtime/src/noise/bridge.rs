@@ -5,9 +5,16 @@
 //! increment of the whole. Given the increment of the whole, the increment of the left half is
 //! normal with mean ΔW/2 and variance h/4, independent of everything outside the interval.
 //!
+//! With stage noise, the increments at the stages of both halves are drawn as independent numbers,
+//! and moved by what their sums lack of the increments of the whole
+//! ([`condition`](stage_noise::condition)). So the whole steps are those of the path. The halves
+//! belong to its number of stages: of another number, and without stage noise, they are another
+//! path with the same whole steps.
+//!
 //! Layout: the key of Threefry is (seed, path, domain, 0), the counter (step, process / 4,
-//! 2^level + index, 0), and its four words give the four normals of four processes. The layout is
-//! part of the public contract.
+//! 2^level + index, 0), and its four words give the four normals of four processes. With stage noise
+//! the counter is (step, process, 2^level + index, 1 + n / 4) for normal n of a process. The layout
+//! is part of the public contract.
 //!
 //! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd
 //! ed., Springer (1991), section 2.3.
@@ -16,6 +23,7 @@
 use super::many_paths::{ManyPaths, PathData};
 use super::{Halves, Noise, NoiseError, Replayable, Wiener, WithinSteps, box_muller, threefry};
 use crate::error::check_step;
+use crate::gauss::stage_noise;
 
 /// Separates these draws from the increments of the path itself.
 const DOMAIN: u64 = u64::from_le_bytes(*b"bridge  ");
@@ -121,7 +129,10 @@ impl Wiener {
     /// Returns the same path in steps of `h / 2^depth`: the increments of `2^depth` steps from step
     /// `2^depth k` on sum to the increment of step `k` of length `h`.
     ///
-    /// Refinements of different depths of the same path agree.
+    /// Refinements of different depths of the same path agree. With [stage
+    /// noise](crate::StageNoise) the increments at the stages of the longer step follow from those of
+    /// the shorter ones exactly; within a step of the path, rules of another number of stages have
+    /// another path.
     ///
     /// ```
     /// use sve_runtime::noise::{Recorded, Wiener};
@@ -156,6 +167,35 @@ impl Wiener {
     fn normals(&self, interval: DyadicInterval, process: usize, scale: f64) -> [f64; 4] {
         let words = words(self.0.seed, self.0.path, interval, process as u64 / 4);
         box_muller::four(words, scale)
+    }
+}
+
+impl Wiener {
+    /// Replaces the increments of a process at the stages of an interval of length `h` by those of
+    /// one of its halves.
+    fn halve_stages(
+        &self,
+        interval: DyadicInterval,
+        process: usize,
+        h: f64,
+        half: usize,
+        parts: &mut [f64],
+    ) {
+        let stages = parts.len();
+        let weights = stage_noise::weights(stages).unwrap_or(&[]);
+        let mut halves = [0.0; 2 * stage_noise::MOST_STAGES];
+        let halves = &mut halves[..2 * stages];
+        let number = (1 << interval.level) + interval.index;
+        for (block, four) in (1..).zip(halves.chunks_mut(4)) {
+            let counter = [interval.step, process as u64, number, block];
+            let words = threefry::block(counter, [self.0.seed, self.0.path, DOMAIN, 0]);
+            four.copy_from_slice(&box_muller::four(words, 1.0)[..four.len()]);
+        }
+        for (part, weight) in halves.iter_mut().zip(weights.iter().cycle()) {
+            *part *= (0.5 * weight * h.abs()).sqrt();
+        }
+        stage_noise::condition(parts, halves);
+        parts.copy_from_slice(&halves[half * stages..][..stages]);
     }
 }
 
@@ -257,6 +297,29 @@ impl Noise for Refined {
         }
         let leaf = self.depth as usize * self.processes;
         dw.copy_from_slice(&self.increments[leaf..][..self.processes]);
+        Ok(())
+    }
+
+    fn stage_increments(
+        &mut self,
+        step: u64,
+        h: f64,
+        stages: usize,
+        dw: &mut [f64],
+    ) -> Result<(), NoiseError> {
+        let whole_h = h * two_to(self.depth);
+        let mut interval = DyadicInterval::whole(step >> self.depth);
+        let path = &mut self.path;
+        path.stage_increments(interval.step, whole_h, stages, dw)?;
+        while interval.level < self.depth {
+            let h = whole_h / two_to(interval.level);
+            let half = step >> (self.depth - 1 - interval.level) & 1;
+            for (process, parts) in dw.chunks_exact_mut(stages).enumerate() {
+                path.halve_stages(interval, process, h, half as usize, parts);
+            }
+            interval.level += 1;
+            interval.index = 2 * interval.index + half;
+        }
         Ok(())
     }
 

@@ -7,7 +7,7 @@
 //! | source | increments | replayable | with stage noise |
 //! | --- | --- | --- | --- |
 //! | [`Wiener`] | from a seed, counter-based | any step, in any order | yes; the same path for every number of stages |
-//! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order | no |
+//! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order | yes; the same whole steps for every number of stages |
 //! | [`ThreePoint`] | of three values, for weak solutions; counter-based | any step, in any order | no: the stages would have another law |
 //! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order | a path of [`Recorded::record_stages`] |
 //! | [`Truncated`] | of another source, clipped for implicit steps | as the other source | as the other source |
@@ -117,7 +117,7 @@ pub trait Noise {
     /// weight `b_i`.
     ///
     /// The increments of a process add up to the increment that [`increments`](Self::increments)
-    /// returns. The default implementation returns an error.
+    /// returns; those of a [refined](Wiener::refine) path do over each step of the path. The default implementation returns an error.
     ///
     /// # Errors
     /// A [`NoiseError`] if the source cannot serve the step; [`NoiseError::NoStages`] if it draws

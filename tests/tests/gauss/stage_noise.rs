@@ -70,9 +70,7 @@ fn sources_draw_details_of_the_same_path() {
         adds_up(NoNoise, stages);
     }
     let mut parts = [0.0; 6];
-    let mut refined = Wiener::new(7).refine(1).unwrap();
     let none = Err(NoiseError::NoStages { stages: 3 });
-    assert_eq!(refined.stage_increments(0, 0.01, 3, &mut parts), none);
     let drawn = noise::ThreePoint::new(7).stage_increments(0, 0.01, 3, &mut parts);
     assert_eq!(drawn, none);
     // clipped to as many standard deviations of their own
@@ -135,6 +133,36 @@ fn recorded_stages_are_coarsened_exactly_and_serve_plain_rules() {
     let rows = Recorded::new(0.01, [[0.1, 0.2, 0.3, 0.4]]).unwrap();
     assert_eq!(rows.clone().with_stages(2).unwrap().processes(), 2);
     assert!(rows.with_stages(3).is_err());
+}
+
+/// The refined path has the whole steps of the path, in any order of the steps, for each depth.
+#[test]
+fn refined_paths_have_their_stages() {
+    let (path, h) = (Wiener::new(5).path(3), 0.04);
+    let whole = Recorded::record_stages(path, h, 2, 3, 5).unwrap();
+    let mut before: Option<Recorded> = None;
+    for depth in 1..=4 {
+        let refined = path.refine(depth).unwrap();
+        let (count, part) = (1 << depth, h / f64::from(1 << depth));
+        let fine = Recorded::record_stages(refined.clone(), part, 2, 3, 5 * count).unwrap();
+        if let Some(before) = before {
+            let twice = fine.coarsen(2).unwrap();
+            for step in 0..twice.len() {
+                let [a, b] = [&twice, &before].map(|path| path.get(step).unwrap());
+                assert_close(a, b, 1e-14, "one depth more");
+            }
+        }
+        let coarse = fine.coarsen(count).unwrap();
+        for step in 0..5 {
+            let [a, b] = [&coarse, &whole].map(|path| path.get(step).unwrap());
+            assert_close(a, b, 1e-14, "whole steps");
+        }
+        let mut alone = [0.0; 6];
+        let mut source = refined.from_step(7);
+        source.stage_increments(0, part, 3, &mut alone).unwrap();
+        assert_eq!(alone[..], *fine.get(7).unwrap());
+        before = Some(fine);
+    }
 }
 
 #[test]
