@@ -11,6 +11,7 @@
 //!
 //! so one path serves every number of stages, and the midpoint rule.
 
+pub(crate) use super::tableau::MOST_STAGES;
 use super::tableau::Tableau;
 
 /// Calls a function with the number of stages as a constant; `None` for a number that no rule has.

@@ -17,7 +17,7 @@ use super::double_double::Double;
 use super::nodes::root;
 
 /// Largest number of stages.
-pub(super) const MOST_STAGES: usize = 8;
+pub(crate) const MOST_STAGES: usize = 8;
 
 /// Binary digits after the point of the ratios μ: their sums with 1 are then exact.
 const BITS_OF_RATIOS: u32 = 52;
