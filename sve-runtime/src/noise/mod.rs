@@ -20,8 +20,8 @@
 //!
 //! All sources serve all rules that take one increment for each process. Rules with [stage
 //! noise](crate::StageNoise) ask for an increment for each process and stage. Where the table says
-//! no, the first step returns an error that names the source, and an ensemble returns it before the
-//! first step. Steps that fail cannot be [refined](crate::Trajectory::refine) with stage noise, and
+//! no, the first step returns an error that names the source; an ensemble returns an error before
+//! its first step. Steps that fail cannot be [refined](crate::Trajectory::refine) with stage noise, and
 //! studies do not take it: both are compile errors.
 //!
 //! [`Replayable::from_step`] enters a replayable path at a step.
