@@ -223,7 +223,12 @@ fn add_halves(halves: &[Rows], [rows, stages]: [usize; 2], out: &mut [Rows]) {
         stage_noise::add_to_longer_step(&unit, [half, 2], &mut longer);
         longer
     };
-    let weights = [0, 1].map(|half| Vec::from_iter((0..stages).map(|part| weights(half, part))));
+    let of_half = |half| {
+        (0..stages)
+            .map(|part| weights(half, part))
+            .collect::<Vec<_>>()
+    };
+    let weights = [of_half(0), of_half(1)];
     for (row, out) in out.iter_mut().enumerate() {
         let stage = row % stages;
         let first = row / rows * 2 * rows + row % rows - stage;
