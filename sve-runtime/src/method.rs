@@ -196,7 +196,7 @@ pub trait OneStepMethod {
         states: &StateLanesOf<Self::System>,
         next: &mut StateLanesOf<Self::System>,
         h: f64,
-        dw: &IncrementLanesOf<Self::System>,
+        dw: &IncrementLanesOf<Self::Increments>,
     ) -> Mask {
         let _ = (prepared, h, dw);
         next.clone_from(states);
@@ -379,7 +379,7 @@ pub trait Differentiable: OneStepMethod<System: System> {
         states: &StateLanesOf<Self::System>,
         next: &mut StateLanesOf<Self::System>,
         h: f64,
-        dw: &IncrementLanesOf<Self::System>,
+        dw: &IncrementLanesOf<Self::Increments>,
         tangents: LaneDirections<'_, TangentLanesOf<Self::System>>,
     ) -> [Mask; 2];
 

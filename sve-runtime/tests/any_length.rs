@@ -85,7 +85,6 @@ impl AnySystem for Ring {
     type Stepped = Self;
     type Kind = Rings;
     type StateLanes = ();
-    type IncrementLanes = ();
     const NAMES: Names = Names {
         parameters: &["k", "sigma"],
         coordinates: &["q"],
@@ -109,7 +108,6 @@ impl AnySystem for &Ring {
     type Stepped = Ring;
     type Kind = Rings;
     type StateLanes = ();
-    type IncrementLanes = ();
 
     fn target(&self) -> &Ring {
         self

@@ -42,7 +42,7 @@ impl<I: OneStepMethod> OneStepMethod for Alone<I> {
         states: &StateLanesOf<I::System>,
         next: &mut StateLanesOf<I::System>,
         h: f64,
-        dw: &IncrementLanesOf<I::System>,
+        dw: &IncrementLanesOf<I::Increments>,
     ) -> Mask {
         self.0.step_lanes(prepared, states, next, h, dw)
     }
@@ -68,7 +68,7 @@ impl<I: Differentiable> Differentiable for Alone<I> {
         states: &StateLanesOf<I::System>,
         next: &mut StateLanesOf<I::System>,
         h: f64,
-        dw: &IncrementLanesOf<I::System>,
+        dw: &IncrementLanesOf<I::Increments>,
         _: LaneDirections<'_, TangentLanesOf<I::System>>,
     ) -> [Mask; 2] {
         let unsolved = self.0.step_lanes(prepared, states, next, h, dw);

@@ -6,7 +6,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mpi::Threading;
-use sve_runtime::Method;
+use sve_runtime::ensemble::PathMethod;
 use sve_runtime::ensemble::{Checkpoint, Distribution, Ensemble, EnsembleError, PartialResults};
 
 use super::error::{Error, SentError};
@@ -15,7 +15,7 @@ use super::message::Cause;
 use super::pool::panic_message;
 
 /// The checked ensemble and the loaded results with which a rank begins.
-pub(crate) struct Beginning<'a, I: Method> {
+pub(crate) struct Beginning<'a, I: PathMethod> {
     pub(crate) distribution: Distribution<'a, I>,
     /// The checkpoint, on rank 0.
     pub(crate) checkpoint: Option<Checkpoint>,
@@ -24,7 +24,7 @@ pub(crate) struct Beginning<'a, I: Method> {
 }
 
 /// Checks the settings on all ranks.
-pub(crate) fn agree<'a, I: Method + Sync>(
+pub(crate) fn agree<'a, I: PathMethod + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     link: &Link,
 ) -> Result<Beginning<'a, I>, Error> {
@@ -66,7 +66,7 @@ pub(crate) fn agree<'a, I: Method + Sync>(
     }
 }
 
-fn begin<'a, I: Method + Sync>(
+fn begin<'a, I: PathMethod + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     rank: i32,
 ) -> Result<Beginning<'a, I>, EnsembleError> {

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::Duration;
 
-use sve_runtime::Method;
+use sve_runtime::ensemble::PathMethod;
 use sve_runtime::ensemble::{Checkpoint, Distribution, PartialResults};
 
 use super::coordinator::Coordinator;
@@ -25,7 +25,7 @@ const SHORT_LOOK: Duration = Duration::from_micros(50);
 const NEAR_END: f64 = 10e-3;
 
 /// Rank 0 during a run.
-pub(crate) struct Leader<'r, I: Method> {
+pub(crate) struct Leader<'r, I: PathMethod> {
     pub(crate) link: &'r Link,
     pub(crate) pool: &'r Pool,
     pub(crate) distribution: &'r Distribution<'r, I>,
@@ -38,7 +38,7 @@ pub(crate) struct Leader<'r, I: Method> {
 /// A checkpoint that is being written.
 type Writing<'s> = ScopedJoinHandle<'s, ()>;
 
-impl<'r, I: Method + Sync> Leader<'r, I> {
+impl<'r, I: PathMethod + Sync> Leader<'r, I> {
     /// Leads the run until all blocks have ended. Returns the reason if it ended early.
     pub(crate) fn lead<'s>(
         &self,
@@ -114,7 +114,7 @@ impl<'r, I: Method + Sync> Leader<'r, I> {
 }
 
 /// Reads the results that a rank has sent.
-pub(crate) fn received_results<I: Method + Sync>(
+pub(crate) fn received_results<I: PathMethod + Sync>(
     distribution: &Distribution<'_, I>,
     bytes: &[u8],
 ) -> PartialResults {

@@ -74,7 +74,7 @@ use std::thread;
 use std::time::Duration;
 
 use mpi::traits::Communicator;
-use sve_runtime::Method;
+use sve_runtime::ensemble::PathMethod;
 use sve_runtime::ensemble::{Distribution, Ensemble, PartialResults, Summary};
 
 pub use self::error::Error;
@@ -106,7 +106,7 @@ const QUIET_INTERVALS: u32 = 5;
 /// # Errors
 /// An [`Error`], the same on all ranks. A path that fails is not an error of the run, see
 /// [`Summary::failures`].
-pub fn run<'a, I: Method + Sync>(
+pub fn run<'a, I: PathMethod + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     world: &impl Communicator,
 ) -> Result<Summary, Error> {
@@ -118,7 +118,7 @@ pub fn run<'a, I: Method + Sync>(
 /// # Errors
 /// As [`run`].
 #[doc(hidden)]
-pub fn run_in_pieces<'a, I: Method + Sync>(
+pub fn run_in_pieces<'a, I: PathMethod + Sync>(
     ensemble: &'a Ensemble<'a, I>,
     world: &impl Communicator,
     piece: usize,
@@ -163,7 +163,7 @@ struct Ended {
 }
 
 /// Runs blocks until no rank has any left.
-fn run_blocks<I: Method + Sync>(
+fn run_blocks<I: PathMethod + Sync>(
     link: &Link,
     pool: &Pool,
     beginning: &Beginning<'_, I>,
@@ -246,7 +246,7 @@ fn follow(link: &Link, pool: &Pool, quiet: Duration) {
 /// `r + 4`, …, and sends to `r` less its lowest bit. The ranks below one another have neighbouring
 /// regions, so each message contains few nodes of the tree of blocks. Returns all results on
 /// rank 0.
-fn gather<I: Method + Sync>(
+fn gather<I: PathMethod + Sync>(
     link: &Link,
     distribution: &Distribution<'_, I>,
     mut results: PartialResults,
@@ -269,7 +269,7 @@ fn gather<I: Method + Sync>(
 
 /// Returns the results in the form in which they are sent to all ranks, or the reason why there are
 /// none.
-fn outcome<I: Method + Sync>(
+fn outcome<I: PathMethod + Sync>(
     distribution: &Distribution<'_, I>,
     results: &PartialResults,
     stop: Option<Stop>,

@@ -11,7 +11,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use sve_runtime::Method;
+use sve_runtime::ensemble::PathMethod;
 use sve_runtime::ensemble::SharedResults;
 use sve_runtime::ensemble::{BLOCK_PATHS, Distribution, EnsembleError, PartialResults};
 
@@ -168,7 +168,7 @@ impl Pool {
     }
 
     /// Runs blocks until the run has ended. Each thread calls this function.
-    pub(crate) fn run<I: Method + Sync>(&self, distribution: &Distribution<'_, I>) {
+    pub(crate) fn run<I: PathMethod + Sync>(&self, distribution: &Distribution<'_, I>) {
         while let Some(block) = self.begin() {
             let start = Instant::now();
             let ran = catch_unwind(AssertUnwindSafe(|| {

@@ -9,10 +9,10 @@ use super::difference::Difference;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic};
 use super::statistics::{Moments, MomentsRequest, Statistics};
 use super::{Ensemble, Summary};
+use crate::ensemble::PathMethod;
 use crate::lanes::{LANES, Lane, Mask};
-use crate::trajectory::Method;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Makes the paths 2k and 2k + 1 a pair: both have the increments of path k of the noise, the
     /// second one with the other sign.
     ///
@@ -63,7 +63,7 @@ impl<I: Method> Ensemble<'_, I> {
     }
 }
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Returns whether the paths are antithetic pairs.
     pub(super) fn is_antithetic(&self) -> bool {
         are_pairs(&self.observed.statistics)

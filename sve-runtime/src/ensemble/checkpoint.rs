@@ -28,7 +28,7 @@ use super::merge_tree::MergeTree;
 use super::settings::Settings;
 use super::stored::{FORMAT, LoadedSummary, StoredSummary};
 use super::{Ensemble, EnsembleError, Warning};
-use crate::trajectory::Method;
+use crate::ensemble::PathMethod;
 
 /// The first bytes of a file of any version.
 const MAGIC: &[u8; 8] = b"sve run\0";
@@ -36,7 +36,7 @@ const MAGIC: &[u8; 8] = b"sve run\0";
 /// Bytes before the content.
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Writes the results of finished blocks to a file, at this interval and at the end, for
     /// [`resume`](Self::resume).
     ///
@@ -90,7 +90,7 @@ impl<I: Method> Ensemble<'_, I> {
     }
 }
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Checks that the file of [`checkpoint`](Self::checkpoint) can be written, if there is one,
     /// and that a file to [`resume`](Self::resume) is undamaged. Removes the temporary files that
     /// killed runs have left. [`run`](Self::run) begins with this check.
@@ -112,7 +112,7 @@ impl<I: Method> Ensemble<'_, I> {
     }
 }
 
-impl<I: Method> Settings<'_, I> {
+impl<I: PathMethod> Settings<'_, I> {
     /// Returns the checkpoint of the run, if there is one.
     pub(super) fn checkpoint(&self, info: &Info) -> Option<CheckpointFile> {
         let (path, interval) = self.ensemble.execution.checkpoint.clone()?;

@@ -13,11 +13,11 @@ use super::merge_tree::PartialResult;
 use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::statistic::AnyRequest;
+use crate::ensemble::PathMethod;
 use crate::lanes::Lane;
-use crate::trajectory::Method;
 
 /// Runs with common noise.
-pub(super) struct Coupled<'a, I: Method> {
+pub(super) struct Coupled<'a, I: PathMethod> {
     pub(super) legs: Vec<Settings<'a, I>>,
 }
 
@@ -26,7 +26,7 @@ pub(super) fn difference_number(from: usize, to: usize) -> usize {
     to * to.saturating_sub(1) / 2 + from
 }
 
-impl<I: Method> Coupled<'_, I> {
+impl<I: PathMethod> Coupled<'_, I> {
     /// Returns the number of differences.
     pub(super) fn differences(&self) -> usize {
         difference_number(0, self.legs.len())
@@ -44,7 +44,7 @@ impl<I: Method> Coupled<'_, I> {
     }
 }
 
-impl<I: Method> Coupled<'_, I> {
+impl<I: PathMethod> Coupled<'_, I> {
     /// Runs the paths of a block in all runs. Returns the results of the runs, then the results of
     /// the differences.
     pub(super) fn run_block(&self, block: u64) -> Result<Vec<PartialResult>, EnsembleError> {
@@ -84,7 +84,7 @@ impl<I: Method> Coupled<'_, I> {
 }
 
 /// Adds the differences of the observables that two runs have just recorded.
-fn add_difference<I: Method>(
+fn add_difference<I: PathMethod>(
     from: &PathBlock<'_, I>,
     to: &PathBlock<'_, I>,
     record: usize,

@@ -8,9 +8,9 @@ use super::joint::{JointColumn, JointMoments, ROW_BYTES, rows};
 use super::sizes::AT_ONCE;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary};
-use crate::trajectory::Method;
+use crate::ensemble::PathMethod;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Takes the covariance of two observables over the paths, at each recorded time:
     /// [`Summary::covariance`](super::Summary::covariance).
     ///

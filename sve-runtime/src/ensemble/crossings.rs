@@ -6,11 +6,11 @@
 use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
 use super::observer::{Kind, LastStep};
+use crate::ensemble::PathMethod;
 use crate::error::observed::Observed;
 use crate::system::StateOf;
-use crate::trajectory::Method;
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Takes statistics of the number of times that a function has changed its sign from one step
     /// to the next, along each path.
     ///

@@ -20,7 +20,7 @@ use super::settings::Settings;
 use super::stored::checked_tree;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Warning};
-use crate::trajectory::Method;
+use crate::ensemble::PathMethod;
 
 /// The settings of a run, which two processes compare before they run blocks of the same ensemble.
 #[derive(Serialize, Deserialize)]
@@ -64,12 +64,12 @@ struct Identity {
 /// # Ok(())
 /// # }
 /// ```
-pub struct Distribution<'a, I: Method> {
+pub struct Distribution<'a, I: PathMethod> {
     settings: Settings<'a, I>,
     info: Info,
 }
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Checks the settings for a run whose blocks are distributed by the caller.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
     }
 }
 
-impl<I: Method + Sync> Distribution<'_, I> {
+impl<I: PathMethod + Sync> Distribution<'_, I> {
     /// The blocks of the run, or of its shard.
     pub fn blocks(&self) -> Range<u64> {
         self.settings.shard[0]..self.settings.shard[1]
@@ -180,7 +180,7 @@ impl<I: Method + Sync> Distribution<'_, I> {
     }
 }
 
-impl<I: Method> fmt::Debug for Distribution<'_, I> {
+impl<I: PathMethod> fmt::Debug for Distribution<'_, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let settings = &self.settings;
         f.debug_struct("Distribution")

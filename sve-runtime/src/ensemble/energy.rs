@@ -6,14 +6,14 @@
 use super::Ensemble;
 use super::observe::Function;
 use super::observer::Plain;
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::lanes::Lane;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::mechanics::Mechanics;
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
-use crate::trajectory::Method;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Takes statistics of the energy, as `observe(name, |system, state|
     /// system.hamiltonian(state))` does, in the lanes of vector registers. This is many times as
     /// fast if the macro has H(q, p) as a formula, that is for Lagrangians that are quadratic in

@@ -73,6 +73,16 @@ pub enum EnsembleError {
     /// The noise has no increments for this step size.
     #[error("`noise`: {0}")]
     Noise(#[source] NoiseError),
+    /// The rule has stage noise, and the noise has no increments at its stages.
+    #[error(
+        "`noise`: {noise} have no law at the {stages} stages of the rule: take `Wiener`, not refined, or `Truncated<Wiener>`, or the rule without stage noise"
+    )]
+    NoStages {
+        /// The increments of the noise.
+        noise: &'static str,
+        /// The stages of the rule.
+        stages: usize,
+    },
     /// Steps are to be divided, and the noise is not known within steps.
     #[error(
         "`{setting}` divides steps, within which this noise has no increments: take `Wiener`, also refined, or `NoNoise`; increments of three values and clipped ones belong to whole steps"

@@ -17,8 +17,8 @@ use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::summary::Summary;
 use super::{BLOCK_PATHS, EnsembleError, Warning};
+use crate::ensemble::PathMethod;
 use crate::progress::Progress;
-use crate::trajectory::Method;
 
 /// Largest number of blocks that are run together: with paths that stop at a constant rate, a
 /// thousand paths keep nine of ten lanes full.
@@ -28,7 +28,7 @@ const GROUP: u64 = 16;
 /// about the same time.
 const TURNS: u64 = 4;
 
-impl<I: Method + Sync> Settings<'_, I> {
+impl<I: PathMethod + Sync> Settings<'_, I> {
     /// Runs the blocks of the shard.
     pub(super) fn execute(&self) -> Result<Summary, EnsembleError> {
         #[cfg(feature = "checkpoint")]
@@ -175,7 +175,7 @@ struct Shared {
 }
 
 impl Shared {
-    fn new<I: Method>(settings: &Settings<'_, I>, results: usize) -> Self {
+    fn new<I: PathMethod>(settings: &Settings<'_, I>, results: usize) -> Self {
         let [start, end] = settings.shard;
         let paths = settings.paths_of(start..end);
         let blocks = settings.paths.div_ceil(BLOCK_PATHS);
@@ -264,7 +264,7 @@ impl Shared {
 impl Shared {
     /// Loads the results of a checkpoint, if there are results and the ensemble has to continue
     /// them.
-    fn with_checkpoint<I: Method>(
+    fn with_checkpoint<I: PathMethod>(
         mut self,
         settings: &Settings<'_, I>,
         info: &Info,

@@ -14,14 +14,14 @@ use std::collections::BTreeSet;
 use super::difference::Difference;
 use super::observer::{Kind, LastStep, Seen};
 use super::settings::Settings;
+use crate::ensemble::PathMethod;
 use crate::fingerprint::{Hash, StepsDifference, StepsFingerprint, hash};
 use crate::lanes::LANES;
 use crate::method::DimsOf;
 use crate::noise::{self, DistributionKind};
 use crate::phase::configuration::Configuration;
 use crate::phase::state::State;
-use crate::system::{Dimensions, Increments, IncrementsOf};
-use crate::trajectory::Method;
+use crate::system::{Dimensions, Increments as _};
 
 /// Smallest number of steps of path 0 that are compared.
 const STEPS: u64 = 4096;
@@ -80,7 +80,7 @@ fn add_state<Q: Configuration>(hash: &mut Hash, state: &State<Q>) {
     }
 }
 
-impl<I: Method> Settings<'_, I> {
+impl<I: PathMethod> Settings<'_, I> {
     pub(super) fn fingerprint(self) -> Fingerprint {
         let (ensemble, observed) = (self.ensemble, &self.ensemble.observed);
         Fingerprint {
@@ -175,7 +175,7 @@ impl<I: Method> Settings<'_, I> {
         let mut memories: Vec<_> = hidden.map(|of| of.observer(1, 0)).collect();
         for step in 0..=steps.min(self.steps) {
             if step > 0 {
-                let mut dw = <IncrementsOf<I::System>>::NONE;
+                let mut dw = I::Increments::NONE;
                 let made = increments(step - 1, dw.as_mut()).is_ok()
                     && (method.hold(&mut prepared, path, step - 1, &state)).is_ok()
                     && method

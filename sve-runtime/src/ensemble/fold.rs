@@ -9,13 +9,13 @@ use super::Ensemble;
 use super::observe::Function;
 use super::observer::{Kind, Observable, Observer, Seen};
 use super::tile::Place;
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
-use crate::trajectory::Method;
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Takes statistics of a memory of any type: `begin` makes it from the start of a path,
     /// `update` is called with the state after each step (and with the state at which a path
     /// [stops](Self::stop_at)), and `value` returns the recorded number.

@@ -18,6 +18,7 @@ use super::summary::Summary;
 use super::tangents::{CarryTiles, carry_tiles};
 use super::tile::lanes;
 use super::{Ensemble, EnsembleError};
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::lanes::Lane;
 use crate::mechanics::with_dual_state;
@@ -27,9 +28,8 @@ use crate::phase::configuration::FixedSize;
 use crate::phase::dual::Dual;
 use crate::system::linearisation::Directions;
 use crate::system::{
-    ConfigurationOf, Dimensions, DualStateOf, IncrementsOf, StateLanesOf, StateOf, System, VectorOf,
+    ConfigurationOf, Dimensions, DualStateOf, StateLanesOf, StateOf, System, VectorOf,
 };
-use crate::trajectory::Method;
 
 /// A smooth function of a state, with its derivatives.
 pub(super) trait Smooth<S: System>: Send + Sync {
@@ -158,28 +158,28 @@ pub(super) type PushForward<I> = fn(
     &<I as OneStepMethod>::Prepared,
     &mut StateOf<<I as OneStepMethod>::System>,
     f64,
-    &IncrementsOf<<I as OneStepMethod>::System>,
+    &<I as OneStepMethod>::Increments,
     Directions<'_, VectorOf<<I as OneStepMethod>::System>>,
 ) -> Result<(), StepError>;
 
 /// The steps of a method that carry tangent vectors.
-pub(super) struct TangentSteps<I: Method> {
+pub(super) struct TangentSteps<I: PathMethod> {
     /// The steps of a single state.
     pub(super) alone: PushForward<I>,
     /// The steps in lanes.
     pub(super) in_lanes: fn(CarryTiles<'_, I>) -> u64,
 }
 
-impl<I: Method> Clone for TangentSteps<I> {
+impl<I: PathMethod> Clone for TangentSteps<I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<I: Method> Copy for TangentSteps<I> {}
+impl<I: PathMethod> Copy for TangentSteps<I> {}
 
 /// The function that is differentiated, and the variables.
-pub(super) struct Gradients<'a, I: Method> {
+pub(super) struct Gradients<'a, I: PathMethod> {
     /// The names of the functions.
     names: Vec<String>,
     pub(super) functions: Vec<Arc<dyn Smooth<I::System> + 'a>>,
@@ -187,7 +187,7 @@ pub(super) struct Gradients<'a, I: Method> {
     pub(super) steps: Option<TangentSteps<I>>,
 }
 
-impl<I: Method> Default for Gradients<'_, I> {
+impl<I: PathMethod> Default for Gradients<'_, I> {
     fn default() -> Self {
         Self {
             names: Vec::new(),
@@ -201,7 +201,7 @@ impl<I: Method> Default for Gradients<'_, I> {
 /// The reason why paths that stop have no gradients.
 const STOPS: &str = "the mean over paths that end at an event depends on the times of the events, which the derivatives along the paths leave out; run without `stop_at`, or take differences with common noise by `sweep`";
 
-impl<I: Method> Gradients<'_, I> {
+impl<I: PathMethod> Gradients<'_, I> {
     /// Checks that each quantity of a gradient exists in the system, that the functions ask for
     /// existing parameters, and that no path stops. `first` is the start of the first path.
     pub(super) fn check(
@@ -230,7 +230,7 @@ impl<I: Method> Gradients<'_, I> {
     }
 }
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Takes statistics of a smooth function of a state, and of its derivatives: the derivatives of
     /// the mean by parameters, by parameters during some steps and by the start, with their
     /// standard errors.

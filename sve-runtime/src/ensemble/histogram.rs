@@ -10,11 +10,11 @@ use super::difference::Difference;
 use super::sizes::{AT_ONCE, NUMBER};
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary, edges};
+use crate::ensemble::PathMethod;
 use crate::lanes::{LANES, Lane};
 use crate::table::{Table, Values, table_writers};
-use crate::trajectory::Method;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Takes a histogram of an observable with equal bins over a range, at each recorded time, or
     /// with [`Bins::at_end`] at the end only.
     ///

@@ -1,20 +1,22 @@
 //! The increments of a block of paths, in lanes, drawn for several steps at once.
 //!
 //! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and
-//! process. Invariant: path `k` has the increments of the source's path `k`, bit for bit. In
-//! antithetic pairs, paths `2k` and `2k + 1` have the increments of path `k`, the second one with
-//! the other sign. Coarsened increments are sums of the source's increments over the halves of a
-//! step.
+//! process; with stage noise one for each lane, step, process and stage. Invariant: path `k` has the
+//! increments of the source's path `k`, bit for bit. In antithetic pairs, paths `2k` and `2k + 1`
+//! have the increments of path `k`, the second one with the other sign. Coarsened increments are
+//! sums of the source's increments over the halves of a step.
 
 use core::marker::PhantomData;
 
 use super::BLOCK_TILES;
 use super::path_noise::PathNoise;
+use crate::gauss::stage_noise;
 use crate::lanes::{Aligned, LANES, Lane};
 use crate::noise::AnyDistribution;
-use crate::noise::lanes::Draw;
+use crate::noise::lanes::{Draw, Rows};
 use crate::noise::refined_lanes::RefinedLanes;
-use crate::system::{Dimensions, Increments};
+use crate::noise::stages::fill_stages;
+use crate::system::Increments;
 
 /// Number of steps whose increments are drawn at once, so that the overhead of a draw is small.
 pub(super) const BATCH: u64 = 32;
@@ -34,14 +36,12 @@ pub(super) struct IncrementBuffer<D> {
     /// The lanes of each tile whose increments have the opposite sign of the increments of the
     /// source.
     mirrored: Vec<[bool; LANES]>,
-    /// Increments by groups of four steps, tiles and processes.
-    values: Vec<Aligned<[Lane; 4]>>,
-    dimensions: PhantomData<D>,
+    /// Increments by groups of four steps, tiles, processes and stages.
+    values: Vec<Rows>,
+    increments: PhantomData<D>,
 }
 
-impl<D: Dimensions> IncrementBuffer<D> {
-    const PROCESSES: usize = D::Increments::PROCESSES;
-
+impl<D: Increments> IncrementBuffer<D> {
     /// An empty buffer.
     pub(super) fn new(noise: PathNoise, h: f64) -> Self {
         Self {
@@ -50,8 +50,8 @@ impl<D: Dimensions> IncrementBuffer<D> {
             batch: None,
             paths: Vec::with_capacity(BLOCK_TILES),
             mirrored: Vec::with_capacity(BLOCK_TILES),
-            values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * Self::PROCESSES],
-            dimensions: PhantomData,
+            values: vec![Aligned([[0.0; LANES]; 4]); QUADS * BLOCK_TILES * D::COUNT],
+            increments: PhantomData,
         }
     }
 
@@ -60,7 +60,7 @@ impl<D: Dimensions> IncrementBuffer<D> {
         let Some(distribution) = self.noise.distribution else {
             return;
         };
-        if Self::PROCESSES == 0 {
+        if D::COUNT == 0 {
             return;
         }
         let first = self.noise.first_path;
@@ -93,9 +93,9 @@ impl<D: Dimensions> IncrementBuffer<D> {
     /// Changes the signs of the increments in the mirrored lanes.
     fn mirror(&mut self) {
         let tiles = self.mirrored.len();
-        let rows = QUADS * tiles * Self::PROCESSES;
+        let rows = QUADS * tiles * D::COUNT;
         for (row, values) in self.values[..rows].iter_mut().enumerate() {
-            let mirrored = &self.mirrored[row / Self::PROCESSES % tiles];
+            let mirrored = &self.mirrored[row / D::COUNT % tiles];
             for dw in &mut values.0 {
                 for (dw, &is_mirrored) in dw.iter_mut().zip(mirrored) {
                     *dw = if is_mirrored { -*dw } else { *dw };
@@ -106,31 +106,34 @@ impl<D: Dimensions> IncrementBuffer<D> {
 
     /// Draws the increments over whole steps of the source.
     fn draw(&mut self, distribution: &dyn AnyDistribution, batch: u64) {
-        let PathNoise { seed, largest, .. } = self.noise;
-        let rows = self.paths.len() * Self::PROCESSES;
+        let PathNoise { seed, stages, .. } = self.noise;
+        let rows = self.paths.len() * D::COUNT;
         let values = &mut self.values[..QUADS * rows];
         let mut draw = Draw {
             seed,
             paths: &self.paths,
             first_block: batch * QUADS as u64,
             scale: self.h.abs().sqrt(),
-            processes: Self::PROCESSES,
+            processes: D::COUNT / stages,
+        };
+        let fill = |draw: &Draw<'_>, out: &mut [Rows]| match stages {
+            1 => distribution.fill(draw, out),
+            _ => fill_stages(draw, stages, out),
         };
         if self.noise.is_coarsened {
             draw.first_block *= 2;
             draw.scale = (0.5 * self.h.abs()).sqrt();
             let mut halves = vec![Aligned([[0.0; LANES]; 4]); 2 * QUADS * rows];
-            distribution.fill(&draw, &mut halves);
-            for (row, values) in values.iter_mut().enumerate() {
-                let first = row / rows * 2 * rows + row % rows;
-                *values = sums([&halves[first], &halves[first + rows]]);
-            }
+            fill(&draw, &mut halves);
+            add_halves(&halves, [rows, stages], values);
         } else {
-            distribution.fill(&draw, values);
+            fill(&draw, values);
         }
-        if largest < f64::INFINITY {
-            for dw in values.iter_mut().flat_map(|row| row.0.as_flattened_mut()) {
-                *dw = dw.clamp(-largest, largest);
+        if self.noise.largest < f64::INFINITY {
+            for (row, largest) in values.iter_mut().zip(self.noise.bounds().cycle()) {
+                for dw in row.0.as_flattened_mut() {
+                    *dw = dw.clamp(-largest, largest);
+                }
             }
         }
     }
@@ -140,7 +143,7 @@ impl<D: Dimensions> IncrementBuffer<D> {
         let PathNoise { seed, depth, .. } = self.noise;
         let whole_h = self.h * (1_u64 << depth) as f64;
         let parts = BATCH.min(1 << depth);
-        let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * Self::PROCESSES];
+        let mut whole = vec![Aligned([[0.0; LANES]; 4]); self.paths.len() * D::COUNT];
         let mut drawn = None;
         let mut halves = [[0.0; LANES]; BATCH as usize];
         for first in (batch * BATCH..)
@@ -155,7 +158,7 @@ impl<D: Dimensions> IncrementBuffer<D> {
                     paths: &self.paths,
                     first_block: quad,
                     scale: whole_h.abs().sqrt(),
-                    processes: Self::PROCESSES,
+                    processes: D::COUNT,
                 };
                 distribution.fill(&draw, &mut whole);
             }
@@ -166,15 +169,14 @@ impl<D: Dimensions> IncrementBuffer<D> {
                     whole_h,
                     depth,
                 };
-                for process in 0..Self::PROCESSES {
-                    let of_step =
-                        &whole[tile * Self::PROCESSES + process].0[(step % QUAD) as usize];
+                for process in 0..D::COUNT {
+                    let of_step = &whole[tile * D::COUNT + process].0[(step % QUAD) as usize];
                     let part = first - (step << depth);
                     let halves = &mut halves[..parts as usize];
                     lanes.fill(step, process, of_step, part, halves);
                     for (fine, dw) in (first..).zip(halves) {
                         let quad = (fine % BATCH / QUAD) as usize;
-                        let row = (quad * self.paths.len() + tile) * Self::PROCESSES + process;
+                        let row = (quad * self.paths.len() + tile) * D::COUNT + process;
                         self.values[row].0[(fine % QUAD) as usize] = *dw;
                     }
                 }
@@ -184,49 +186,68 @@ impl<D: Dimensions> IncrementBuffer<D> {
 
     /// Returns the increments of a tile for a step of the batch in the buffer.
     #[inline(always)]
-    pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<D::IncrementLanes> {
-        let mut increments = Aligned(D::NO_INCREMENT_LANES);
-        for (process, lanes) in increments.0.as_mut().iter_mut().enumerate() {
-            *lanes = *self.row(tile, step, process);
+    pub(super) fn of(&self, tile: usize, step: u64) -> Aligned<D::Lanes> {
+        let mut increments = Aligned(D::NO_LANES);
+        for (number, lanes) in increments.0.as_mut().iter_mut().enumerate() {
+            *lanes = *self.row(tile, step, number);
         }
         increments
     }
 
-    /// Returns the increments of a tile for a step of the batch in the buffer, if there is a single
-    /// process: its increments need not be copied.
+    /// Returns the increments of a tile for a step of the batch in the buffer, if each lane has a
+    /// single increment: it need not be copied.
     #[inline(always)]
-    pub(super) fn only(&self, tile: usize, step: u64) -> Option<&D::IncrementLanes> {
-        if Self::PROCESSES != 1 {
+    pub(super) fn only(&self, tile: usize, step: u64) -> Option<&D::Lanes> {
+        if D::COUNT != 1 {
             return None;
         }
-        D::of_only_process(self.row(tile, step, 0))
+        D::of_only(self.row(tile, step, 0))
     }
 
-    /// Returns the increments of a process of a tile.
+    /// Returns increment `number` of the lanes of a tile.
     #[inline(always)]
-    fn row(&self, tile: usize, step: u64, process: usize) -> &Lane {
+    fn row(&self, tile: usize, step: u64, number: usize) -> &Lane {
         let quad = (step % BATCH / QUAD) as usize;
-        let rows =
-            &self.values[(quad * self.paths.len() + tile) * Self::PROCESSES..][..Self::PROCESSES];
-        &rows[process].0[(step % QUAD) as usize]
+        let rows = &self.values[(quad * self.paths.len() + tile) * D::COUNT..][..D::COUNT];
+        &rows[number].0[(step % QUAD) as usize]
     }
 }
 
-/// Returns the sums of the increments over eight halves of steps: the increments of four steps.
-fn sums(halves: [&Aligned<[Lane; 4]>; 2]) -> Aligned<[Lane; 4]> {
-    Aligned(core::array::from_fn(|step| {
-        let halves = &halves[step / 2].0;
-        let [first, second] = [&halves[2 * step % 4], &halves[2 * step % 4 + 1]];
-        core::array::from_fn(|lane| first[lane] + second[lane])
-    }))
+/// Fills `out` with the increments of steps from the increments over their halves. A group of four
+/// steps has so many rows.
+fn add_halves(halves: &[Rows], [rows, stages]: [usize; 2], out: &mut [Rows]) {
+    // the part of each increment of a half in the increments at the stages of the step
+    let weights = |half: usize, part: usize| {
+        let (mut unit, mut longer) = (vec![0.0; stages], vec![0.0; stages]);
+        unit[part] = 1.0;
+        stage_noise::add_to_longer_step(&unit, [half, 2], &mut longer);
+        longer
+    };
+    let of_half = |half| {
+        (0..stages)
+            .map(|part| weights(half, part))
+            .collect::<Vec<_>>()
+    };
+    let weights = [of_half(0), of_half(1)];
+    for (row, out) in out.iter_mut().enumerate() {
+        let stage = row % stages;
+        let first = row / rows * 2 * rows + row % rows - stage;
+        out.0 = [[0.0; LANES]; 4];
+        for half in 0..8 {
+            let parts = &halves[first + half / 4 * rows..][..stages];
+            for (part, weights) in parts.iter().zip(&weights[half % 2]) {
+                let sums = out.0[half / 2].iter_mut().zip(&part.0[half % 4]);
+                sums.for_each(|(sum, part)| *sum += weights[stage] * part);
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{BATCH, BLOCK_TILES, IncrementBuffer, LANES};
     use crate::ensemble::path_noise::PathNoise;
-    use crate::noise::{ManyPaths as _, Noise as _, Wiener};
-    use crate::system::Dims;
+    use crate::noise::{ManyPaths as _, Noise as _, Recorded, Wiener};
 
     /// Returns any paths in the lanes: consecutive and other numbers.
     fn tiles() -> [[u64; LANES]; BLOCK_TILES] {
@@ -242,7 +263,7 @@ mod tests {
         let source = Wiener::new(seed).path(first);
         let noise = source.refine(depth).unwrap().many_paths();
         let noise = PathNoise::new(Some(noise), 0, h).unwrap();
-        let mut buffer = IncrementBuffer::<Dims<1, M>>::new(noise, h);
+        let mut buffer = IncrementBuffer::<[f64; M]>::new(noise, h);
         let tiles = tiles();
         for batch in [0, 1, 2, 77] {
             buffer.load(batch, tiles.iter());
@@ -279,5 +300,40 @@ mod tests {
         refined_increments_are_those_of_single_paths::<3>(2);
         refined_increments_are_those_of_single_paths::<6>(5);
         refined_increments_are_those_of_single_paths::<19>(3);
+    }
+
+    /// `N` increments: five processes at the stages of a rule.
+    fn stages_are_those_of_single_paths<const N: usize>(is_coarsened: bool) {
+        let (seed, h, stages) = (7, 0.037, N / 5);
+        let mut noise = PathNoise::new(Some(Wiener::new(seed).many_paths()), 0, h).unwrap();
+        (noise.stages, noise.is_coarsened) = (stages, is_coarsened);
+        let mut buffer = IncrementBuffer::<[f64; N]>::new(noise, h);
+        let tiles = tiles();
+        buffer.load(1, tiles.iter());
+        for (tile, lane) in [(0, 0), (0, 31), (1, 3), (1, 17)] {
+            let path = Wiener::new(seed).path(tiles[tile][lane]);
+            let count = if is_coarsened { 2 } else { 1 };
+            let of_step = h / count as f64;
+            let steps = 2 * BATCH as usize * count;
+            let path = Recorded::record_stages(path, of_step, 5, stages, steps).unwrap();
+            let path = path.coarsen(count).unwrap();
+            for step in BATCH..2 * BATCH {
+                let got = buffer.of(tile, step).0.map(|increment| increment[lane]);
+                assert_eq!(
+                    got,
+                    path.get(step as usize).unwrap(),
+                    "{N} {tile} {lane} {step}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn increments_at_stages_have_the_bits_of_single_paths() {
+        for is_coarsened in [false, true] {
+            stages_are_those_of_single_paths::<10>(is_coarsened);
+            stages_are_those_of_single_paths::<15>(is_coarsened);
+            stages_are_those_of_single_paths::<40>(is_coarsened);
+        }
     }
 }

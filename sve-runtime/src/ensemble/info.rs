@@ -10,8 +10,8 @@ use super::settings::Settings;
 use super::statistic::Extent;
 use super::statistic::{self, AnyRequest};
 use crate::description::{RunDescription, SystemDescription};
+use crate::ensemble::PathMethod;
 use crate::system::{Increments, IncrementsOf};
-use crate::trajectory::Method;
 
 /// The data that summaries of the same run have in common.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,10 +67,10 @@ impl Info {
     }
 }
 
-impl<I: Method> Settings<'_, I> {
+impl<I: PathMethod> Settings<'_, I> {
     /// Returns the description of the run for pages.
     pub(super) fn description(&self) -> RunDescription {
-        let has_noise = <IncrementsOf<I::System>>::PROCESSES > 0;
+        let has_noise = <IncrementsOf<I::System>>::COUNT > 0;
         RunDescription {
             system: SystemDescription::of(self.method.system()),
             method: self.method.describe(),

@@ -8,22 +8,22 @@ use core::hash::Hasher;
 
 use super::settings::{Leg, missing};
 use super::{Ensemble, EnsembleError};
+use crate::ensemble::PathMethod;
 use crate::integrator::Integrator;
 use crate::integrator::driven::{Driven, Source};
 use crate::lanes::{LANES, Mask};
 use crate::method::Shared;
 use crate::rule::Rule;
 use crate::system::{StateOf, System, WithInputs};
-use crate::trajectory::Method;
 
 /// What an ensemble has paths of: a method, or an integrator of a system with inputs.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no paths for an ensemble",
-    note = "an ensemble runs a reference to a method with one increment for each Wiener process: an `Integrator` of a system of fixed size with a rule without stage noise, or a baseline"
+    note = "an ensemble runs a reference to a method for a system of fixed sizes: an `Integrator` or a baseline"
 )]
 #[doc(hidden)]
 pub trait Runs<'a, K> {
-    type Method: Method;
+    type Method: PathMethod;
     /// Returns the method, and whether its inputs are still to be given.
     fn shared(self) -> (Shared<'a, Self::Method>, bool);
 }
@@ -38,7 +38,7 @@ pub struct Complete;
 #[derive(Debug)]
 pub struct NeedsInputs;
 
-impl<'a, I: Method> Runs<'a, Complete> for &'a I {
+impl<'a, I: PathMethod> Runs<'a, Complete> for &'a I {
     type Method = I;
 
     fn shared(self) -> (Shared<'a, I>, bool) {
@@ -51,7 +51,7 @@ impl<'a, S, R> Runs<'a, NeedsInputs> for &'a Integrator<S, R>
 where
     S: WithInputs,
     R: Copy + Rule<S::Held<'a>>,
-    Driven<'a, S, R, PathInputs<'a, S>>: Method,
+    Driven<'a, S, R, PathInputs<'a, S>>: PathMethod,
 {
     type Method = Driven<'a, S, R, PathInputs<'a, S>>;
 
@@ -109,7 +109,7 @@ impl<'a, S, R> Ensemble<'a, Driven<'a, S, R, PathInputs<'a, S>>>
 where
     S: WithInputs,
     R: Copy + Rule<S::Held<'a>>,
-    Driven<'a, S, R, PathInputs<'a, S>>: Method,
+    Driven<'a, S, R, PathInputs<'a, S>>: PathMethod,
 {
     /// Sets the inputs of each step: a function of the number of the path, of the number of the
     /// step, both from 0, and of the state at its start. They are held over the step.
@@ -167,7 +167,7 @@ where
 }
 
 /// Checks that the inputs of a system with inputs are given, for steps that are not divided.
-pub(super) fn check_inputs<I: Method>(
+pub(super) fn check_inputs<I: PathMethod>(
     ensemble: &Ensemble<'_, I>,
     leg: &Leg<'_, I>,
 ) -> Result<(), EnsembleError> {

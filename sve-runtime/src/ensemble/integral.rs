@@ -10,11 +10,11 @@ use super::Ensemble;
 use super::memory::{Accumulate, Accumulated};
 use super::observe::Closure;
 use super::observer::{Kind, LastStep, Plain};
+use crate::ensemble::PathMethod;
 use crate::error::observed::Observed;
 use crate::system::StateOf;
-use crate::trajectory::Method;
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Takes statistics of the integral ∫f dt of a function along each path, from the start to the
     /// recorded time, by the trapezoidal rule over all steps.
     ///

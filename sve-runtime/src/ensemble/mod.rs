@@ -48,6 +48,7 @@ mod observer;
 mod packing;
 mod passage;
 mod path_block;
+mod path_method;
 mod path_noise;
 mod path_table;
 mod quantiles;
@@ -86,6 +87,7 @@ pub use histogram::{Bins, Histogram};
 pub use inputs::Runs;
 pub use multilevel::Multilevel;
 pub use passage::{Passages, Rate};
+pub use path_method::PathMethod;
 pub use quantiles::Quantiles;
 pub use starts::{StartRng, Starts};
 pub use statistics::Statistics;
@@ -107,7 +109,6 @@ use crate::lanes::LANES;
 use crate::method::Shared;
 use crate::noise::PathData;
 use crate::system::StateOf;
-use crate::trajectory::Method;
 
 /// Number of paths of a block. One thread runs a block, and the statistics of all blocks are merged
 /// in a fixed order. The number is part of the contract: another number would change the last bits
@@ -159,7 +160,7 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 /// # Ok(())
 /// # }
 /// ```
-pub struct Ensemble<'a, I: Method> {
+pub struct Ensemble<'a, I: PathMethod> {
     method: Shared<'a, I>,
     /// The method has no inputs yet.
     needs_inputs: bool,
@@ -178,7 +179,7 @@ pub struct Ensemble<'a, I: Method> {
 }
 
 /// The observables of the paths, and the statistics that are taken of them.
-struct Observations<'a, I: Method> {
+struct Observations<'a, I: PathMethod> {
     /// The observables and their names.
     names: Vec<String>,
     observables: Vec<Box<dyn Observable<I::System> + 'a>>,
@@ -215,14 +216,14 @@ impl Execution<'_> {
     }
 }
 
-impl<I: Method> Observations<'_, I> {
+impl<I: PathMethod> Observations<'_, I> {
     /// Returns the number of an observable.
     fn column(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name)
     }
 }
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Paths of a method: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
     /// The paths of a system with inputs need [`inputs`](Self::inputs).
     pub fn new<K>(method: impl Runs<'a, K, Method = I>) -> Self {
@@ -305,7 +306,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
     }
 }
 
-impl<I: Method> fmt::Debug for Ensemble<'_, I> {
+impl<I: PathMethod> fmt::Debug for Ensemble<'_, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Ensemble")
             .field("paths", &self.paths)

@@ -25,7 +25,7 @@ use self::checks::{check_fall, check_values, least_size};
 use self::runs::{PATHS_OF_LEVEL, Run, largest_range, levels};
 use super::estimate::{Level, MultilevelEstimate, bias, paths_of_levels};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
-use crate::trajectory::Method;
+use crate::ensemble::PathMethod;
 
 /// Number of levels that are always run: a bias is estimated from two differences at least.
 const FIRST_LEVELS: u32 = 3;
@@ -48,7 +48,7 @@ const GROWTH: f64 = 16.0;
 /// variance. A rare event that was seen once is seen a thousand times then.
 const DOUBLINGS: u32 = 10;
 
-impl<I: Method + Sync> Ensemble<'_, I> {
+impl<I: PathMethod + Sync> Ensemble<'_, I> {
     /// Computes the mean of an observable at the end by the multilevel method. The
     /// [`steps`](Self::steps) of the ensemble are the steps of the coarsest level, and its
     /// [`paths`](Self::paths) are the number of first paths of each level.
@@ -116,14 +116,14 @@ impl<I: Method + Sync> Ensemble<'_, I> {
 }
 
 /// A multilevel estimate that is to be made, from [`Ensemble::multilevel`].
-pub struct Multilevel<'a, I: Method> {
+pub struct Multilevel<'a, I: PathMethod> {
     ensemble: &'a Ensemble<'a, I>,
     name: String,
     weak_order: f64,
     deepest: u32,
 }
 
-impl<'a, I: Method + Sync> Multilevel<'a, I> {
+impl<'a, I: PathMethod + Sync> Multilevel<'a, I> {
     /// Sets the order of the rule's errors of means, from which the bias is estimated. The default
     /// of 1 holds for all rules, and overestimates the bias of rules of higher order.
     ///
@@ -282,7 +282,7 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
     }
 }
 
-impl<I: Method> fmt::Debug for Multilevel<'_, I> {
+impl<I: PathMethod> fmt::Debug for Multilevel<'_, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Multilevel")
             .field("observable", &self.name)

@@ -11,11 +11,11 @@ use super::observe::Function;
 use super::path_block::PathBlock;
 use super::tangents::Tangents;
 use super::tile::{Place, lanes};
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::DimsOf;
 use crate::system::{Dimensions, StateLanesOf, System};
-use crate::trajectory::Method;
 
 /// The name of the weight in messages.
 const WEIGHT: &str = "weight";
@@ -178,7 +178,7 @@ impl<S: System, F: Function<S>> Observer<S> for &Plain<F> {
     }
 }
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Returns the observed functions: the exponent of the weight if there is a weight, then the
     /// observables.
     fn observed(&self) -> impl Iterator<Item = (&str, &dyn Observable<I::System>)> {
@@ -199,7 +199,7 @@ impl<I: Method> Ensemble<'_, I> {
     }
 }
 
-impl<I: Method> PathBlock<'_, I> {
+impl<I: PathMethod> PathBlock<'_, I> {
     /// Shows the last step of a tile, or the start, to all observers.
     pub(super) fn show(&mut self, tile: usize, step: &LastStep) {
         let ensemble = self.settings.ensemble;

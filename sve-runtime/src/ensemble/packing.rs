@@ -6,12 +6,12 @@
 
 use super::path_block::PathBlock;
 use super::tile::{Place, lanes};
+use crate::ensemble::PathMethod;
 use crate::lanes::{ALL, LANES};
 use crate::method::DimsOf;
 use crate::system::Dimensions;
-use crate::trajectory::Method;
 
-impl<I: Method> PathBlock<'_, I> {
+impl<I: PathMethod> PathBlock<'_, I> {
     /// Empties tiles whose paths fit into the free lanes of others, the tile with the fewest paths
     /// first.
     pub(super) fn pack(&mut self) {

@@ -15,21 +15,23 @@ use super::settings::Settings;
 use super::tangents::Tangents;
 use super::tile::{AdvanceTiles, Place, Tile, lanes};
 use super::{BLOCK_TILES, EnsembleError, path_at};
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::lanes::dispatch::dispatch;
 use crate::lanes::{ALL, Aligned, LANES, Lane, Mask};
 use crate::method::DimsOf;
 use crate::phase::configuration::{Configuration as _, FixedSize};
 use crate::phase::state::State;
-use crate::system::{ConfigurationOf, Dimensions, IncrementLanesOf, StateLanesOf, StateOf};
-use crate::trajectory::Method;
+use crate::system::{
+    ConfigurationOf, Dimensions, IncrementLanesOf, Increments as _, StateLanesOf, StateOf,
+};
 
 /// Paths of some consecutive blocks. If no path can stop, there is one block.
-pub(super) struct PathBlock<'a, I: Method> {
+pub(super) struct PathBlock<'a, I: PathMethod> {
     pub(super) settings: Settings<'a, I>,
     pub(super) prepared: I::Prepared,
     /// The increments of each [`BLOCK_TILES`] tiles.
-    pub(super) increments: Vec<IncrementBuffer<DimsOf<I>>>,
+    pub(super) increments: Vec<IncrementBuffer<I::Increments>>,
     pub(super) first_path: u64,
     /// Steps made.
     pub(super) step: u64,
@@ -65,7 +67,7 @@ pub(super) struct Records {
     pub(super) work: Vec<Lane>,
 }
 
-impl<'a, I: Method> PathBlock<'a, I> {
+impl<'a, I: PathMethod> PathBlock<'a, I> {
     /// Starts the paths of some blocks, or only one of these paths.
     pub(super) fn new(
         settings: Settings<'a, I>,
@@ -245,7 +247,7 @@ impl<'a, I: Method> PathBlock<'a, I> {
         &self,
         tile: usize,
         step: u64,
-    ) -> Aligned<IncrementLanesOf<I::System>> {
+    ) -> Aligned<IncrementLanesOf<I::Increments>> {
         self.increments[tile / BLOCK_TILES].of(tile % BLOCK_TILES, step)
     }
 
@@ -286,7 +288,7 @@ impl<'a, I: Method> PathBlock<'a, I> {
             let increments = self.increments_of(tile, step);
             let mut state = DimsOf::<I>::get(self.tiles[tile].states_before(), lane);
             state.t = self.settings.time(step);
-            let dw = DimsOf::<I>::increments_of(&increments.0, lane);
+            let dw = I::Increments::of_lane(&increments.0, lane);
             let (method, h, path) = (
                 self.settings.method,
                 self.settings.h,

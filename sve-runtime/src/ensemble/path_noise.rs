@@ -4,8 +4,9 @@
 //! draw their increments.
 
 use super::EnsembleError;
+use crate::gauss::stage_noise;
 use crate::noise::{
-    AnyDistribution, Halves, ManyPaths as _, NoNoise, NoiseError, PathData, Wiener,
+    AnyDistribution, Halves, ManyPaths as _, NoNoise, NoiseError, PathData, Wiener, draw,
 };
 
 /// The noise of an ensemble, for steps of one length.
@@ -18,6 +19,8 @@ pub(super) struct PathNoise {
     pub(super) distribution: Option<&'static dyn AnyDistribution>,
     /// Largest |ΔW|; infinite without truncation.
     pub(super) largest: f64,
+    /// Number of increments of a process in a step.
+    pub(super) stages: usize,
     /// Paths 2k and 2k + 1 have the increments of path k of the source, the second one with the
     /// other sign.
     pub(super) is_antithetic: bool,
@@ -57,10 +60,22 @@ impl PathNoise {
             first_path,
             distribution,
             largest,
+            stages: 1,
             depth,
             is_antithetic: false,
             is_coarsened: false,
         })
+    }
+
+    /// Checks that there are increments at the stages of the rule.
+    pub(super) fn check_stages(&self) -> Result<(), EnsembleError> {
+        let stages = self.stages;
+        let noise = match self.distribution.filter(|_| stages > 1) {
+            Some(distribution) if !distribution.has_stages() => distribution.name(),
+            Some(_) if self.depth > 0 => "increments of a refined path",
+            _ => return Ok(()),
+        };
+        Err(EnsembleError::NoStages { noise, stages })
     }
 
     /// Returns the kind of the increments, for people; empty without noise.
@@ -83,6 +98,14 @@ impl PathNoise {
         format!("{kind}{truncated}{pairs}{from}")
     }
 
+    /// Returns the largest increments of a process: the same multiple of the standard deviation at
+    /// each stage.
+    pub(super) fn bounds(&self) -> impl Iterator<Item = f64> + Clone + use<> {
+        let weights = stage_noise::weights(self.stages).unwrap_or(&[]);
+        let largest = self.largest;
+        weights.iter().map(move |weight| largest * weight.sqrt())
+    }
+
     /// Returns the number of the source's path, counted from its first one, that belongs to a path
     /// of the ensemble.
     pub(super) fn path_within(&self, path: u64) -> u64 {
@@ -96,6 +119,9 @@ impl PathNoise {
 
     /// Returns the source of a path of the ensemble, if it is known within steps.
     pub(super) fn within_steps(&self, path: u64) -> Option<Box<dyn Halves>> {
+        if self.stages > 1 {
+            return None;
+        }
         let Some(distribution) = self.distribution else {
             return Some(Box::new(NoNoise));
         };
@@ -118,18 +144,21 @@ impl PathNoise {
             let Some(source) = &mut source else {
                 return Ok(());
             };
+            let stages = self.stages;
             if self.is_coarsened {
-                let mut second = vec![0.0; dw.len()];
-                source.increments(2 * step, 0.5 * h, dw)?;
-                source.increments(2 * step + 1, 0.5 * h, &mut second)?;
-                for (dw, second) in dw.iter_mut().zip(second) {
-                    *dw += second;
+                let mut half = vec![0.0; dw.len()];
+                dw.fill(0.0);
+                for number in 0..2 {
+                    draw(source, 2 * step + number, 0.5 * h, stages, &mut half)?;
+                    for (dw, parts) in dw.chunks_mut(stages).zip(half.chunks(stages)) {
+                        stage_noise::add_to_longer_step(parts, [number as usize, 2], dw);
+                    }
                 }
             } else {
-                source.increments(step, h, dw)?;
+                draw(source, step, h, stages, dw)?;
             }
-            for dw in dw {
-                *dw = dw.clamp(-self.largest, self.largest);
+            for (dw, largest) in dw.iter_mut().zip(self.bounds().cycle()) {
+                *dw = dw.clamp(-largest, largest);
                 if self.is_mirrored(path) {
                     *dw = -*dw;
                 }

@@ -6,11 +6,11 @@
 use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, Summary};
+use crate::ensemble::PathMethod;
 use crate::system::System;
 use crate::table::StateTable;
-use crate::trajectory::Method;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Returns the states of some paths at the recorded times, path by path, with the same bits as
     /// in the ensemble: to be written, or drawn.
     ///

@@ -9,10 +9,10 @@ use super::sizes::{AT_ONCE, NUMBER};
 use super::sketch::Sketch;
 use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_known};
 use super::{Ensemble, EnsembleError, Summary};
+use crate::ensemble::PathMethod;
 use crate::lanes::LANES;
-use crate::trajectory::Method;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Takes quantiles of an observable over the paths, at each recorded time:
     /// [`Summary::quantiles`](super::Summary::quantiles).
     ///

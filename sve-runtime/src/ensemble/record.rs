@@ -14,12 +14,12 @@ use super::path_block::PathBlock;
 use super::statistic::AnyRequest;
 use super::tile::lanes;
 use super::{BLOCK_PATHS, BLOCK_TILES};
+use crate::ensemble::PathMethod;
 use crate::lanes::{ALL, Lane, Mask};
 use crate::method::DimsOf;
 use crate::system::Dimensions;
-use crate::trajectory::Method;
 
-impl<I: Method> PathBlock<'_, I> {
+impl<I: PathMethod> PathBlock<'_, I> {
     /// Adds the observables of the paths that have not failed to the statistics of a recorded time,
     /// block by block.
     pub(super) fn record(&mut self, record: usize, results: &mut [PartialResult]) {

@@ -5,14 +5,14 @@
 
 use super::Ensemble;
 use super::path_block::PathBlock;
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::method::Within;
 use crate::noise::DyadicInterval;
-use crate::system::{IncrementsOf, StateOf};
+use crate::system::StateOf;
 use crate::trajectory::Halving;
-use crate::trajectory::Method;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides
     /// such a step into two halves on the same path of the noise, and divides each half that fails
     /// in the same way, up to `depth` times.
@@ -56,7 +56,7 @@ impl<I: Method> Ensemble<'_, I> {
     }
 }
 
-impl<I: Method> PathBlock<'_, I> {
+impl<I: PathMethod> PathBlock<'_, I> {
     /// Makes the last step of a path, which failed, in smaller steps, if these were asked for.
     #[cold]
     pub(super) fn step_in_parts(
@@ -65,7 +65,7 @@ impl<I: Method> PathBlock<'_, I> {
         tile: usize,
         lane: usize,
         state: &mut StateOf<I::System>,
-        dw: &IncrementsOf<I::System>,
+        dw: &I::Increments,
     ) -> Result<(), StepError> {
         let (settings, path) = (&self.settings, self.tiles[tile].paths[lane]);
         let depth = settings.ensemble.refine;

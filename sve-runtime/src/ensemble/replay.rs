@@ -9,11 +9,11 @@ use super::path_block::PathBlock;
 use super::settings::Settings;
 use super::tile::lanes;
 use super::{BLOCK_PATHS, Ensemble, EnsembleError};
+use crate::ensemble::PathMethod;
 use crate::method::DimsOf;
 use crate::system::{Dimensions, StateOf};
-use crate::trajectory::Method;
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Returns the states of a single path after each step, with the same bits as in the ensemble,
     /// for example to find the reason of its failure.
     ///
@@ -90,7 +90,7 @@ impl<I: Method> Ensemble<'_, I> {
     }
 }
 
-impl<I: Method> PathBlock<'_, I> {
+impl<I: PathMethod> PathBlock<'_, I> {
     /// Returns the state of the first active path.
     pub(super) fn first_active_state(&self) -> Option<StateOf<I::System>> {
         let mut tiles = self.tiles.iter();

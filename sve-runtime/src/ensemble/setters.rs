@@ -7,11 +7,11 @@ use core::ops::{Bound, RangeBounds};
 
 use super::Ensemble;
 use super::starts::Starts;
+use crate::ensemble::PathMethod;
 use crate::noise::ManyPaths;
 use crate::system::StateOf;
-use crate::trajectory::Method;
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Sets the number of paths.
     ///
     #[doc = include_str!("example.md")]
@@ -80,7 +80,10 @@ impl<'a, I: Method> Ensemble<'a, I> {
     }
 
     /// Sets the noise. Path `k` has the increments of path `k` of the source. The default is
-    /// [`Wiener::new(seed)`](crate::noise::Wiener) with the [`seed`](Self::seed) of the ensemble.
+    /// [`Wiener::new(seed)`](crate::noise::Wiener) with the [`seed`](Self::seed) of the ensemble. A
+    /// rule with [stage noise](crate::StageNoise) takes `Wiener`, not refined, `Truncated<Wiener>`
+    /// and `NoNoise`; with other noise a run returns
+    /// [`NoStages`](super::EnsembleError::NoStages).
     ///
     /// ```
     /// use sve_runtime::prelude::*;

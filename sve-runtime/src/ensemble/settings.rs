@@ -15,14 +15,13 @@ use super::path_noise::PathNoise;
 use super::starts::{Start, StartRng};
 use super::statistic::{AnyRequest, Extent, check_known};
 use super::{BLOCK_PATHS, Ensemble, EnsembleError, path_at, sizes};
-use crate::method::DimsOf;
+use crate::ensemble::PathMethod;
 use crate::phase::configuration::FixedSize;
 use crate::system::{ConfigurationOf, StateOf};
 use crate::time::time_after;
-use crate::trajectory::Method;
 
 /// The settings that differ between runs of an ensemble that share their noise.
-pub(super) struct Leg<'a, I: Method> {
+pub(super) struct Leg<'a, I: PathMethod> {
     pub(super) method: &'a I,
     pub(super) start: Option<&'a Start<'a, StateOf<I::System>>>,
     /// Number of halvings of the step.
@@ -37,7 +36,7 @@ pub(super) struct Leg<'a, I: Method> {
     pub(super) of: Option<&'static str>,
 }
 
-impl<'a, I: Method> Leg<'a, I> {
+impl<'a, I: PathMethod> Leg<'a, I> {
     /// The run of the ensemble itself.
     pub(super) fn of(ensemble: &'a Ensemble<'a, I>) -> Self {
         Self {
@@ -53,7 +52,7 @@ impl<'a, I: Method> Leg<'a, I> {
 }
 
 /// The settings of an ensemble, complete and checked.
-pub(super) struct Settings<'a, I: Method> {
+pub(super) struct Settings<'a, I: PathMethod> {
     pub(super) ensemble: &'a Ensemble<'a, I>,
     pub(super) method: &'a I,
     start: &'a Start<'a, StateOf<I::System>>,
@@ -74,15 +73,15 @@ pub(super) struct Settings<'a, I: Method> {
     pub(super) shard: [u64; 2],
 }
 
-impl<I: Method> Clone for Settings<'_, I> {
+impl<I: PathMethod> Clone for Settings<'_, I> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<I: Method> Copy for Settings<'_, I> {}
+impl<I: PathMethod> Copy for Settings<'_, I> {}
 
-impl<'a, I: Method> Settings<'a, I> {
+impl<'a, I: PathMethod> Settings<'a, I> {
     /// Checks the settings of the ensemble's own run.
     pub(super) fn new(ensemble: &'a Ensemble<'a, I>) -> Result<Self, EnsembleError> {
         Self::of_leg(ensemble, &Leg::of(ensemble))
@@ -208,7 +207,7 @@ impl<'a, I: Method> Settings<'a, I> {
     }
 
     /// Returns an empty buffer of increments.
-    pub(super) fn increments(&self) -> IncrementBuffer<DimsOf<I>> {
+    pub(super) fn increments(&self) -> IncrementBuffer<I::Increments> {
         IncrementBuffer::new(self.noise, self.h)
     }
 
@@ -240,7 +239,7 @@ pub(super) fn missing(what: &'static str, write: &'static str) -> EnsembleError 
 }
 
 /// Checks the numbers of paths, steps and threads, and the file to resume from.
-fn check_numbers<I: Method>(
+fn check_numbers<I: PathMethod>(
     ensemble: &Ensemble<'_, I>,
     paths: u64,
     steps: u64,
@@ -270,7 +269,7 @@ fn check_numbers<I: Method>(
 }
 
 /// Returns the noise of a leg, whose paths are numbered from the first path of the leg.
-fn noise_of<I: Method>(
+fn noise_of<I: PathMethod>(
     ensemble: &Ensemble<'_, I>,
     leg: &Leg<'_, I>,
     h: f64,
@@ -279,6 +278,8 @@ fn noise_of<I: Method>(
     noise.first_path = noise.first_path.wrapping_add(leg.first_path);
     noise.is_antithetic = ensemble.is_antithetic();
     noise.is_coarsened = leg.is_coarsened;
+    noise.stages = leg.method.stages();
+    noise.check_stages()?;
     if leg.is_coarsened && noise.distribution.is_some_and(|of| !of.has_sums()) {
         return Err(EnsembleError::NoSums);
     }
@@ -287,7 +288,7 @@ fn noise_of<I: Method>(
 
 /// Checks the settings that divide steps against the noise, and against settings that take other
 /// increments.
-fn check_steps<I: Method>(
+fn check_steps<I: PathMethod>(
     ensemble: &Ensemble<'_, I>,
     of: Option<&'static str>,
     noise: &PathNoise,
@@ -304,6 +305,10 @@ fn check_steps<I: Method>(
             Some(first) => Err(EnsembleError::NotTogether {
                 settings: [first, setting],
                 why: "a path is not known within its steps there",
+            }),
+            None if noise.stages > 1 => Err(EnsembleError::NotTogether {
+                settings: [setting, "stage_noise"],
+                why: "increments at stages belong to whole steps",
             }),
             None if noise.within_steps(0).is_none() => {
                 Err(EnsembleError::NoiseWithinSteps { setting })
@@ -353,7 +358,10 @@ fn check_times(start: f64, h: f64, steps: u64) -> Result<(), EnsembleError> {
 }
 
 /// Checks the observed functions in so many steps of the ensemble.
-fn check_observed<I: Method>(ensemble: &Ensemble<'_, I>, steps: u64) -> Result<(), EnsembleError> {
+fn check_observed<I: PathMethod>(
+    ensemble: &Ensemble<'_, I>,
+    steps: u64,
+) -> Result<(), EnsembleError> {
     let observed = &ensemble.observed;
     let names = &observed.names;
     let passages = observed.passages.iter().map(|passage| &passage.name);

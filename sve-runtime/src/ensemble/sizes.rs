@@ -6,8 +6,8 @@
 use super::moments::COLUMN_BYTES;
 use super::statistic::{Extent, Size};
 use super::{Ensemble, EnsembleError};
+use crate::ensemble::PathMethod;
 use crate::system::StateOf;
-use crate::trajectory::Method;
 
 /// Bytes of a number.
 pub(super) const NUMBER: u128 = 8;
@@ -18,7 +18,7 @@ pub(super) const AT_ONCE: u128 = 2;
 
 /// Checks that the statistics of an ensemble fit into memory and, if they are kept, the final
 /// states.
-pub(super) fn check_all<I: Method>(
+pub(super) fn check_all<I: PathMethod>(
     ensemble: &Ensemble<'_, I>,
     extent: &Extent<'_>,
 ) -> Result<(), EnsembleError> {
@@ -37,7 +37,7 @@ pub(super) fn check_all<I: Method>(
 }
 
 /// Checks that the differences of the rows of a sweep fit into memory.
-pub(super) fn differences<I: Method>(
+pub(super) fn differences<I: PathMethod>(
     ensemble: &Ensemble<'_, I>,
     records: usize,
     differences: usize,

@@ -18,8 +18,8 @@ use super::passage::counts::{PassageCounts, PathEnds};
 use super::quantiles::Sketches;
 use super::statistics::Moments;
 use super::{Ensemble, EnsembleError, Summary};
+use crate::ensemble::PathMethod;
 use crate::lanes::{Lane, Mask};
-use crate::trajectory::Method;
 
 /// The results of one statistic over some consecutive blocks of paths.
 pub(super) trait Statistic: Sized {
@@ -236,7 +236,7 @@ statistics! {
     Pairs(Pairs),
 }
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Requests a statistic. Requests stand in the order of their kinds, so that it does not matter
     /// which kind was asked for first.
     pub(super) fn take(mut self, request: AnyRequest) -> Self {

@@ -10,17 +10,17 @@ use super::coupled::{Coupled, difference_number};
 use super::settings::{Leg, Settings};
 use super::starts::Start;
 use super::{Ensemble, EnsembleError, Summary, sizes};
+use crate::ensemble::PathMethod;
 use crate::phase::configuration::FixedSize;
 use crate::phase::state::State;
 use crate::system::{Dimensions, StateOf, System};
-use crate::trajectory::Method;
 
 /// A row of the table of a [sweep](Ensemble::sweep): a method, or a start.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no row of a sweep",
     note = "the rows are methods of the type of the ensemble's own, or states of its system"
 )]
-pub trait SweepRow<I: Method> {
+pub trait SweepRow<I: PathMethod> {
     /// Returns the method that takes the place of the ensemble's own.
     #[doc(hidden)]
     fn method(&self) -> Option<&I> {
@@ -34,7 +34,7 @@ pub trait SweepRow<I: Method> {
     }
 }
 
-impl<I: Method> SweepRow<I> for I {
+impl<I: PathMethod> SweepRow<I> for I {
     fn method(&self) -> Option<&I> {
         Some(self)
     }
@@ -42,7 +42,7 @@ impl<I: Method> SweepRow<I> for I {
 
 impl<I, Q> SweepRow<I> for State<Q>
 where
-    I: Method<System: System<Dims: Dimensions<Configuration = Q>>>,
+    I: PathMethod<System: System<Dims: Dimensions<Configuration = Q>>>,
     Q: FixedSize,
 {
     fn start(&self) -> Option<Self> {
@@ -50,7 +50,7 @@ where
     }
 }
 
-impl<I: Method + Sync> Ensemble<'_, I> {
+impl<I: PathMethod + Sync> Ensemble<'_, I> {
     /// Runs all paths for each row of a table: with each of several methods, which are systems with
     /// different parameters, or from each of several starts. A row takes the place of the
     /// ensemble's own method or [`start`](Self::start). Path k has the same noise in all rows.

@@ -15,15 +15,15 @@ use super::increment_buffer::IncrementBuffer;
 use super::observer::LastStep;
 use super::path_block::PathBlock;
 use super::tile::{Tile, lanes};
+use crate::ensemble::PathMethod;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Mask};
 use crate::method::{Differentiable, DimsOf};
 use crate::phase::Field;
 use crate::phase::tangents::{FieldLanes, LaneDirections};
 use crate::system::linearisation::Directions;
-use crate::system::{Dimensions, StateLanesOf, System, TangentLanesOf};
+use crate::system::{Dimensions, Increments as _, StateLanesOf, System, TangentLanesOf};
 use crate::time::time_after;
-use crate::trajectory::Method;
 
 /// The tangent vectors of the paths of a block.
 pub(super) struct Tangents<D: Dimensions> {
@@ -67,7 +67,11 @@ impl<L> TangentTile<L> {
 impl<D: Dimensions> Tangents<D> {
     /// The tangent vectors at the start, for so many tiles. A step of the ensemble is `parts` steps
     /// of the run.
-    pub(super) fn new<I: Method>(gradients: &Gradients<'_, I>, parts: u64, tiles: usize) -> Self {
+    pub(super) fn new<I: PathMethod>(
+        gradients: &Gradients<'_, I>,
+        parts: u64,
+        tiles: usize,
+    ) -> Self {
         let fields: Vec<_> = gradients.by.iter().map(By::start::<D>).collect();
         let starts: Vec<_> = fields.iter().map(FieldLanes::splat).collect();
         let tile = || TangentTile {
@@ -101,12 +105,12 @@ impl<D: Dimensions> Tangents<D> {
 
 /// Steps all tiles with their tangent vectors until a step does not solve an active lane or does
 /// not carry its vectors. Returns the number of steps then made.
-pub(super) struct CarryTiles<'f, I: Method> {
+pub(super) struct CarryTiles<'f, I: PathMethod> {
     method: &'f I,
     prepared: &'f mut I::Prepared,
     h: f64,
     start_time: f64,
-    increments: &'f IncrementBuffer<DimsOf<I>>,
+    increments: &'f IncrementBuffer<I::Increments>,
     tiles: &'f mut [Tile<StateLanesOf<I::System>>],
     tangents: &'f mut [TangentTile<TangentLanesOf<I::System>>],
     varied: &'f [Varied],
@@ -116,11 +120,11 @@ pub(super) struct CarryTiles<'f, I: Method> {
 }
 
 /// Runs the kernel, for the methods that have it.
-pub(super) fn carry_tiles<I: Method + Differentiable>(tiles: CarryTiles<'_, I>) -> u64 {
+pub(super) fn carry_tiles<I: PathMethod + Differentiable>(tiles: CarryTiles<'_, I>) -> u64 {
     dispatch(tiles)
 }
 
-impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
+impl<I: PathMethod + Differentiable> Kernel for CarryTiles<'_, I> {
     type Output = u64;
 
     #[inline(always)]
@@ -166,7 +170,7 @@ impl<I: Method + Differentiable> Kernel for CarryTiles<'_, I> {
     }
 }
 
-impl<I: Method> PathBlock<'_, I> {
+impl<I: PathMethod> PathBlock<'_, I> {
     /// Steps some tiles with their tangent vectors, as far as the step in lanes goes. Returns the
     /// number of steps then made.
     pub(super) fn carry(&mut self, buffer: usize, tiles: Range<usize>, end: u64) -> u64 {
@@ -218,7 +222,7 @@ impl<I: Method> PathBlock<'_, I> {
                 *field = lanes.get(lane);
             }
             let directions = Directions { fields, parameters };
-            let dw = DimsOf::<I>::increments_of(&increments.0, lane);
+            let dw = I::Increments::of_lane(&increments.0, lane);
             let (method, h) = (settings.method, settings.h);
             let path = self.tiles[tile].paths[lane];
             let made = (method.hold(&mut self.prepared, path, step, &state)).and_then(|()| {

@@ -3,12 +3,12 @@
 //! Invariant: an unused lane holds a copy of an active lane's state, so that its step is solvable.
 
 use super::increment_buffer::IncrementBuffer;
+use crate::ensemble::PathMethod;
 use crate::lanes::dispatch::Kernel;
 use crate::lanes::{LANES, Mask};
 use crate::method::DimsOf;
 use crate::system::{Dimensions, StateLanesOf};
 use crate::time::time_after;
-use crate::trajectory::Method;
 
 /// A lane of a tile.
 #[derive(Clone, Copy, Debug)]
@@ -73,18 +73,18 @@ pub(super) fn lanes(set: Mask) -> impl Iterator<Item = usize> {
 ///
 /// The tiles alternate: the operations of one step depend on one another, and the operations of two
 /// tiles do not.
-pub(super) struct AdvanceTiles<'f, I: Method> {
+pub(super) struct AdvanceTiles<'f, I: PathMethod> {
     pub(super) method: &'f I,
     pub(super) prepared: &'f mut I::Prepared,
     pub(super) h: f64,
     pub(super) start_time: f64,
-    pub(super) increments: &'f IncrementBuffer<DimsOf<I>>,
+    pub(super) increments: &'f IncrementBuffer<I::Increments>,
     pub(super) tiles: &'f mut [Tile<StateLanesOf<I::System>>],
     pub(super) step: u64,
     pub(super) end: u64,
 }
 
-impl<I: Method> Kernel for AdvanceTiles<'_, I> {
+impl<I: PathMethod> Kernel for AdvanceTiles<'_, I> {
     type Output = u64;
 
     #[inline(always)]

@@ -151,6 +151,7 @@ mod tests {
         }
         assert!(!from_coefficients(|_| 0.0, &mut [0.0; 9]));
         assert_eq!(weights(0), None);
+        assert_eq!(weights(1), Some(&[1.0][..]));
     }
 
     /// Takes the integral of `x^degree` in place of a path: `ω_i = ∫ ℓ_i f′ dt` is exact where `f′`

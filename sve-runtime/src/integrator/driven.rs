@@ -225,7 +225,7 @@ where
         states: &StateLanesOf<S::Held<'a>>,
         next: &mut StateLanesOf<S::Held<'a>>,
         h: f64,
-        dw: &IncrementLanesOf<S::Held<'a>>,
+        dw: &IncrementLanesOf<Self::Increments>,
     ) -> Mask {
         (prepared.integrator).step_lanes(&prepared.prepared, states, next, h, dw)
     }
@@ -279,7 +279,7 @@ where
         states: &StateLanesOf<S::Held<'a>>,
         next: &mut StateLanesOf<S::Held<'a>>,
         h: f64,
-        dw: &IncrementLanesOf<S::Held<'a>>,
+        dw: &IncrementLanesOf<Self::Increments>,
         tangents: LaneDirections<'_, TangentLanesOf<S::Held<'a>>>,
     ) -> [Mask; 2] {
         let Held {

@@ -169,7 +169,7 @@ where
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<S::Increments>,
     ) -> Mask
     where
         S: StepEquations<R>,
@@ -224,7 +224,7 @@ where
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<R::Increments>,
         tangents: LaneDirections<'_, TangentLanesOf<S>>,
     ) -> [Mask; 2] {
         let mode = PushForwardLanes {

@@ -102,7 +102,7 @@ where
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<R::Increments>,
     ) -> Mask {
         S::Kind::step_lanes(self.walker(), prepared, states, next, h, dw)
     }

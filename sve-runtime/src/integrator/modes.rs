@@ -96,7 +96,7 @@ pub(super) trait LanesMode<S: System> {
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<S::Increments>,
     ) -> Mask
     where
         S: StepEquations<R>;
@@ -140,15 +140,15 @@ pub(super) struct SequenceInLanes<L> {
     is_whole: bool,
 }
 
-impl<S, I: ?Sized, K, Q, const N: usize, const M: usize> Mode<S, I>
-    for Lanes<'_, StateLanesOf<S>, K>
+impl<S, I, K, Q, const N: usize, const M: usize> Mode<S, I> for Lanes<'_, StateLanesOf<S>, K>
 where
     S: System<Dims = Dims<N, M, Q>>,
+    I: AnyIncrements + ?Sized,
     K: LanesMode<S>,
     Q: Coordinates<N>,
 {
-    type Increments = IncrementLanesOf<S>;
-    type Part = IncrementLanesOf<S>;
+    type Increments = IncrementLanesOf<I>;
+    type Part = IncrementLanesOf<I>;
     type Failure = Infallible;
     type Start = SequenceInLanes<StateLanesOf<S>>;
 
@@ -159,7 +159,7 @@ where
         prepared: &Tested<S::Prepared>,
         _: &mut S::Memory,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<I>,
     ) -> Result<(), Infallible>
     where
         S: StepEquations<R, Increments = I>,
@@ -204,9 +204,9 @@ where
     }
 
     #[inline(always)]
-    fn part(dw: &IncrementLanesOf<S>, part: f64) -> IncrementLanesOf<S> {
+    fn part(dw: &IncrementLanesOf<I>, part: f64) -> IncrementLanesOf<I> {
         let mut dw = *dw;
-        for w in dw.iter_mut().flatten() {
+        for w in dw.as_mut().as_flattened_mut() {
             *w *= part;
         }
         dw

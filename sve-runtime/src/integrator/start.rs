@@ -22,7 +22,7 @@ use crate::solve::SolveError;
 use crate::solve::newton::BlockSolver;
 use crate::system::equations::{Memory, StepEquations, StepOf};
 use crate::system::start::Tested;
-use crate::system::{Dimensions, Dims, IncrementLanesOf, StateLanesOf, System};
+use crate::system::{Dimensions, Dims, IncrementLanesOf, Increments as _, StateLanesOf, System};
 
 /// Returned by a failed test. The error of the step is made off the fast path, from the inverse
 /// Legendre transform.
@@ -104,7 +104,7 @@ where
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<S::Increments>,
     ) -> Mask
     where
         S: StepEquations<R>,
@@ -122,7 +122,7 @@ pub(super) fn increment_lanes<S, R, Q, const N: usize, const M: usize>(
     states: &StateLanesOf<S>,
     next: &mut StateLanesOf<S>,
     h: f64,
-    dw: &IncrementLanesOf<S>,
+    dw: &IncrementLanesOf<S::Increments>,
     unknowns: &mut impl KeepUnknowns,
 ) -> Mask
 where
@@ -152,8 +152,8 @@ where
     // bounds of the Jacobian reject a pole in steps without constraints
     if const { S::NOISE_READS_VELOCITY && !S::CONSTRAINTS.is_empty() && iterates(S::PLAN) } {
         unsure |= lanes_where::<S, Q, N, M>(states, |lane, state| {
-            let dw: [f64; M] = core::array::from_fn(|process| dw.as_ref()[process][lane]);
-            reach_of_noise(system, state, &dw) >= NO_POLE
+            let dw = S::Increments::of_lane(dw, lane);
+            reach_of_noise(system, state, dw.as_ref()) >= NO_POLE
         });
     }
     if const { tests_state::<S, R>() } {

@@ -108,7 +108,7 @@ pub trait Steps<S: AnySystem, R: Rule<S>>: Kind {
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<R::Increments>,
     ) -> Mask {
         let _ = (walker, prepared, h, dw);
         next.clone_from(states);
@@ -222,7 +222,7 @@ where
         states: &StateLanesOf<S>,
         next: &mut StateLanesOf<S>,
         h: f64,
-        dw: &IncrementLanesOf<S>,
+        dw: &IncrementLanesOf<R::Increments>,
     ) -> Mask {
         let (unsolved, _) = walk_in_lanes(walker, prepared, states, next, h, dw, AdvanceLanes);
         unsolved
@@ -337,7 +337,7 @@ pub(super) fn walk_in_lanes<S, R, Q, K, const N: usize, const M: usize>(
     states: &StateLanesOf<S>,
     next: &mut StateLanesOf<S>,
     h: f64,
-    dw: &IncrementLanesOf<S>,
+    dw: &IncrementLanesOf<R::Increments>,
     mode: K,
 ) -> (Mask, K)
 where

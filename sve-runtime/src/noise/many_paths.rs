@@ -47,6 +47,9 @@ pub(crate) trait PathDistribution: Distribution + Debug + Sync + 'static {
     /// True if the sum of the increments over two halves of a step has the distribution of the
     /// increment over the step.
     const HAS_SUMS: bool = false;
+    /// True if [`fill_stages`](super::stages::fill_stages) draws the increments at the stages of a
+    /// rule.
+    const HAS_STAGES: bool = false;
 
     /// Returns a path in steps that are halved `depth` times, if the path is known within steps.
     fn within_steps(seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>> {
@@ -63,6 +66,8 @@ pub(crate) trait AnyDistribution: Debug + Sync {
     fn name(&self) -> &'static str;
     /// Returns [`PathDistribution::HAS_SUMS`].
     fn has_sums(&self) -> bool;
+    /// Returns [`PathDistribution::HAS_STAGES`].
+    fn has_stages(&self) -> bool;
     /// Calls [`PathDistribution::within_steps`].
     fn within_steps(&self, seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>>;
     /// Returns a path in steps that are halved `depth` times.
@@ -82,6 +87,10 @@ impl<D: PathDistribution> AnyDistribution for D {
 
     fn has_sums(&self) -> bool {
         D::HAS_SUMS
+    }
+
+    fn has_stages(&self) -> bool {
+        D::HAS_STAGES
     }
 
     fn within_steps(&self, seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>> {

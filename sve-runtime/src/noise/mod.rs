@@ -20,9 +20,9 @@
 //!
 //! All sources serve all rules that take one increment for each process. Rules with [stage
 //! noise](crate::StageNoise) ask for an increment for each process and stage. Where the table says
-//! no, the first step returns an error that names the source. Steps that fail cannot be
-//! [refined](crate::Trajectory::refine) with stage noise, and ensembles and studies do not take it:
-//! both are compile errors.
+//! no, the first step returns an error that names the source; an ensemble returns an error before
+//! its first step. Steps that fail cannot be [refined](crate::Trajectory::refine) with stage noise, and
+//! studies do not take it: both are compile errors.
 //!
 //! [`Replayable::from_step`] enters a replayable path at a step.
 //!
@@ -51,7 +51,7 @@ mod none;
 mod recorded;
 #[cfg(feature = "ensemble")]
 pub(crate) mod refined_lanes;
-mod stages;
+pub(crate) mod stages;
 mod three_point;
 pub(crate) mod threefry;
 mod truncated;

@@ -3,13 +3,18 @@
 //! Input: the increment of each process over a step, and words of a separate domain for the higher
 //! coefficients of the path in Legendre polynomials. Output: the increments at the stages.
 //! Invariant: a pure function of seed, path, step and process; coefficient `k ≥ 1` of process `a`
-//! of `M` has number `(k − 1) M + a`, for every number of stages.
+//! of `M` has number `(k − 1) M + a`, for every number of stages. Lanes of paths have the bits of
+//! single paths.
 
 use super::counter_path::CounterPath;
 use super::distribution::Distribution;
+#[cfg(feature = "ensemble")]
+use super::lanes::{self, Draw, Rows};
 use super::wiener::Normal;
 use super::{Noise as _, NoiseError};
 use crate::gauss::stage_noise;
+#[cfg(feature = "ensemble")]
+use crate::lanes::{Aligned, LANES};
 
 /// Normals of the higher coefficients.
 #[derive(Clone, Copy, Debug)]
@@ -70,5 +75,40 @@ impl StagePath {
             stage_noise::from_coefficients(coefficient, parts);
         }
         Ok(())
+    }
+}
+
+/// Fills `out` with the increments at the stages of all processes of all tiles over blocks of four
+/// steps, as [`fill`](lanes::fill) does with the increments over the steps: the stages of a process
+/// follow one another.
+#[cfg(feature = "ensemble")]
+pub(crate) fn fill_stages(draw: &Draw<'_>, stages: usize, out: &mut [Rows]) {
+    let processes = draw.processes;
+    let higher_draw = Draw {
+        processes: (stages - 1) * processes,
+        ..*draw
+    };
+    let zeros = Aligned([[0.0; LANES]; 4]);
+    let mut first = vec![zeros; out.len() / stages];
+    let mut higher = vec![zeros; out.len() - first.len()];
+    lanes::fill::<Normal>(draw, &mut first);
+    lanes::fill::<HigherCoefficients>(&higher_draw, &mut higher);
+    for (number, rows) in out.chunks_exact_mut(stages).enumerate() {
+        let (tile, process) = (number / processes, number % processes);
+        let of_tile = &higher[tile * higher_draw.processes..][..higher_draw.processes];
+        for place in (0..4 * LANES).map(|i| (i / LANES, i % LANES)) {
+            let coefficient = |k: usize| {
+                let row = match k {
+                    0 => &first[number],
+                    _ => &of_tile[(k - 1) * processes + process],
+                };
+                row.0[place.0][place.1]
+            };
+            let mut parts = [0.0; stage_noise::MOST_STAGES];
+            stage_noise::from_coefficients(coefficient, &mut parts[..stages]);
+            for (row, part) in rows.iter_mut().zip(parts) {
+                row.0[place.0][place.1] = part;
+            }
+        }
     }
 }

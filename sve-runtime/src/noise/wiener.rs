@@ -154,6 +154,7 @@ impl PathDistribution for Normal {
     const KIND: DistributionKind = DistributionKind::Normal;
     const NAME: &'static str = "normal increments";
     const HAS_SUMS: bool = true;
+    const HAS_STAGES: bool = true;
 
     fn within_steps(seed: u64, path: u64, depth: u32) -> Option<Box<dyn Halves>> {
         let path = Wiener::new(seed).path(path);

@@ -23,7 +23,7 @@ pub(super) struct Settings<'a, S: System> {
 impl<'a, S: System> Settings<'a, S> {
     /// Checks the settings.
     pub(super) fn new(study: &'a Study<'a, S>) -> Result<Self, StudyError> {
-        let processes = <IncrementsOf<S>>::PROCESSES;
+        let processes = <IncrementsOf<S>>::COUNT;
         let missing = |what, write| StudyError::Missing { what, write };
         let names = study.methods.iter().map(|m| m.name.to_string());
         refuse_duplicates("methods", names)?;

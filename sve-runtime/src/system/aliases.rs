@@ -1,7 +1,7 @@
 //! Names of the types that belong to a system: short forms of the associated types of
 //! [`Dimensions`].
 
-use super::{AnySystem, Dimensions, System};
+use super::{AnyIncrements, AnySystem, Dimensions, System};
 use crate::phase::configuration::Configuration;
 use crate::phase::state::State;
 
@@ -21,8 +21,8 @@ pub type FlatOf<S> = <<S as System>::Dims as Dimensions>::Flat;
 pub type FlatStateOf<S> = <<S as System>::Dims as Dimensions>::FlatState;
 /// The type `StateLanes<N>` of a system.
 pub type StateLanesOf<S> = <S as AnySystem>::StateLanes;
-/// The type `[Lane; M]` of a system.
-pub type IncrementLanesOf<S> = <S as AnySystem>::IncrementLanes;
+/// Increments in each lane, `[Lane; M]` for increments `[f64; M]`.
+pub type IncrementLanesOf<D> = <D as AnyIncrements>::Lanes;
 /// A state of a system in dual numbers: [`DualState<N>`](crate::DualState) in a vector space.
 pub type DualStateOf<'a, S> = <<S as System>::Dims as Dimensions>::DualState<'a>;
 /// A tangent vector of a system in each lane.

@@ -24,7 +24,6 @@ pub trait AnySystem {
             Target = Self::Target,
             Kind = Self::Kind,
             StateLanes = Self::StateLanes,
-            IncrementLanes = Self::IncrementLanes,
         >;
     /// The type for which rules are derived: the target, or for a system with inputs the type that
     /// holds their values.
@@ -35,9 +34,6 @@ pub trait AnySystem {
     #[doc(hidden)]
     /// A state in each lane; `()` for a scene.
     type StateLanes: Clone;
-    #[doc(hidden)]
-    /// The increments of each lane; `()` for a scene.
-    type IncrementLanes;
     /// The names of the numbers of a state and of the parameters.
     const NAMES: Names = <Self::Target as AnySystem>::NAMES;
     #[doc(hidden)]
@@ -86,7 +82,6 @@ impl<S: System> AnySystem for S {
     type Stepped = S::Itself;
     type Kind = FixedSizes;
     type StateLanes = <S::Dims as Dimensions>::StateLanes;
-    type IncrementLanes = <S::Dims as Dimensions>::IncrementLanes;
     const NAMES: Names = Names {
         parameters: S::PARAMETERS,
         coordinates: S::COORDINATES,

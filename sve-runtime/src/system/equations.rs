@@ -152,7 +152,7 @@ pub trait StepEquations<R>: StartOfStep {
         states: &StateLanesOf<Self>,
         next: &mut StateLanesOf<Self>,
         h: f64,
-        dw: &IncrementLanesOf<Self>,
+        dw: &IncrementLanesOf<Self::Increments>,
         newton: &Newton,
         unknowns: &mut impl KeepUnknowns,
     ) -> Mask {
@@ -167,7 +167,7 @@ pub trait StepEquations<R>: StartOfStep {
         &self,
         states: &StateLanesOf<Self>,
         h: f64,
-        dw: &IncrementLanesOf<Self>,
+        dw: &IncrementLanesOf<Self::Increments>,
         unknowns: &<Self::Unknowns as Unknowns>::Lanes,
         tangents: LaneDirections<'_, TangentLanesOf<Self>>,
     ) -> Mask {

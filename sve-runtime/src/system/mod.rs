@@ -77,7 +77,6 @@ pub trait System:
         Stepped = <Self as System>::Itself,
         Kind = FixedSizes,
         StateLanes = <<Self as System>::Dims as Dimensions>::StateLanes,
-        IncrementLanes = <<Self as System>::Dims as Dimensions>::IncrementLanes,
     >
 {
     /// The sizes and the configuration of the system, `Dims<N, M, Q>`.

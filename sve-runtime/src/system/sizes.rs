@@ -5,7 +5,7 @@ use core::fmt::Debug;
 use core::marker::PhantomData;
 
 use super::jets::{ConstraintJet, ForceJet, LagrangianJet, NoiseJet};
-use crate::lanes::Lane;
+use crate::lanes::{LANES, Lane};
 use crate::phase::Field;
 use crate::phase::configuration::{Coordinates, FixedSize, FlatConfiguration};
 use crate::phase::dual::{Dual, DualState};
@@ -24,6 +24,8 @@ pub trait AnyIncrements:
 {
     /// The memory that a trajectory keeps for the increments of its steps.
     type Buffer: Clone + Debug + Default;
+    /// The increments of each lane, `[Lane; M]`; empty for a slice, which has no steps in lanes.
+    type Lanes: Copy + Debug + AsRef<[Lane]> + AsMut<[Lane]>;
     /// Returns increments for a source to fill. Takes the memory from `buffer`; if it is empty,
     /// `processes` gives the length of a slice.
     ///
@@ -42,6 +44,7 @@ pub trait AnyIncrements:
 
 impl<const M: usize> AnyIncrements for [f64; M] {
     type Buffer = ();
+    type Lanes = [Lane; M];
 
     #[inline(always)]
     fn take<E>((): &mut (), _: impl FnOnce() -> Result<usize, E>) -> Result<Self, E> {
@@ -59,6 +62,7 @@ impl<const M: usize> AnyIncrements for [f64; M] {
 
 impl AnyIncrements for [f64] {
     type Buffer = Option<Vec<f64>>;
+    type Lanes = [Lane; 0];
 
     fn take<E>(
         buffer: &mut Option<Vec<f64>>,
@@ -83,13 +87,31 @@ impl AnyIncrements for [f64] {
 pub trait Increments: AnyIncrements<Owned = Self, Buffer = ()> + Copy {
     /// The increments that are all zero.
     const NONE: Self;
-    /// Number of Wiener processes.
-    const PROCESSES: usize;
+    /// Increments of all lanes that are zero.
+    const NO_LANES: Self::Lanes;
+    /// Number of increments: of Wiener processes, or of processes and stages of a rule with stage
+    /// noise.
+    const COUNT: usize;
+    /// Returns the increments of a lane.
+    fn of_lane(lanes: &Self::Lanes, lane: usize) -> Self;
+    /// Returns the increments of all lanes if there is a single increment.
+    fn of_only(increments: &Lane) -> Option<&Self::Lanes>;
 }
 
 impl<const M: usize> Increments for [f64; M] {
     const NONE: Self = [0.0; M];
-    const PROCESSES: usize = M;
+    const NO_LANES: [Lane; M] = [[0.0; LANES]; M];
+    const COUNT: usize = M;
+
+    #[inline(always)]
+    fn of_lane(lanes: &[Lane; M], lane: usize) -> Self {
+        lanes.map(|increments| increments[lane])
+    }
+
+    #[inline(always)]
+    fn of_only(increments: &Lane) -> Option<&[Lane; M]> {
+        core::slice::from_ref(increments).try_into().ok()
+    }
 }
 
 /// The types that belong to the sizes and the configuration of a system. Only [`Dims`] implements
@@ -110,8 +132,6 @@ pub trait Dimensions {
     type FlatState: Clone + Debug;
     /// A state in each lane: `StateLanes<N>` in a vector space.
     type StateLanes: Clone + Copy + Debug;
-    /// The increments of each lane, `[Lane; M]`.
-    type IncrementLanes: Copy + Debug + AsRef<[Lane]> + AsMut<[Lane]>;
     /// A tangent vector in each lane.
     type TangentLanes: FieldLanes<Self::Vector>;
     /// [`LagrangianJet<N>`](LagrangianJet).
@@ -124,8 +144,6 @@ pub trait Dimensions {
     type NoiseForceJets;
     /// [`ConstraintJet<N>`](ConstraintJet).
     type ConstraintJet;
-    /// Increments of all lanes that are zero.
-    const NO_INCREMENT_LANES: Self::IncrementLanes;
     /// A row of zeros.
     const ZERO: Self::Vector;
     /// A state in dual numbers, [`DualState<N>`](crate::DualState) in a vector space.
@@ -148,10 +166,6 @@ pub trait Dimensions {
         direction: &Field<Self::Vector>,
         parameter: &'a dyn Fn(&str) -> Dual,
     ) -> Self::DualState<'a>;
-    /// Returns the increments of a lane.
-    fn increments_of(lanes: &Self::IncrementLanes, lane: usize) -> Self::Increments;
-    /// Returns the increments of all processes if there is a single process.
-    fn of_only_process(increments: &Lane) -> Option<&Self::IncrementLanes>;
 }
 
 impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M, Q> {
@@ -161,7 +175,6 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type Flat = Q::Flat;
     type FlatState = State<Q::Flat>;
     type StateLanes = <Q::Flat as FlatConfiguration<N>>::Lanes;
-    type IncrementLanes = [Lane; M];
     type TangentLanes = TangentLanes<N>;
     type LagrangianJet = LagrangianJet<N>;
     type NoiseJets = [NoiseJet<N>; M];
@@ -172,7 +185,6 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
     type NoiseForceJets = [ForceJet<N>; M];
     const NO_FORCE: ForceJet<N> = ForceJet::NONE;
     const NO_NOISE_FORCES: [ForceJet<N>; M] = [ForceJet::NONE; M];
-    const NO_INCREMENT_LANES: [Lane; M] = [[0.0; crate::lanes::LANES]; M];
     fn splat(state: &State<Q>) -> Self::StateLanes {
         LaneStates::splat(&state.to_coordinates())
     }
@@ -194,13 +206,5 @@ impl<const N: usize, const M: usize, Q: Coordinates<N>> Dimensions for Dims<N, M
         parameter: &'a dyn Fn(&str) -> Dual,
     ) -> DualState<'a, N, Q::Dual> {
         DualState::along(state, direction, parameter)
-    }
-    #[inline(always)]
-    fn increments_of(lanes: &[Lane; M], lane: usize) -> [f64; M] {
-        lanes.map(|process| process[lane])
-    }
-    #[inline(always)]
-    fn of_only_process(increments: &Lane) -> Option<&[Lane; M]> {
-        core::slice::from_ref(increments).try_into().ok()
     }
 }

@@ -8,7 +8,7 @@ use super::Trajectory;
 use crate::error::StepError;
 use crate::method::{OneStepMethod, Within};
 use crate::noise::{DyadicInterval, Halves, Noise};
-use crate::system::StateOf;
+use crate::system::{Increments, StateOf};
 
 /// The numbers of refined steps of a trajectory, see [`Trajectory::refine`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -117,7 +117,7 @@ pub(crate) struct Halving<'a, I: OneStepMethod, W: ?Sized> {
     pub(crate) depth: u32,
 }
 
-impl<I: Method, W: Halves + ?Sized> Halving<'_, I, W> {
+impl<I: OneStepMethod<Increments: Increments>, W: Halves + ?Sized> Halving<'_, I, W> {
     /// Makes the step over an interval, which failed with `error`, in two halves. Returns the
     /// number of halvings of the smallest part. After an error the state lies between two parts.
     pub(crate) fn step(

@@ -53,7 +53,6 @@ macro_rules! systems {
             type Stepped = Self;
             type Kind = Scenes;
             type StateLanes = ();
-            type IncrementLanes = ();
             const NAMES: Names = Names {
                 parameters: &[],
                 coordinates: &["q"],
@@ -74,7 +73,6 @@ macro_rules! systems {
             type Stepped = $scene;
             type Kind = Scenes;
             type StateLanes = ();
-            type IncrementLanes = ();
 
             fn target(&self) -> &$scene {
                 self

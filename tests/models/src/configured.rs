@@ -183,7 +183,7 @@ where
         states: &StateLanesOf<Self>,
         next: &mut StateLanesOf<Self>,
         h: f64,
-        dw: &IncrementLanesOf<Self>,
+        dw: &IncrementLanesOf<S::Increments>,
         newton: &Newton,
         unknowns: &mut impl KeepUnknowns,
     ) -> Mask {

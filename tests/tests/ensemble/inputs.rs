@@ -10,7 +10,15 @@ struct Motor {
     sigma: f64,
 }
 
-#[variational(endpoint, initial_point, midpoint, stormer_verlet, gauss(2), gauss(3))]
+#[variational(
+    endpoint,
+    initial_point,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(3),
+    gauss(2, stage_noise)
+)]
 impl Motor {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2], u: [f64; 2]) -> f64 {
         0.5 * (v[0] * v[0] + (1.0 + u[1] * u[1]) * v[1] * v[1])
@@ -80,6 +88,7 @@ fn each_path_is_the_trajectory_with_its_inputs() {
     assert_equal_paths!(StormerVerlet);
     assert_equal_paths!(Gauss::<2>);
     assert_equal_paths!(Gauss::<3>);
+    assert_equal_paths!(StageNoise(Gauss::<2>));
     assert_equal_paths!(Composed::new(Midpoint, KahanLi8));
     assert_equal_paths!(Composed::new(StormerVerlet, KahanLi8));
 }

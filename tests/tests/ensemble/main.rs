@@ -24,6 +24,7 @@ mod refined;
 mod runs;
 mod settings;
 mod shards;
+mod stage_noise;
 mod statistics;
 mod stopped;
 mod survival;

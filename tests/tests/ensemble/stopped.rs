@@ -154,7 +154,7 @@ impl<I: OneStepMethod> OneStepMethod for Counting<I> {
         states: &StateLanesOf<I::System>,
         next: &mut StateLanesOf<I::System>,
         h: f64,
-        dw: &IncrementLanesOf<I::System>,
+        dw: &IncrementLanesOf<I::Increments>,
     ) -> Mask {
         self.1.fetch_add(1, Ordering::Relaxed);
         self.0.step_lanes(prepared, states, next, h, dw)

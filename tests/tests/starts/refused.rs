@@ -52,7 +52,7 @@ where
     for lane in (0..LANES).filter(|&lane| is_bad(lane)) {
         states.set(lane, &bad);
     }
-    let (mut next, none) = (states, [[0.0; LANES]; M]);
+    let (mut next, none) = (states, R::Increments::NO_LANES);
     let prepared = OneStepMethod::prepare(&method, h).unwrap();
     let unsolved = method.step_lanes(&prepared, &states, &mut next, h, &none);
     for lane in 0..LANES {

@@ -6,14 +6,14 @@
 
 use super::runs::{Run, largest_range};
 use super::{FIRST_LEVELS, MULTILEVEL, Multilevel, SURE};
+use crate::ensemble::PathMethod;
 use crate::ensemble::estimate::Level;
 use crate::ensemble::settings::{Leg, Settings};
 use crate::ensemble::starts::Start;
 use crate::ensemble::{BLOCK_PATHS, EnsembleError};
 use crate::system::{Increments, IncrementsOf};
-use crate::trajectory::Method;
 
-impl<I: Method + Sync> Multilevel<'_, I> {
+impl<I: PathMethod + Sync> Multilevel<'_, I> {
     /// Checks the settings. Returns the first number of blocks of each level.
     pub(super) fn checked(&self, error: f64) -> Result<u64, EnsembleError> {
         let ensemble = self.ensemble;
@@ -68,7 +68,7 @@ impl<I: Method + Sync> Multilevel<'_, I> {
 
 /// Returns an error if all paths of each level have the same value, although they have noise or
 /// random starts: an event that is too rare for them would look the same.
-pub(super) fn check_values<I: Method>(
+pub(super) fn check_values<I: PathMethod>(
     multilevel: &Multilevel<'_, I>,
     runs: &[Run<'_, I>],
 ) -> Result<(), EnsembleError> {
@@ -76,7 +76,7 @@ pub(super) fn check_values<I: Method>(
         return Ok(());
     };
     let noise = &first.legs.legs[0].noise;
-    let has_noise = noise.distribution.is_some() && <IncrementsOf<I::System>>::PROCESSES > 0;
+    let has_noise = noise.distribution.is_some() && <IncrementsOf<I::System>>::COUNT > 0;
     let has_starts = matches!(multilevel.ensemble.start, Some(Start::Drawn(_)));
     let may_differ = has_noise || has_starts;
     let have_changes = finer.iter().any(|run| run.level.mean != 0.0);

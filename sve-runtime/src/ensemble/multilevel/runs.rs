@@ -5,6 +5,7 @@
 //! difference, and how it is spread. Invariant: blocks that were run are not run again.
 
 use super::Multilevel;
+use crate::ensemble::PathMethod;
 use crate::ensemble::coupled::Coupled;
 use crate::ensemble::estimate::Level;
 use crate::ensemble::fingerprint::Fingerprint;
@@ -13,13 +14,12 @@ use crate::ensemble::merge_tree::{MergeTree, PartialResult};
 use crate::ensemble::settings::{Leg, Settings};
 use crate::ensemble::spread::Spread;
 use crate::ensemble::{BLOCK_PATHS, EnsembleError, Summary};
-use crate::trajectory::Method;
 
 /// Number of paths of the noise that are reserved for a level.
 pub(super) const PATHS_OF_LEVEL: u64 = 1 << 48;
 
 /// A level that has been run so far.
-pub(super) struct Run<'a, I: Method> {
+pub(super) struct Run<'a, I: PathMethod> {
     pub(super) number: u32,
     /// The coarse and the fine run; on level 0 one run.
     pub(super) legs: Coupled<'a, I>,
@@ -33,7 +33,7 @@ pub(super) struct Run<'a, I: Method> {
     pub(super) doublings: u32,
 }
 
-impl<'a, I: Method + Sync> Multilevel<'a, I> {
+impl<'a, I: PathMethod + Sync> Multilevel<'a, I> {
     /// Runs the first blocks of a level.
     pub(super) fn begin(&self, number: u32, blocks: u64) -> Result<Run<'a, I>, EnsembleError> {
         let leg = |halvings, is_coarsened| {
@@ -137,11 +137,11 @@ impl<'a, I: Method + Sync> Multilevel<'a, I> {
 }
 
 /// Returns the numbers of all levels.
-pub(super) fn levels<I: Method>(runs: &[Run<'_, I>]) -> Vec<Level> {
+pub(super) fn levels<I: PathMethod>(runs: &[Run<'_, I>]) -> Vec<Level> {
     runs.iter().map(|run| run.level).collect()
 }
 
 /// Returns the largest difference of two values of a level.
-pub(super) fn largest_range<I: Method>(runs: &[Run<'_, I>]) -> f64 {
+pub(super) fn largest_range<I: PathMethod>(runs: &[Run<'_, I>]) -> f64 {
     runs.iter().map(|run| run.spread.range).fold(0.0, f64::max)
 }

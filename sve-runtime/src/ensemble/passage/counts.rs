@@ -18,7 +18,7 @@ use super::super::sizes::{AT_ONCE, NUMBER};
 use super::super::statistic::{Extent, Size, Statistic};
 use super::super::summary::Summary;
 use super::survival::Passages;
-use crate::trajectory::Method;
+use crate::ensemble::PathMethod;
 
 /// Number of bins of a run, unless it has more recorded times. The effect of the order of the ends
 /// within a bin is at most of the order of 1/4096 of the run, and a bin has 5 to 40 bytes.
@@ -209,7 +209,7 @@ struct Place {
 }
 
 impl Place {
-    fn of<I: Method>(end: End, settings: &Settings<'_, I>) -> Self {
+    fn of<I: PathMethod>(end: End, settings: &Settings<'_, I>) -> Self {
         let (grid, step) = (settings.passage_grid(), end.step);
         let record = settings.record_after(step);
         let from = settings.step_of(record.saturating_sub(1));
@@ -258,7 +258,7 @@ pub(in super::super) struct PathEnds {
 
 impl PathEnds {
     /// Sorts the passages of a block. A path that failed where it was to stop has not passed.
-    pub(in super::super) fn new<I: Method>(
+    pub(in super::super) fn new<I: PathMethod>(
         settings: &Settings<'_, I>,
         passages: impl Iterator<Item = Passage>,
         failures: &[Failure],

@@ -19,9 +19,9 @@ use self::counts::PassageRequest;
 use super::Ensemble;
 use super::observe::{Closure, Function};
 use super::statistic::AnyRequest;
+use crate::ensemble::PathMethod;
 use crate::error::observed::Observed;
 use crate::system::{StateOf, System};
-use crate::trajectory::Method;
 
 /// A function whose first zero on each path is recorded.
 pub(super) struct PassageFunction<'a, S: System> {
@@ -31,7 +31,7 @@ pub(super) struct PassageFunction<'a, S: System> {
     pub(super) stops: bool,
 }
 
-impl<'a, I: Method> Ensemble<'a, I> {
+impl<'a, I: PathMethod> Ensemble<'a, I> {
     /// Stops each path at the first zero of a function, as
     /// [`Trajectory::stop_at`](crate::Trajectory::stop_at) does, and records the time:
     /// [`Summary::passage`](super::Summary::passage) has the distribution of the times.
@@ -147,7 +147,7 @@ impl<'a, I: Method> Ensemble<'a, I> {
     }
 }
 
-impl<I: Method> Ensemble<'_, I> {
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Returns whether paths may stop before the end of the run.
     pub(super) fn has_stops(&self) -> bool {
         self.observed.passages.iter().any(|passage| passage.stops)

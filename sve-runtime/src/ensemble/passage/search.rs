@@ -10,13 +10,13 @@
 //! over the first. A part of the step that has no solution is made in smaller steps, if the
 //! ensemble refines steps.
 
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::method::Within;
 use crate::noise::{DyadicInterval, Halves};
-use crate::system::{Increments, IncrementsOf, StateOf};
+use crate::system::{Increments, StateOf};
 use crate::time::is_next_time;
 use crate::trajectory::Halving;
-use crate::trajectory::Method;
 
 use super::super::crossings::crosses;
 use super::super::observe::Function;
@@ -29,7 +29,7 @@ const HALVINGS: u32 = 12;
 const DEEPEST: u32 = 32;
 
 /// A step within which a function has different signs.
-pub(super) struct Crossing<'a, I: Method> {
+pub(super) struct Crossing<'a, I: PathMethod> {
     pub(super) method: Within<'a, I>,
     pub(super) noise: &'a dyn Halves,
     /// The number of the step.
@@ -38,7 +38,7 @@ pub(super) struct Crossing<'a, I: Method> {
     /// The state before the step.
     pub(super) before: StateOf<I::System>,
     /// The increments over the step.
-    pub(super) whole: IncrementsOf<I::System>,
+    pub(super) whole: I::Increments,
     /// Largest number of halvings of a part that has no solution.
     pub(super) depth: u32,
 }
@@ -73,7 +73,7 @@ impl<D> Bracket<D> {
     }
 }
 
-impl<I: Method> Crossing<'_, I> {
+impl<I: PathMethod> Crossing<'_, I> {
     /// Finds the first zero of function `number`, with these values before and after the step.
     pub(super) fn first_zero(
         &self,
@@ -107,7 +107,7 @@ impl<I: Method> Crossing<'_, I> {
     /// interval is too short to be halved.
     fn halve(
         &self,
-        bracket: &mut Bracket<IncrementsOf<I::System>>,
+        bracket: &mut Bracket<I::Increments>,
         number: usize,
         function: &dyn Function<I::System>,
     ) -> Result<bool, StepError> {
@@ -142,7 +142,7 @@ impl<I: Method> Crossing<'_, I> {
     /// half of its size at the ends of the step.
     fn refuse_jump(
         &self,
-        mut bracket: Bracket<IncrementsOf<I::System>>,
+        mut bracket: Bracket<I::Increments>,
         number: usize,
         function: &dyn Function<I::System>,
         size: f64,
@@ -163,11 +163,11 @@ impl<I: Method> Crossing<'_, I> {
     /// Makes the step up to a fraction of a part that follows others.
     fn state_at(
         &self,
-        before: &[Part<IncrementsOf<I::System>>],
-        last: Part<IncrementsOf<I::System>>,
+        before: &[Part<I::Increments>],
+        last: Part<I::Increments>,
         within: f64,
     ) -> Result<StateOf<I::System>, StepError> {
-        let mut dw = IncrementsOf::<I::System>::NONE;
+        let mut dw = I::Increments::NONE;
         let mut fraction = 0.0;
         for (interval, part) in before {
             add(&mut dw, 1.0, part);
@@ -189,8 +189,8 @@ impl<I: Method> Crossing<'_, I> {
     fn state_in_parts(
         &self,
         error: StepError,
-        before: &[Part<IncrementsOf<I::System>>],
-        last: Part<IncrementsOf<I::System>>,
+        before: &[Part<I::Increments>],
+        last: Part<I::Increments>,
         within: f64,
     ) -> Result<StateOf<I::System>, StepError> {
         if self.depth == 0 {
@@ -210,7 +210,7 @@ impl<I: Method> Crossing<'_, I> {
             }
         }
         if within != 1.0 {
-            let mut dw = IncrementsOf::<I::System>::NONE;
+            let mut dw = I::Increments::NONE;
             add(&mut dw, within, &last.1);
             self.advance(&mut state, within * last.0.fraction() * self.h, &dw)?;
         }
@@ -222,7 +222,7 @@ impl<I: Method> Crossing<'_, I> {
         &self,
         state: &mut StateOf<I::System>,
         h: f64,
-        dw: &IncrementsOf<I::System>,
+        dw: &I::Increments,
     ) -> Result<(), StepError> {
         // A part that is too short to change the time changes nothing else.
         if h != 0.0 && is_next_time(state.t, state.t + h) {

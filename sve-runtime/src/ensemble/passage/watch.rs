@@ -5,12 +5,12 @@
 
 use super::counts::{End, Passage};
 use super::search::{Crossing, Zero};
+use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::lanes::{LANES, Lane, Mask};
 use crate::method::DimsOf;
 use crate::method::Within;
-use crate::system::{Dimensions, StateOf};
-use crate::trajectory::Method;
+use crate::system::{Dimensions, Increments as _, StateOf};
 
 use super::super::Ensemble;
 use super::super::crossings::crosses;
@@ -41,7 +41,7 @@ type Found<S> = (usize, Zero<StateOf<S>>);
 
 impl PassageWatch {
     /// Returns the watch over so many tiles before their start.
-    pub(in super::super) fn new<I: Method>(ensemble: &Ensemble<'_, I>, tiles: usize) -> Self {
+    pub(in super::super) fn new<I: PathMethod>(ensemble: &Ensemble<'_, I>, tiles: usize) -> Self {
         let functions = ensemble.observed.passages.iter().map(|_| Watched {
             before: vec![[0.0; LANES]; tiles],
             now: vec![[0.0; LANES]; tiles],
@@ -73,7 +73,7 @@ impl PassageWatch {
     }
 }
 
-impl<I: Method> PathBlock<'_, I> {
+impl<I: PathMethod> PathBlock<'_, I> {
     /// Records the passages of the paths of a tile within their last step. Returns the lanes that
     /// stop. Their states are then the states at the zeros, and `last` has the lengths of their
     /// last steps.
@@ -131,7 +131,7 @@ impl<I: Method> PathBlock<'_, I> {
             step,
             h: settings.h,
             before,
-            whole: DimsOf::<I>::increments_of(&self.increments_of(tile, step).0, lane),
+            whole: I::Increments::of_lane(&self.increments_of(tile, step).0, lane),
             depth: settings.ensemble.refine,
         };
         let mut zeros = Vec::new();

@@ -210,7 +210,6 @@ impl<'a> Holder<'a> {
             type Stepped = #stepped;
             type Kind = #private::Inputs;
             type StateLanes = ();
-            type IncrementLanes = ();
             const NAMES: #private::Names = #held::NAMES;
             const FORMULAS_HASH: u64 = #held::FORMULAS_HASH;
         }

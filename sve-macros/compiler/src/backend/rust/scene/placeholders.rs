@@ -40,7 +40,6 @@ pub(in super::super) fn placeholders(
             type Stepped = #target;
             type Kind = #private::scene::Scenes;
             type StateLanes = ();
-            type IncrementLanes = ();
         }
     };
     let own = kind(quote!(Self));

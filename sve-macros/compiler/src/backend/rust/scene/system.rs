@@ -112,7 +112,6 @@ impl Context<'_> {
             type Stepped = #target;
             type Kind = #private::scene::Scenes;
             type StateLanes = ();
-            type IncrementLanes = ();
         }
     }
 
