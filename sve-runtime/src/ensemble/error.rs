@@ -75,7 +75,7 @@ pub enum EnsembleError {
     Noise(#[source] NoiseError),
     /// The rule has stage noise, and the noise has no increments at its stages.
     #[error(
-        "`noise`: {noise} have no law at the {stages} stages of the rule: take `Wiener`, not refined, or `Truncated<Wiener>`, or the rule without stage noise"
+        "`noise`: {noise} are not drawn at the {stages} stages of the rule: take `Wiener`, not refined, or `Truncated<Wiener>`, or the rule without stage noise"
     )]
     NoStages {
         /// The increments of the noise.

@@ -9,7 +9,7 @@
 //! | [`Wiener`] | from a seed, counter-based | any step, in any order | yes; the same path for every number of stages |
 //! | [`Refined`] | a `Wiener` path in smaller steps | any step, in any order | yes; the same whole steps for every number of stages |
 //! | [`ThreePoint`] | of three values, for weak solutions; counter-based | any step, in any order | no: the stages would have another law |
-//! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order | a path of [`Recorded::record_stages`] |
+//! | [`Recorded`] | given, or taken from another source; can be coarsened | any step, in any order | a path of [`Recorded::record_stages`], for as many stages or fewer |
 //! | [`Truncated`] | of another source, clipped for implicit steps | as the other source | as the other source |
 //! | [`FromRng`] | from a random generator of the `rand` crates | no: draws follow one another | yes |
 //! | [`NoNoise`] | zero | trivially | yes |
@@ -21,8 +21,8 @@
 //! All sources serve all rules that take one increment for each process. Rules with [stage
 //! noise](crate::StageNoise) ask for an increment for each process and stage. Where the table says
 //! no, the first step returns an error that names the source; an ensemble returns an error before
-//! its first step. Steps that fail cannot be [refined](crate::Trajectory::refine) with stage noise, and
-//! studies do not take it: both are compile errors.
+//! its first step, also for [`Refined`]. With stage noise steps are not divided, where they
+//! [fail](crate::Trajectory::refine) or at [events](crate::Events): both are compile errors.
 //!
 //! [`Replayable::from_step`] enters a replayable path at a step.
 //!

@@ -9,13 +9,14 @@ use crate::rule::Rule;
 use crate::system::{AnySystem, IncrementsOf, StateOf, System};
 use crate::trajectory::{Snapshot, Trajectory};
 
-/// A [`OneStepMethod`] that takes one increment for each Wiener process. Studies run it, and code
-/// for any method asks for it.
+/// A [`OneStepMethod`] that takes one increment for each Wiener process. Its steps can be divided,
+/// at events or where they fail, and code for any method asks for it.
 ///
-/// All methods take such increments, except rules with stage noise.
+/// All methods take such increments, except rules with stage noise, which ensembles and studies run
+/// too.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no method with one increment for each Wiener process",
-    note = "studies draw one increment for each process, and so do steps that are divided, at an event or where they fail: use the rule without stage noise",
+    note = "steps that are divided, at an event or where they fail, have one increment for each process: use the rule without stage noise",
     note = "they are for systems of fixed sizes; a system whose `q` is a slice has single steps and trajectories, so far"
 )]
 pub trait Method:
