@@ -167,6 +167,9 @@ fn pen(series: &Series, number: usize) -> Pen {
         "Störmer–Verlet" => (palette::VERMILION, Shape::Square),
         "Störmer–Verlet, Kahan–Li 8" => (palette::VERMILION, Shape::Cross),
         "Gauss 2" | "Gauss 4" => (palette::PURPLE, Shape::Triangle),
+        "Gauss 2, stage noise" => (palette::PURPLE, Shape::Plus),
+        "Gauss 3, stage noise" => (palette::BLACK, Shape::Cross),
+        "Gauss 4, stage noise" => (palette::BLACK, Shape::Triangle),
         "Gauss 6" => (palette::PURPLE, Shape::Diamond),
         "Gauss 8" | "Störmer–Verlet, weak2" => (palette::PURPLE, Shape::Plus),
         "Gauss 8, compensated" => (palette::PURPLE, Shape::Circle),
@@ -320,7 +323,7 @@ pub(crate) fn figure(
     let band = |points| Layer::new("band: fastest method of sve", points, Pen::line(BAND, 11.0));
     first.layers.insert(0, band(exponents(&trace)).unlisted());
     let orders: &[i32] = if shown.weak.is_some() {
-        &[1, 2]
+        &[1, 2, 3]
     } else {
         &[2, 4, 8]
     };
