@@ -123,9 +123,9 @@ pub enum NoiseError {
         /// The stages of the rule.
         stages: usize,
     },
-    /// A path was recorded with another number of stages.
+    /// A path was recorded with fewer stages, or its rows cannot be divided into stages.
     #[error(
-        "the path was recorded with {recorded} stages a step, and the rule has {asked}; record {asked}"
+        "the path was recorded with {recorded} stages a step, and the rule has {asked}; record {asked} or more"
     )]
     Stages {
         /// The stages of the rule.

@@ -38,6 +38,14 @@ pub(crate) fn weights(stages: usize) -> Option<&'static [f64]> {
     with_stages!(stages, of())
 }
 
+/// Returns the nodes c of the rule with so many stages; `None` for a number that no rule has.
+fn nodes(stages: usize) -> Option<&'static [f64]> {
+    fn of<const S: usize>() -> &'static [f64] {
+        const { &Tableau::<S>::VALUES.c }
+    }
+    with_stages!(stages, of())
+}
+
 /// Writes the increments at the stages to `parts`, one for each stage, from the coefficients of the
 /// path in Legendre polynomials. Returns whether there is a rule with so many stages.
 #[inline]
@@ -62,27 +70,26 @@ pub(crate) fn from_coefficients(coefficients: impl Fn(usize) -> f64, parts: &mut
 }
 
 /// Adds the increments at the stages of step `number` among `count` steps to the increments of one
-/// step over all of them. The basis of the long step is a polynomial on each short step, and the
-/// basis of the short step represents its degree, so the sum is exact.
+/// step over all of them, which has as many stages or fewer. The basis of the long step is a
+/// polynomial on each short step, and the basis of the short step represents its degree, so the sum
+/// is exact.
 pub(crate) fn add_to_longer_step(parts: &[f64], [number, count]: [usize; 2], longer: &mut [f64]) {
-    fn of<const S: usize>(parts: &[f64], [number, count]: [usize; 2], longer: &mut [f64]) {
-        let c = const { &Tableau::<S>::VALUES.c };
-        for (part, node) in parts.iter().zip(c) {
-            let at = (number as f64 + node) / count as f64;
-            for (i, longer) in longer.iter_mut().enumerate() {
-                let others = (0..S).filter(|&j| j != i);
-                let basis: f64 = others.map(|j| (at - c[j]) / (c[i] - c[j])).product();
-                *longer += basis * part;
-            }
+    let (Some(nodes), Some(c)) = (nodes(parts.len()), nodes(longer.len())) else {
+        return;
+    };
+    for (part, node) in parts.iter().zip(nodes) {
+        let at = (number as f64 + node) / count as f64;
+        for (i, longer) in longer.iter_mut().enumerate() {
+            let others = (0..c.len()).filter(|&j| j != i);
+            let basis: f64 = others.map(|j| (at - c[j]) / (c[i] - c[j])).product();
+            *longer += basis * part;
         }
     }
-    let steps = [number, count];
-    let _ = with_stages!(parts.len(), of(parts, steps, longer));
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{add_to_longer_step, from_coefficients, weights};
+    use super::{add_to_longer_step, from_coefficients, nodes, weights};
 
     /// Returns the increments at the stages for each coefficient alone.
     fn matrix(stages: usize) -> Vec<Vec<f64>> {
@@ -124,7 +131,7 @@ mod tests {
     fn longer_steps_have_the_integrals_of_the_path() {
         for stages in 2..=8 {
             let integrals = |start: f64, h: f64, degree: i32| -> Vec<f64> {
-                let (b, c) = (weights(stages).unwrap(), nodes(stages));
+                let (b, c) = (weights(stages).unwrap(), nodes(stages).unwrap());
                 let slope = |x: f64| x.powi(degree);
                 (0..stages)
                     .map(|i| h * b[i] * slope(start + c[i] * h))
@@ -146,10 +153,21 @@ mod tests {
         }
     }
 
-    fn nodes(stages: usize) -> Vec<f64> {
-        // The second column is √3 b (2c − 1).
-        let (columns, b) = (matrix(stages), weights(stages).unwrap());
-        let node = |i: usize| 0.5 * (1.0 + columns[1][i] / (3.0f64.sqrt() * b[i]));
-        (0..stages).map(node).collect()
+    /// A path has the same coefficients with fewer stages.
+    #[test]
+    fn fewer_stages_have_the_first_coefficients() {
+        for stages in 2..=8 {
+            for fewer in 1..stages {
+                for (k, parts) in matrix(stages).iter().enumerate() {
+                    let mut found = vec![0.0; fewer];
+                    add_to_longer_step(parts, [0, 1], &mut found);
+                    let zero = vec![0.0; fewer];
+                    let expected = matrix(fewer).get(k).cloned().unwrap_or(zero);
+                    for (x, expected) in found.iter().zip(expected) {
+                        assert!((x - expected).abs() < 1e-14, "{stages} {fewer} {k}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -92,8 +92,8 @@ impl Recorded {
     }
 
     /// Records the first `steps` steps of length `h` of another source, for rules with [stage
-    /// noise](crate::StageNoise) of so many stages. A rule with one increment for each process
-    /// takes the path too.
+    /// noise](crate::StageNoise) of so many stages. Rules with fewer stages, and rules with one
+    /// increment for each process, take the path too.
     ///
     #[doc = include_str!("../example.md")]
     /// let path = Recorded::record_stages(Wiener::new(42), 0.01, 1, 2, 100)?;
@@ -321,14 +321,24 @@ impl Noise for &Recorded {
         stages: usize,
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
-        if stages != self.stages {
+        if stages > self.stages {
             return Err(NoiseError::Stages {
                 asked: stages,
                 recorded: self.stages,
             });
         }
         let row = self.checked_row(step, h, dw.len() / stages)?;
-        dw.copy_from_slice(row);
+        if stages == self.stages {
+            dw.copy_from_slice(row);
+            return Ok(());
+        }
+        dw.fill(0.0);
+        let processes = row
+            .chunks_exact(self.stages)
+            .zip(dw.chunks_exact_mut(stages));
+        for (parts, fewer) in processes {
+            stage_noise::add_to_longer_step(parts, [0, 1], fewer);
+        }
         Ok(())
     }
 

@@ -84,11 +84,11 @@ impl Report {
             "Bars: two standard errors on either side. Arrows: upper limits of errors below two standard errors.",
         )?;
         body += &table(self);
-        let orders = self.orders().iter().map(ToString::to_string);
-        let others = self.not_asymptotic().iter().map(ToString::to_string);
-        for order in orders.chain(others) {
-            body.push_str("<p>Order of ");
-            body.push_str(&page::escape(&order));
+        for line in self.conclusions() {
+            let (first, rest) = line.split_at(1);
+            body.push_str("<p>");
+            body.push_str(&first.to_uppercase());
+            body.push_str(&page::escape(rest));
             body.push_str("</p>\n");
         }
         page::write(path.as_ref(), &page::document(&title, &body))

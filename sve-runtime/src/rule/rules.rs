@@ -57,8 +57,9 @@ pub struct Gauss<const S: usize>;
 /// path, which serves every number of stages and the other rules; [`noise`](crate::noise) lists the
 /// other sources with stage noise.
 ///
-/// For additive noise, γ linear in q with constant masses, the strong order is min(S, 3). For other
-/// noise it is 1, as without the option.
+/// For additive noise, γ linear in q with constant masses, the strong order is min(S, 3), also with
+/// a force that is linear in velocities. If the coefficients of velocities depend on the place, as
+/// in a magnetic field, it is 5/2 at most. For other noise it is 1, as without the option.
 ///
 /// ```
 /// use sve_runtime::prelude::*;

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use crate::error::StepError;
 use crate::fingerprint::StepsFingerprint;
 use crate::method::OneStepMethod;
-use crate::noise::Recorded;
-use crate::system::{Increments, IncrementsOf, StateOf, System};
-use crate::trajectory::Method;
+use crate::noise::{Recorded, draw};
+use crate::system::{Increments, StateOf, System};
+use crate::trajectory::Trajectory;
 
 /// Number of steps whose Newton iterations are counted: they vary little along a path.
 const COUNTED: usize = 256;
@@ -30,6 +30,8 @@ pub(super) trait AnyMethod<S: System>: Sync {
     fn order(&self) -> Option<f64>;
     /// Identifies the method with its options, and the parameters of its system.
     fn identity(&self) -> StepsFingerprint;
+    /// The increments of a process in a step.
+    fn stages(&self) -> usize;
 
     /// Solves along the path, calls `visit` with each state and returns the last one.
     fn solve(
@@ -45,26 +47,41 @@ pub(super) trait AnyMethod<S: System>: Sync {
 
     /// Measures the time of `repeats` passes along a path whose increments are precomputed, each
     /// step with the numbers that a trajectory carries to it. Returns one duration for each section
-    /// of the path.
+    /// of so many steps of the path.
     fn measure(
         &self,
         start: &StateOf<S>,
-        h: f64,
-        sections: &[&[IncrementsOf<S>]],
+        path: &Recorded,
+        section: usize,
         repeats: u32,
     ) -> Result<Vec<Duration>, StepError>;
 }
 
-/// The increments over a step.
-pub(super) fn increments<S: System>(path: &Recorded, step: usize) -> IncrementsOf<S> {
-    let mut dw = <IncrementsOf<S> as Increments>::NONE;
-    if let Some(recorded) = path.get(step) {
-        dw.as_mut().copy_from_slice(recorded);
-    }
-    dw
+/// The increments over the first steps of a path.
+fn increments<I: OneStepMethod<Increments: Increments>>(
+    method: &I,
+    path: &Recorded,
+    steps: usize,
+) -> Result<Vec<I::Increments>, StepError> {
+    let of_step = |step: usize| {
+        let mut dw = I::Increments::NONE;
+        draw(
+            &mut { path },
+            step as u64,
+            path.h(),
+            method.stages(),
+            dw.as_mut(),
+        )
+        .map_err(|source| StepError::Noise {
+            t: step as f64 * path.h(),
+            source,
+        })?;
+        Ok(dw)
+    };
+    (0..steps).map(of_step).collect()
 }
 
-impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
+impl<S: System, I: OneStepMethod<System = S, Increments: Increments> + Sync> AnyMethod<S> for I {
     fn system(&self) -> &S {
         OneStepMethod::system(self)
     }
@@ -79,6 +96,9 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
     fn identity(&self) -> StepsFingerprint {
         StepsFingerprint::of(self)
     }
+    fn stages(&self) -> usize {
+        OneStepMethod::stages(self)
+    }
 
     fn solve(
         &self,
@@ -86,7 +106,7 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
         path: &Recorded,
         visit: &mut Visit<'_, S>,
     ) -> Result<StateOf<S>, StepError> {
-        let mut trajectory = self.trajectory(*start, path.h(), path);
+        let mut trajectory = Trajectory::new(self, *start, path.h(), path);
         for state in trajectory.by_ref() {
             visit(&state?)?;
         }
@@ -99,10 +119,9 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
         let mut state = *start;
         let steps = path.len().min(COUNTED);
         let mut sum = 0.0;
-        for step in 0..steps {
-            let dw = increments::<S>(path, step);
-            sum += f64::from(self.newton_iterations(&prepared, &state, h, &dw)?);
-            self.step_prepared(&prepared, &mut state, h, &dw).ok()?;
+        for dw in &increments(self, path, steps).ok()? {
+            sum += f64::from(self.newton_iterations(&prepared, &state, h, dw)?);
+            self.step_prepared(&prepared, &mut state, h, dw).ok()?;
         }
         Some(sum / steps as f64)
     }
@@ -110,16 +129,19 @@ impl<S: System, I: Method<System = S> + Sync> AnyMethod<S> for I {
     fn measure(
         &self,
         start: &StateOf<S>,
-        h: f64,
-        sections: &[&[IncrementsOf<S>]],
+        path: &Recorded,
+        section: usize,
         repeats: u32,
     ) -> Result<Vec<Duration>, StepError> {
+        let h = path.h();
+        let increments = increments(self, path, path.len())?;
+        let sections: Vec<_> = increments.chunks(section).collect();
         let mut sums = vec![Duration::ZERO; sections.len()];
         let mut begin = Instant::now();
         for _ in 0..repeats {
             let mut prepared = self.prepare(black_box(h))?;
             let mut state = black_box(*start);
-            for (sum, section) in sums.iter_mut().zip(sections) {
+            for (sum, section) in sums.iter_mut().zip(&sections) {
                 for dw in *section {
                     self.next_step(&mut prepared, &mut state, h, dw)?;
                 }

@@ -8,9 +8,9 @@ use std::borrow::Cow;
 use super::reference::Reference;
 use super::{Candidate, Observable, Study};
 use crate::ensemble::Observed;
+use crate::method::OneStepMethod;
 use crate::noise::Recorded;
-use crate::system::{StateOf, System};
-use crate::trajectory::Method;
+use crate::system::{Increments, StateOf, System};
 
 impl<'a, S: System> Study<'a, S> {
     /// Sets the start of all paths.
@@ -73,7 +73,8 @@ impl<'a, S: System> Study<'a, S> {
     }
 
     /// Adds a method: an [`Integrator`](crate::Integrator), a [`baseline`](crate::baseline), or any
-    /// other [`Method`].
+    /// other [`OneStepMethod`]. Rules with [stage noise](crate::StageNoise) have the same paths as
+    /// all others.
     ///
     #[doc = include_str!("example.md")]
     /// let uncorrected = EulerMaruyama::new(&system).uncorrected();
@@ -83,7 +84,7 @@ impl<'a, S: System> Study<'a, S> {
     #[must_use]
     pub fn method<I>(mut self, name: impl Into<Cow<'a, str>>, method: &'a I) -> Self
     where
-        I: Method<System = S> + Sync,
+        I: OneStepMethod<System = S, Increments: Increments> + Sync,
     {
         self.methods.push(Candidate {
             name: name.into(),
@@ -134,7 +135,7 @@ impl<'a, S: System> Study<'a, S> {
         numbers: impl IntoIterator<Item = usize>,
     ) -> Self
     where
-        I: Method<System = S> + Sync,
+        I: OneStepMethod<System = S, Increments: Increments> + Sync,
     {
         self.methods.push(Candidate {
             name: name.into(),
@@ -170,7 +171,8 @@ impl<'a, S: System> Study<'a, S> {
     ///
     /// For solutions that are not functions of the increments alone, such as integrals of
     /// `f(s) dW(s)`. The closure gets the number of the path and of the steps, and has to return a
-    /// path of that many steps up to the horizon; the seed is its own.
+    /// path of that many steps up to the horizon; the seed is its own. If a method has [stage
+    /// noise](crate::StageNoise), the path has its stages ([`Recorded::with_stages`]), or more.
     ///
     #[doc = include_str!("example.md")]
     /// // the increment of a free particle, and the integral that moves it, drawn together
@@ -220,7 +222,7 @@ impl<'a, S: System> Study<'a, S> {
     #[must_use]
     pub fn fine<I>(mut self, method: &'a I, factor: usize) -> Self
     where
-        I: Method<System = S> + Sync,
+        I: OneStepMethod<System = S, Increments: Increments> + Sync,
     {
         self.reference = Some(Reference::Fine(method, factor));
         self

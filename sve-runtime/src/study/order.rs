@@ -1,8 +1,8 @@
 //! The measured order of convergence: the slope of error over step size, both as logarithms.
 //!
-//! Input: squared errors of each path for each step size. Output: an [`Order`] if the local slopes,
-//! those between consecutive step sizes, have converged; otherwise [`NotAsymptotic`] with the local
-//! slopes.
+//! Input: squared errors of each path, or differences of an observable, for each step size. Output:
+//! an [`Order`] if the local slopes, those between consecutive step sizes, have converged; otherwise
+//! [`NotAsymptotic`] with the local slopes.
 //!
 //! The order is the slope of the least-squares line through the finest step sizes, at least three.
 //! Its error has two parts. The error of the paths is found by leaving out one batch of paths at a
@@ -27,6 +27,9 @@ const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 /// Errors below this fraction for each step can be rounding errors too: rounding errors of a phase
 /// grow with the number of steps.
 const ROUNDING_A_STEP: f64 = 16.0 * f64::EPSILON;
+
+/// Weak errors below this many standard errors can be scatter of the paths.
+const SCATTER: f64 = 4.0;
 
 /// Errors above this fraction of the solution's size are not yet proportional to a power of the
 /// step size.
@@ -56,15 +59,17 @@ const FEWEST: usize = 3;
 pub struct Order {
     /// The name of the method.
     pub method: String,
-    /// The slope of the strong error. Its error contains the scatter between paths and the bias of
+    /// The observable, for a weak order.
+    pub observable: Option<String>,
+    /// The slope of the strong error, or of the weak error. Its error contains the scatter between paths and the bias of
     /// step sizes that are not small enough; it is at most ¼.
     pub order: Estimate,
     /// Step sizes that it was fitted to: the finest ones, where no path failed, the error is at
     /// most a quarter of the solution's size and more than rounding, and the local slopes are
-    /// stable.
+    /// stable. A weak error is also more than scatter of the paths, and of one sign.
     pub points: usize,
-    /// The order of the method, if it is known
-    /// ([`OneStepMethod::order`](crate::OneStepMethod::order)).
+    /// The strong order of the method, if it is known
+    /// ([`OneStepMethod::order`](crate::OneStepMethod::order)); `None` beside a weak order.
     pub of_method: Option<f64>,
 }
 
@@ -91,11 +96,13 @@ impl Order {
 pub struct NotAsymptotic {
     /// The name of the method.
     pub method: String,
+    /// The observable, for a weak order.
+    pub observable: Option<String>,
     /// Slopes between consecutive step sizes, from the largest to the smallest, for step sizes
     /// whose errors are neither of the size of the solution nor rounding errors. Their standard
     /// errors come from the scatter between paths, and are NaN for a single path.
     pub slopes: Vec<Estimate>,
-    /// The order of the method, if it is known.
+    /// The strong order of the method, if it is known; `None` beside a weak order.
     pub of_method: Option<f64>,
 }
 
@@ -118,16 +125,51 @@ pub(super) enum Convergence {
     Unsettled(Vec<Estimate>),
 }
 
-/// Errors of a step size: its logarithm, the number of its steps, and the square of each path.
+/// Errors of a step size: its logarithm, the number of its steps, and a number of each path.
 pub(super) struct Level {
     pub(super) ln_h: f64,
     pub(super) steps: usize,
-    pub(super) squares: Vec<f64>,
+    pub(super) of_paths: Vec<f64>,
+}
+
+/// How the numbers of the paths give an error.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum ErrorOf {
+    /// The root of the mean of squares.
+    Squares,
+    /// The mean of differences.
+    Differences,
+}
+
+impl ErrorOf {
+    /// Returns the error without some paths.
+    fn without(self, level: &Level, left_out: &Range<usize>) -> f64 {
+        let mean = mean_without(&level.of_paths, left_out);
+        match self {
+            Self::Squares => mean.sqrt(),
+            Self::Differences => mean,
+        }
+    }
+
+    /// Returns whether an error can be scatter of the paths.
+    fn is_scatter(self, level: &Level, random: bool) -> bool {
+        let Estimate {
+            value,
+            standard_error,
+        } = Estimate::mean(&level.of_paths);
+        let limit = if random {
+            SCATTER * standard_error
+        } else {
+            0.0
+        };
+        // a NaN is no scatter: one path says nothing of it
+        self == Self::Differences && value.abs() < limit
+    }
 }
 
 /// Fits the order of errors; `size` is the size of the solution.
-pub(super) fn fit(levels: Vec<Level>, size: f64, random: bool) -> Convergence {
-    let fit = Fit::new(levels, size, random);
+pub(super) fn fit(levels: Vec<Level>, of: ErrorOf, size: f64, random: bool) -> Convergence {
+    let fit = Fit::new(levels, of, size, random);
     let points = fit.x.len();
     let Some(remaining) = fit.remaining_change() else {
         return Convergence::Unsettled(fit.slopes());
@@ -153,19 +195,24 @@ struct Fit {
 }
 
 impl Fit {
-    fn new(levels: Vec<Level>, size: f64, random: bool) -> Self {
+    fn new(levels: Vec<Level>, of: ErrorOf, size: f64, random: bool) -> Self {
+        let error = |level: &Level| of.without(level, &(0..0));
         let converging = |level: &Level| {
-            let error = root_mean(&level.squares, &(0..0));
+            let error = error(level).abs();
             let rounding = ROUNDING.max(ROUNDING_A_STEP * level.steps as f64);
-            error > rounding * size && error < SATURATED * size
+            let is_power = error > rounding * size && error < SATURATED * size;
+            is_power && !of.is_scatter(level, random)
         };
         let mut levels: Vec<Level> = levels.into_iter().filter(converging).collect();
         levels.sort_by(|a, b| b.ln_h.total_cmp(&a.ln_h));
+        let last = levels.last().map_or(1.0, error);
+        let other_sign = levels.iter().rposition(|level| last * error(level) < 0.0);
+        levels.drain(..other_sign.map_or(0, |at| at + 1));
         let ln_errors = |left_out: &Range<usize>| -> Vec<f64> {
-            let ln_error = |level: &Level| root_mean(&level.squares, left_out).ln();
+            let ln_error = |level: &Level| of.without(level, left_out).abs().ln();
             levels.iter().map(ln_error).collect()
         };
-        let paths = levels.first().map_or(0, |level| level.squares.len());
+        let paths = levels.first().map_or(0, |level| level.of_paths.len());
         let batches = if random { BATCHES.min(paths) } else { 0 };
         let without = (0..batches)
             .map(|b| b * paths / batches..(b + 1) * paths / batches)
@@ -256,15 +303,15 @@ impl Fit {
     }
 }
 
-/// Returns the root of the mean square without some paths.
-fn root_mean(squares: &[f64], left_out: &Range<usize>) -> f64 {
+/// Returns the mean without some paths.
+fn mean_without(of_paths: &[f64], left_out: &Range<usize>) -> f64 {
     let kept = |path: &usize| !left_out.contains(path);
     let (mut sum, mut count) = (0.0, 0.0);
-    for path in (0..squares.len()).filter(kept) {
-        sum += squares[path];
+    for path in (0..of_paths.len()).filter(kept) {
+        sum += of_paths[path];
         count += 1.0;
     }
-    (sum / count).sqrt()
+    sum / count
 }
 
 fn mean(x: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
 //! Orders of errors that are known.
 
-use super::{Convergence, Level, fit};
+use super::{Convergence, ErrorOf, Level, fit};
 use crate::study::Estimate;
 
 /// Returns a level of 2ᵏ steps of 2⁻ᵏ with one error.
@@ -8,7 +8,7 @@ fn level(k: i32, error: f64) -> Level {
     Level {
         ln_h: f64::from(-k) * 2.0_f64.ln(),
         steps: 1 << k,
-        squares: vec![error * error],
+        of_paths: vec![error * error],
     }
 }
 
@@ -17,7 +17,7 @@ fn of(error: impl Fn(f64) -> f64, exponents: impl IntoIterator<Item = i32>) -> C
     let levels = exponents
         .into_iter()
         .map(|k| level(k, error(0.5_f64.powi(k))));
-    fit(levels.collect(), 1.0, false)
+    fit(levels.collect(), ErrorOf::Squares, 1.0, false)
 }
 
 fn order(convergence: Convergence) -> (Estimate, usize) {
@@ -95,7 +95,7 @@ fn slopes_that_have_not_settled_are_no_order() {
 fn one_random_path_has_no_order() {
     let levels = (4..8).map(|k| level(k, 0.5_f64.powi(k)));
     assert!(matches!(
-        fit(levels.collect(), 1.0, true),
+        fit(levels.collect(), ErrorOf::Squares, 1.0, true),
         Convergence::Unsettled(slopes) if slopes.len() == 3
     ));
 }
@@ -108,14 +108,19 @@ fn the_scatter_between_paths_is_in_the_error() {
     let level = |k: i32, tilt: f64| Level {
         ln_h: f64::from(-k) * 2.0_f64.ln(),
         steps: 1 << k,
-        squares: (0..100)
+        of_paths: (0..100)
             .map(|path| 0.25_f64.powi(k) * shared(path) * (1.0 + tilt * (path % 3) as f64))
             .collect(),
     };
-    let (same, _) = order(fit([4, 3, 2].map(|k| level(k, 0.0)).into(), 1.0, true));
+    let (same, _) = order(fit(
+        [4, 3, 2].map(|k| level(k, 0.0)).into(),
+        ErrorOf::Squares,
+        1.0,
+        true,
+    ));
     assert!((same.value - 1.0).abs() < 1e-13 && same.standard_error < 1e-13);
     let levels = vec![level(3, 0.0), level(2, 1.0)];
-    let Convergence::Unsettled(slopes) = fit(levels, 1.0, true) else {
+    let Convergence::Unsettled(slopes) = fit(levels, ErrorOf::Squares, 1.0, true) else {
         panic!("two step sizes");
     };
     // of squares u and w u: the variance of Σwu/Σu − w̄ is Σ(w − w̄)²u²/(Σu)², and the slope is its
@@ -134,4 +139,36 @@ fn the_scatter_between_paths_is_in_the_error() {
     assert!((slope.value - 1.0 - w.ln() / (2.0 * 2.0_f64.ln())).abs() < 1e-13);
     // ten batches of such regular paths know it to a factor, not to a digit
     assert!(slope.standard_error < 2.0 * expected && slope.standard_error > 0.1 * expected);
+}
+
+/// Weak errors, the means of differences: of either sign, with scatter that is the same at all step
+/// sizes or grows with them, and dropped where they are scatter or have another sign.
+#[test]
+fn weak_errors_have_orders_where_they_are_no_scatter() {
+    let level = |k: i32, error: f64, scatter: f64| Level {
+        ln_h: f64::from(-k) * 2.0_f64.ln(),
+        steps: 1 << k,
+        // deviations with the mean 0
+        of_paths: (0..99)
+            .map(|path| error + scatter * (f64::from(path % 3) - 1.0))
+            .collect(),
+    };
+    let weak = |levels: Vec<Level>| fit(levels, ErrorOf::Differences, 1.0, true);
+    let h = |k: i32| 0.5_f64.powi(k);
+    let levels = |exponents: core::ops::RangeInclusive<i32>, scatter: f64| {
+        let level = |k| level(k, -h(k).powi(2), scatter);
+        exponents.map(level).collect::<Vec<_>>()
+    };
+    let (exact, points) = order(weak(levels(2..=6, 0.0)));
+    assert!((exact.value - 2.0).abs() < 1e-12 && points == 5);
+    // a mean of 99 numbers with deviations 0 and ± s has the standard error s √(2/3/98)
+    let (blurred, points) = order(weak(levels(2..=4, 1e-3)));
+    assert!(points == 3 && blurred.standard_error > 1e-3);
+    assert!((blurred.value - 2.0).abs() <= 2.0 * blurred.standard_error);
+    let known = slopes(weak(levels(4..=9, 1e-3)));
+    assert_eq!(known.len(), 1); // 4 h² against 8.2e-5: h = 1/16 and 1/32 are above four of these
+    // a change of sign between step sizes is no slope
+    let crossing = |k: i32| level(k, h(k) * (h(k) - 0.02), 0.0);
+    let found = weak((3..=9).map(crossing).collect());
+    assert!(slopes(found).len() == 3, "those of h < 0.02");
 }

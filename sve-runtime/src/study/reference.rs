@@ -5,7 +5,7 @@
 
 use super::StudyError;
 use super::any_method::AnyMethod;
-use crate::noise::{NoNoise, Recorded, Wiener};
+use crate::noise::{NoNoise, NoiseError, Recorded, Wiener};
 use crate::system::{StateOf, System};
 
 /// Computes the exact solution from the increments of a path.
@@ -28,6 +28,8 @@ pub(super) struct PathRequest<'a, S: System> {
     pub(super) horizon: f64,
     pub(super) finest: usize,
     pub(super) processes: usize,
+    /// The most stages of a method with stage noise; 1 without.
+    pub(super) stages: usize,
 }
 
 impl<S: System> PathRequest<'_, S> {
@@ -35,15 +37,15 @@ impl<S: System> PathRequest<'_, S> {
     fn record(&self, steps: usize) -> Result<Recorded, StudyError> {
         let h = self.horizon / steps as f64;
         let recorded = if self.processes == 0 {
-            Recorded::record(NoNoise, h, 0, steps)
+            Recorded::record_stages(NoNoise, h, 0, self.stages, steps)
         } else {
             let path = Wiener::new(self.seed).path(self.path);
-            Recorded::record(path, h, self.processes, steps)
+            Recorded::record_stages(path, h, self.processes, self.stages, steps)
         };
         recorded.map_err(|source| self.noise(source))
     }
 
-    fn noise(&self, source: crate::noise::NoiseError) -> StudyError {
+    fn noise(&self, source: NoiseError) -> StudyError {
         let path = self.path;
         StudyError::Noise { path, source }
     }
@@ -77,7 +79,8 @@ impl<S: System> Reference<'_, S> {
         match self {
             Self::Exact(solution) => {
                 let recorded = request.record(finest)?;
-                let state = solution(&recorded);
+                let whole = Recorded::record(&recorded, recorded.h(), request.processes, finest);
+                let state = solution(&whole.map_err(|source| request.noise(source))?);
                 Ok((recorded, state))
             }
             Self::Drawn(draw) => {
@@ -87,6 +90,12 @@ impl<S: System> Reference<'_, S> {
                     && recorded.processes() == request.processes
                     // h = T/n and T = h n may each have been rounded
                     && (recorded.h() - length).abs() <= 4.0 * f64::EPSILON * length;
+                if matches && recorded.stages() < request.stages {
+                    return Err(request.noise(NoiseError::Stages {
+                        asked: request.stages,
+                        recorded: recorded.stages(),
+                    }));
+                }
                 if matches {
                     return Ok((recorded, state));
                 }

@@ -18,6 +18,8 @@ pub struct Report {
     pub(super) rows: Vec<Row>,
     pub(super) orders: Vec<Order>,
     pub(super) not_asymptotic: Vec<NotAsymptotic>,
+    pub(super) weak_orders: Vec<Order>,
+    pub(super) weak_not_asymptotic: Vec<NotAsymptotic>,
     /// The description of the system on pages.
     pub(crate) system: SystemDescription,
     /// The name of each method, and its description.
@@ -110,7 +112,7 @@ impl Report {
         self.rows.iter().find(wanted)
     }
 
-    /// The measured order of each method whose local slopes have settled at these step sizes.
+    /// The measured strong order of each method whose local slopes have settled at these step sizes.
     pub fn orders(&self) -> &[Order] {
         &self.orders
     }
@@ -118,6 +120,23 @@ impl Report {
     /// The other methods, with their local slopes.
     pub fn not_asymptotic(&self) -> &[NotAsymptotic] {
         &self.not_asymptotic
+    }
+
+    /// The measured weak order of each observable and method whose local slopes have settled.
+    ///
+    #[doc = include_str!("example.md")]
+    /// let report = study().observe("energy", Mechanics::hamiltonian).run()?;
+    /// for order in report.weak_orders() {
+    ///     println!("{order}");
+    /// }
+    #[doc = include_str!("../example_end.md")]
+    pub fn weak_orders(&self) -> &[Order] {
+        &self.weak_orders
+    }
+
+    /// The other observables and methods, with their local slopes.
+    pub fn weak_not_asymptotic(&self) -> &[NotAsymptotic] {
+        &self.weak_not_asymptotic
     }
 
     /// The rows as records of a file, with the source `sve` and its version.

@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::any_method::{AnyMethod, increments};
+use super::any_method::AnyMethod;
 use super::estimate::Estimate;
-use super::order::{self, Convergence, Level, NotAsymptotic, Order};
+use super::order::{self, Convergence, ErrorOf, Level, NotAsymptotic, Order};
 use super::reference::PathRequest;
 use super::report::{Invariant, Report, Row};
 use super::settings::Settings;
@@ -49,7 +49,17 @@ pub(super) fn run<S: System>(study: &Study<'_, S>) -> Result<Report, StudyError>
         .enumerate()
         .map(|(case, (method, steps))| settings.row(&outcomes, case, method, steps))
         .collect();
-    let (orders, not_asymptotic) = settings.orders(&outcomes);
+    let strong = |_: &Outcome, sample: &Sample| sample.square;
+    let size = |outcome: &Outcome| outcome.size;
+    let (orders, not_asymptotic) = settings.orders(&outcomes, None, size, strong);
+    let (mut weak_orders, mut weak_not_asymptotic) = (Vec::new(), Vec::new());
+    for at in 0..study.observables.len() {
+        let size = |outcome: &Outcome| outcome.observed[at].powi(2);
+        let weak = |outcome: &Outcome, sample: &Sample| settings.difference(at, outcome, sample);
+        let (orders, others) = settings.orders(&outcomes, Some(at), size, weak);
+        weak_orders.extend(orders);
+        weak_not_asymptotic.extend(others);
+    }
     settings.measure_costs(&outcomes, &mut rows)?;
     Ok(Report {
         problem: study.problem.to_string(),
@@ -63,6 +73,8 @@ pub(super) fn run<S: System>(study: &Study<'_, S>) -> Result<Report, StudyError>
         rows,
         orders,
         not_asymptotic,
+        weak_orders,
+        weak_not_asymptotic,
         system: SystemDescription::of(settings.system()),
         methods: (study.methods.iter())
             .map(|candidate| (candidate.name.to_string(), candidate.method.describe()))
@@ -101,6 +113,7 @@ impl<'a, S: System> Settings<'a, S> {
             horizon: self.horizon,
             finest: self.finest,
             processes: self.processes,
+            stages: self.stages,
         })
     }
 
@@ -138,7 +151,7 @@ impl<'a, S: System> Settings<'a, S> {
     /// Returns the path in `steps` steps.
     fn coarsened(&self, fine: &Recorded, steps: usize, path: u64) -> Result<Recorded, StudyError> {
         if self.processes == 0 {
-            Recorded::record(NoNoise, self.horizon / steps as f64, 0, steps)
+            Recorded::record_stages(NoNoise, self.horizon / steps as f64, 0, self.stages, steps)
         } else {
             fine.coarsen(fine.len() / steps)
         }
@@ -212,11 +225,8 @@ impl<'a, S: System> Settings<'a, S> {
             return row;
         }
         row.error = Some(self.estimate(&each(&|_, s| s.square), Estimate::root_mean));
-        for (i, observable) in self.study.observables.iter().enumerate() {
-            let differences = match observable.mean {
-                Some(mean) => each(&|_, s| s.observed[i] - mean),
-                None => each(&|o, s| s.observed[i] - o.observed[i]),
-            };
+        for at in 0..self.study.observables.len() {
+            let differences = each(&|outcome, sample| self.difference(at, outcome, sample));
             let weak = self.estimate(&differences, Estimate::mean);
             row.weak_errors.push(weak);
         }
@@ -227,41 +237,69 @@ impl<'a, S: System> Settings<'a, S> {
         row
     }
 
-    /// Fits the order of each method.
-    fn orders(&self, outcomes: &[Outcome]) -> (Vec<Order>, Vec<NotAsymptotic>) {
-        let size = outcomes.iter().map(|o| o.size).sum::<f64>() / outcomes.len() as f64;
+    /// Returns the value of an observable less that of the reference, or less its exact mean.
+    fn difference(&self, observable: usize, outcome: &Outcome, sample: &Sample) -> f64 {
+        let exact = self.study.observables[observable].mean;
+        sample.observed[observable] - exact.unwrap_or(outcome.observed[observable])
+    }
+
+    /// Fits the order of each method: the strong order, or that of an observable. `size` is the
+    /// square of what errors are compared with.
+    fn orders(
+        &self,
+        outcomes: &[Outcome],
+        observable: Option<usize>,
+        size: impl Fn(&Outcome) -> f64,
+        of_path: impl Fn(&Outcome, &Sample) -> f64,
+    ) -> (Vec<Order>, Vec<NotAsymptotic>) {
+        let size = outcomes.iter().map(size).sum::<f64>() / outcomes.len() as f64;
+        let name = observable.map(|at| self.study.observables[at].name.to_string());
+        let of = match name {
+            None => ErrorOf::Squares,
+            Some(_) => ErrorOf::Differences,
+        };
         let (mut orders, mut others) = (Vec::new(), Vec::new());
         for (method, candidate) in self.study.methods.iter().enumerate() {
-            let levels = self.levels(outcomes, method);
-            let (method, subject) = (candidate.name.to_string(), candidate.method);
-            match order::fit(levels, size.sqrt(), self.processes > 0) {
+            let levels = self.levels(outcomes, method, &of_path);
+            let (method, observable) = (candidate.name.to_string(), name.clone());
+            let strong = candidate.method.order();
+            let of_method = strong.filter(|_| name.is_none());
+            match order::fit(levels, of, size.sqrt(), self.processes > 0) {
                 Convergence::Asymptotic(order, points) => orders.push(Order {
                     method,
+                    observable,
                     order,
                     points,
-                    of_method: subject.order(),
+                    of_method,
                 }),
                 Convergence::Unsettled(slopes) => others.push(NotAsymptotic {
                     method,
+                    observable,
                     slopes,
-                    of_method: subject.order(),
+                    of_method,
                 }),
             }
         }
         (orders, others)
     }
 
-    /// Returns the errors of a method for the numbers of steps with which no path failed.
-    fn levels(&self, outcomes: &[Outcome], method: usize) -> Vec<Level> {
+    /// Returns a number of each path for the numbers of steps with which no path failed.
+    fn levels(
+        &self,
+        outcomes: &[Outcome],
+        method: usize,
+        of_path: &impl Fn(&Outcome, &Sample) -> f64,
+    ) -> Vec<Level> {
         let level = |(case, (of, steps)): (usize, (usize, usize))| {
             if of != method {
                 return None;
             }
-            let square = |outcome: &Outcome| Some(outcome.samples[case].as_ref()?.square);
+            let of_path =
+                |outcome: &Outcome| Some(of_path(outcome, outcome.samples[case].as_ref()?));
             Some(Level {
                 ln_h: (self.horizon / steps as f64).ln(),
                 steps,
-                squares: outcomes.iter().map(square).collect::<Option<_>>()?,
+                of_paths: outcomes.iter().map(of_path).collect::<Option<_>>()?,
             })
         };
         self.cases().enumerate().filter_map(level).collect()
@@ -280,14 +318,7 @@ impl<'a, S: System> Settings<'a, S> {
             let subject = self.subject(method);
             rows[case].newton_iterations = subject.iterations(self.start, &coarse);
             if self.study.repeats > 0 {
-                let increments = (0..steps).map(|step| increments::<S>(&coarse, step));
-                stopwatches.push(Stopwatch::<S>::new(
-                    case,
-                    subject,
-                    self.start,
-                    coarse.h(),
-                    increments.collect(),
-                ));
+                stopwatches.push(Stopwatch::<S>::new(case, subject, self.start, coarse));
             }
         }
         for _ in 0..self.study.repeats {

@@ -16,6 +16,8 @@ pub(super) struct Settings<'a, S: System> {
     pub(super) finest: usize,
     pub(super) paths: u64,
     pub(super) processes: usize,
+    /// The most stages of a method with stage noise; 1 without.
+    pub(super) stages: usize,
 }
 
 impl<'a, S: System> Settings<'a, S> {
@@ -50,9 +52,13 @@ impl<'a, S: System> Settings<'a, S> {
             "reference",
             ".fine(&integrator, 16)` or `.exact(|path| …)",
         ))?;
+        let mut stages = 1;
         if let Reference::Fine(method, factor) = *reference {
             check_fine(study, method, factor, finest)?;
+            stages = method.stages();
         }
+        let of_methods = study.methods.iter().map(|m| m.method.stages());
+        let stages = of_methods.fold(stages, usize::max);
         Ok(Self {
             study,
             start: study
@@ -64,6 +70,7 @@ impl<'a, S: System> Settings<'a, S> {
             finest,
             paths: if processes == 0 { 1 } else { study.paths },
             processes,
+            stages,
         })
     }
 }

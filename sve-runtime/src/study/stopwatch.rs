@@ -1,6 +1,6 @@
 //! Times of steps.
 //!
-//! Input: a method, a start, increments. Output: a [`Timing`]. A long path is timed in sections,
+//! Input: a method, a start, a path. Output: a [`Timing`]. A long path is timed in sections,
 //! each by the median of its repeats. An occasional disturbance of the machine affects few repeats
 //! of a short section, but every repeat of a long one.
 
@@ -9,7 +9,8 @@ use std::time::Duration;
 use super::any_method::AnyMethod;
 use super::report::Timing;
 use crate::error::StepError;
-use crate::system::{IncrementsOf, StateOf, System};
+use crate::noise::Recorded;
+use crate::system::{StateOf, System};
 
 /// Shortest time that is measured: some hundred times the resolution of a clock.
 const SHORTEST: Duration = Duration::from_micros(50);
@@ -28,8 +29,7 @@ const LONGEST: Duration = Duration::from_micros(200);
 pub(super) struct Stopwatch<'a, S: System> {
     pub(super) case: usize,
     method: &'a dyn AnyMethod<S>,
-    h: f64,
-    increments: Vec<IncrementsOf<S>>,
+    path: Recorded,
     /// Steps of a section.
     section: usize,
     /// Passes along the path in a measurement.
@@ -43,28 +43,26 @@ impl<'a, S: System> Stopwatch<'a, S> {
         case: usize,
         method: &'a dyn AnyMethod<S>,
         start: &StateOf<S>,
-        h: f64,
-        increments: Vec<IncrementsOf<S>>,
+        path: Recorded,
     ) -> Self {
         let mut stopwatch = Self {
             case,
             method,
-            h,
-            increments,
+            path,
             section: SECTION,
             passes: 1,
             seconds: Vec::new(),
         };
         if let Ok(elapsed) = stopwatch.durations(start) {
             let total = elapsed.iter().sum::<Duration>().as_secs_f64();
-            let steps = stopwatch.increments.len() as f64 * LONGEST.as_secs_f64() / total;
+            let steps = stopwatch.path.len() as f64 * LONGEST.as_secs_f64() / total;
             // a quotient that is not a number counts as 1
             let steps = steps.max(1.0).min(SECTION as f64);
             #[allow(clippy::cast_sign_loss)] // at least 1
             let section = steps as usize;
             stopwatch.section = section;
         }
-        let sections = stopwatch.increments.len().div_ceil(stopwatch.section);
+        let sections = stopwatch.path.len().div_ceil(stopwatch.section);
         stopwatch.seconds = vec![Vec::new(); sections];
         // these passes also warm the caches
         while let Ok(elapsed) = stopwatch.durations(start)
@@ -77,8 +75,7 @@ impl<'a, S: System> Stopwatch<'a, S> {
     }
 
     fn durations(&self, start: &StateOf<S>) -> Result<Vec<Duration>, StepError> {
-        let sections: Vec<&[IncrementsOf<S>]> = self.increments.chunks(self.section).collect();
-        self.method.measure(start, self.h, &sections, self.passes)
+        (self.method).measure(start, &self.path, self.section, self.passes)
     }
 
     pub(super) fn measure(&mut self, start: &StateOf<S>) {
@@ -97,7 +94,7 @@ impl<'a, S: System> Stopwatch<'a, S> {
             time_to_solution += quartile(seconds, 2)?;
             distance += quartile(seconds, 3)? - quartile(seconds, 1)?;
         }
-        let ns = 1e9 / self.increments.len() as f64;
+        let ns = 1e9 / self.path.len() as f64;
         Some(Timing {
             ns_per_step: ns * time_to_solution,
             ns_spread: ns * 0.5 * distance,

@@ -42,13 +42,30 @@ impl fmt::Display for Report {
         for row in &rows {
             line(f, &row.each_ref().map(String::as_str), &widths)?;
         }
-        for order in &self.orders {
-            writeln!(f, "  order of {order}")?;
-        }
-        for method in &self.not_asymptotic {
-            writeln!(f, "  order of {method}")?;
-        }
-        Ok(())
+        (self.conclusions().iter()).try_for_each(|line| writeln!(f, "  {line}"))
+    }
+}
+
+impl Report {
+    /// Returns a line for each order, strong and weak, and for each method without one.
+    pub(crate) fn conclusions(&self) -> Vec<String> {
+        let [strong, weak] = [&self.orders, &self.weak_orders];
+        let [no_strong, no_weak] = [&self.not_asymptotic, &self.weak_not_asymptotic];
+        let strong = strong.iter().map(|order| format!("order of {order}"));
+        let no_strong = no_strong.iter().map(|method| format!("order of {method}"));
+        let weak = weak.iter().map(|order| format!("weak order of {order}"));
+        let no_weak = no_weak
+            .iter()
+            .map(|method| format!("weak order of {method}"));
+        strong.chain(no_strong).chain(weak).chain(no_weak).collect()
+    }
+}
+
+/// Returns the method, with the observable of a weak order.
+fn subject(method: &str, observable: Option<&String>) -> String {
+    match observable {
+        None => method.to_owned(),
+        Some(name) => format!("{method}, mean of {name}"),
     }
 }
 
@@ -64,7 +81,8 @@ impl fmt::Display for Order {
         write!(
             f,
             "{}: {value:.3} ± {error:.3} from {} step sizes",
-            self.method, self.points
+            subject(&self.method, self.observable.as_ref()),
+            self.points
         )?;
         conjugate(f, self.of_method.filter(|_| self.exceeds_method()))
     }
@@ -85,8 +103,12 @@ fn conjugate(f: &mut fmt::Formatter<'_>, order: Option<f64>) -> fmt::Result {
 /// The method and its local slopes.
 impl fmt::Display for NotAsymptotic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: not asymptotic", self.method)?;
+        let subject = subject(&self.method, self.observable.as_ref());
+        write!(f, "{subject}: not asymptotic")?;
         match &self.slopes[..] {
+            [] if self.observable.is_some() => f.write_str(
+                ", no two step sizes with errors of one sign between a quarter of the mean, rounding and scatter of the paths",
+            ),
             [] => f.write_str(
                 ", no two step sizes with errors between a quarter of the solution and rounding",
             ),

@@ -62,9 +62,14 @@ pub enum StrongOrder {
     One,
     /// Stage noise with γ alone, and the term of the option `weak2`: order 3/2.
     OneAndAHalf,
-    /// Stage noise of two stages, with additive noise: order 2.
+    /// Stage noise of two stages, with additive noise and forces that are linear in velocities:
+    /// order 2.
     Two,
-    /// Stage noise of three stages or more, with additive noise: order 3.
+    /// Stage noise of three stages or more, as [`Three`](Self::Three), but with forces of velocities
+    /// that depend on the place, such as a magnetic force: order 5/2.
+    TwoAndAHalf,
+    /// Stage noise of three stages or more, with additive noise, and forces of velocities that are
+    /// linear in them with constant coefficients: order 3.
     Three,
     /// The named pair of noises does not commute: order ½.
     Half {
@@ -393,6 +398,12 @@ impl fmt::Display for Structure<'_> {
             StrongOrder::One => write!(f, ", strong order 1 (all noises commute)")?,
             StrongOrder::OneAndAHalf => write!(f, ", strong order 3/2 (stage noise)")?,
             StrongOrder::Two => write!(f, ", strong order 2 (stage noise, additive)")?,
+            StrongOrder::TwoAndAHalf => {
+                write!(
+                    f,
+                    ", strong order 5/2 (stage noise, additive, forces of velocities and places)"
+                )?;
+            }
             StrongOrder::Three => write!(f, ", strong order 3 (stage noise, additive)")?,
             StrongOrder::Half { pair: (a, b) } => {
                 write!(f, ", strong order 1/2 ({a} and {b} do not commute)")?;

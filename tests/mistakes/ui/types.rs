@@ -3,7 +3,6 @@
 use sve_runtime::baseline::Heun;
 use sve_runtime::noise::Noise;
 use sve_runtime::prelude::*;
-use sve_runtime::study::Study;
 
 struct Pendulum {
     g: f64,
@@ -109,10 +108,6 @@ fn section_with_stage_noise(pendulum: Staged, start: Start) {
 
 fn refined_stage_noise(pendulum: Staged, start: Start) {
     let _ = pendulum.trajectory(start, 0.1, Wiener::new(1)).refine(3);
-}
-
-fn study_with_stage_noise(pendulum: Staged, start: Start) {
-    let _ = Study::new("pendulum").start(start).method("gauss", &pendulum);
 }
 
 fn gradient_of_a_baseline(start: Start) {

@@ -116,12 +116,20 @@ fn recorded_stages_are_coarsened_exactly_and_serve_plain_rules() {
     let plain = Integrator::new(double_pendulum(), Gauss::<3>);
     let [a, b] = [end(&staged, START, &fine), end(&plain, START, &fine)];
     assert!((a[0] - b[0]).abs() < 0.05);
-    // another number of stages is an error
+    // fewer stages are those of the same path, more are an error
     let two = Integrator::new(double_pendulum(), StageNoise(Gauss::<2>));
-    let error = two.trajectory(START, 0.01, &fine).next().unwrap();
+    let own = Recorded::record_stages(Wiener::new(5), 0.01, 2, 2, 40).unwrap();
+    assert_close(
+        &end(&two, START, &fine),
+        &end(&two, START, &own),
+        1e-13,
+        "fewer stages",
+    );
+    let four = Recorded::record_stages(Wiener::new(5), 0.01, 2, 2, 1).unwrap();
+    let error = staged.trajectory(START, 0.01, &four).next().unwrap();
     let source = NoiseError::Stages {
-        asked: 2,
-        recorded: 3,
+        asked: 3,
+        recorded: 2,
     };
     assert_eq!(error, Err(StepError::Noise { t: 0.0, source }));
     let rows = Recorded::new(0.01, [[0.1, 0.2, 0.3, 0.4]]).unwrap();

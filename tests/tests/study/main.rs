@@ -2,5 +2,6 @@
 
 mod report;
 mod settings;
+mod stage_noise;
 mod threads;
 mod without_noise;

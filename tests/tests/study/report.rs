@@ -152,6 +152,67 @@ fn orders_are_measured_within_their_errors() {
     }
 }
 
+/// Weak errors of the same run: the slope of their exact expectations at the finest steps is within
+/// two errors, from paired paths, whose errors are small enough for an order of every method.
+#[test]
+fn weak_orders_are_those_of_the_exact_expectations() {
+    let report = oscillator();
+    let weak = |method: &str, steps: usize| {
+        let m = joint_moments(method, steps);
+        0.5 * (m[0][0] + m[1][1]) - 0.5 - 0.5 * SIGMA * SIGMA * HORIZON
+    };
+    let mut seen = 0;
+    for order in report.weak_orders() {
+        let Estimate {
+            value,
+            standard_error,
+        } = order.order;
+        let slope = (weak(&order.method, 2048) / weak(&order.method, 4096)).log2();
+        println!("{order}; exact {slope}");
+        assert!((value - slope).abs() <= 2.0 * standard_error, "{order}");
+        assert!(order.of_method.is_none() && !order.exceeds_method());
+        let observable = order.observable.as_deref();
+        seen += usize::from(observable == Some("energy, paired"));
+    }
+    let others = report.weak_not_asymptotic();
+    assert_eq!(report.weak_orders().len() + others.len(), 8);
+    assert!(seen >= 1, "{report}");
+    let text = report.to_string();
+    assert!(
+        text.contains("weak order of midpoint, mean of energy, paired"),
+        "{text}"
+    );
+    assert!(
+        report
+            .orders()
+            .iter()
+            .all(|order| order.observable.is_none())
+    );
+}
+
+/// Means of Kubo's oscillator have weak order 1, of which the paths are certain enough.
+#[test]
+fn weak_orders_of_means_are_measured_within_their_errors() {
+    let system = Kubo { a: 1.0, sigma: 0.5 };
+    let midpoint = Integrator::new(system.clone(), Midpoint);
+    let heun = Heun::new(system);
+    let study = kubo().step_counts([16, 32, 64, 128]).paths(4000).seed(3);
+    let study = study.method("midpoint", &midpoint).method("Heun", &heun);
+    let report = study.observe("q", |_, state| state.q[0]).run().unwrap();
+    println!("{report}");
+    for method in ["midpoint", "Heun"] {
+        let order = report
+            .weak_orders()
+            .iter()
+            .find(|order| order.method == method);
+        let order = order.unwrap_or_else(|| panic!("{report}"));
+        assert!(
+            (order.order.value - 1.0).abs() <= 2.0 * order.order.standard_error,
+            "{order}"
+        );
+    }
+}
+
 /// What a derived rule says of itself with noise; other methods say nothing.
 fn order_of(method: &str) -> Option<f64> {
     (method != "Euler–Maruyama").then_some(1.0)

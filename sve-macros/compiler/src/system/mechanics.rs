@@ -1,6 +1,7 @@
 //! Model → the derivatives of L, the noises and the force, which the runtime needs beside the
 //! steps.
 
+use super::drag::Drag;
 use super::inverse_mass::{self, NoFormula};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
 use crate::model::{Constraint, Model, NoiseTerm};
@@ -138,6 +139,8 @@ pub(crate) struct Mechanics {
     /// True if the noises are additive: γ's that are linear in q and constant forces, with constant
     /// masses. They may depend on time.
     pub(crate) is_additive: bool,
+    /// The forces of velocities, for additive noises.
+    pub(crate) drag: Drag,
 }
 
 /// Differentiates the model.
@@ -194,6 +197,11 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         && model.constraints.is_empty();
     let force = model.force.as_ref();
     let force = force.map(|force| force_jet(force, model, arena));
+    let drag = if is_additive {
+        Drag::of(model, &lagrangian, force.as_ref(), arena)
+    } else {
+        Drag::Nonlinear
+    };
     let constraints = model
         .constraints
         .iter()
@@ -207,6 +215,7 @@ pub(crate) fn mechanics(model: &Model, arena: &mut Arena) -> Mechanics {
         affine_momentum,
         is_separable,
         is_additive,
+        drag,
     }
 }
 

@@ -6,6 +6,7 @@ pub(crate) mod classify;
 pub(crate) mod commutation;
 pub(crate) mod constraints;
 pub(crate) mod degeneracy;
+pub(crate) mod drag;
 pub(crate) mod energy;
 pub(crate) mod euler;
 pub(crate) mod functions;

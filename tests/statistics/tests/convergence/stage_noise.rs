@@ -91,6 +91,7 @@ where
         StrongOrder::One => 1.0,
         StrongOrder::OneAndAHalf => 1.5,
         StrongOrder::Two => 2.0,
+        StrongOrder::TwoAndAHalf => 2.5,
         StrongOrder::Three => 3.0,
         other => panic!("{other:?}"),
     };

@@ -12,6 +12,7 @@ use crate::program::{Operations, Work};
 use crate::structure::{Block, Kind};
 use crate::system::commutation::Commutation;
 use crate::system::degeneracy::{Degeneracy, Form};
+use crate::system::drag::Drag;
 use crate::system::mechanics::Mechanics;
 
 pub(super) fn plan(
@@ -173,14 +174,22 @@ pub(super) fn operations(private: &TokenStream, operations: &Operations) -> Toke
     }
 }
 
-/// The strong order of a rule with stage noise, for noises that commute. With a force it is not
-/// claimed to be above 1.
+/// The strong order of a rule with stage noise, for noises that commute.
+///
+/// The rest of an additive noise, which the stages do not see, moves momenta by r, of the size of
+/// √h, and places by ∫ r dt. A force of velocities that is not linear in them has the mean of r², as
+/// a term of order h². Where G of `Drag` depends on the place, the product of ∫ rᵢ dt and rⱼ of
+/// different coordinates has the mean 0 and the size h², the global order 5/2. Of one coordinate it
+/// is the derivative of a square, which is 0 at the end of a step.
 fn of_stage_noise(rule: Rule, mechanics: &Mechanics) -> TokenStream {
-    match rule.stages() {
-        _ if mechanics.force.is_some() => quote!(One),
-        Some(2) if mechanics.is_additive => quote!(Two),
-        Some(3..) if mechanics.is_additive => quote!(Three),
-        Some(2..) if rule.options.contain(RuleOption::Weak2) => quote!(OneAndAHalf),
+    let has_force = mechanics.force.is_some();
+    match (rule.stages(), mechanics.drag) {
+        (Some(2), Drag::Linear | Drag::OfPlace) if mechanics.is_additive => quote!(Two),
+        (Some(3..), Drag::OfPlace) if mechanics.is_additive => quote!(TwoAndAHalf),
+        (Some(3..), Drag::Linear) if mechanics.is_additive => quote!(Three),
+        (Some(2..), _) if !has_force && rule.options.contain(RuleOption::Weak2) => {
+            quote!(OneAndAHalf)
+        }
         _ => quote!(One),
     }
 }
