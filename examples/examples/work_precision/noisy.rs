@@ -69,9 +69,9 @@ where
 
 /// The Gauss rules with an increment for each stage, for additive noise.
 struct StageRules<S: System> {
-    gauss_2: Integrator<S, StageNoise<Gauss<2>>>,
-    gauss_3: Integrator<S, StageNoise<Gauss<3>>>,
-    gauss_4: Integrator<S, StageNoise<Gauss<4>>>,
+    two: Integrator<S, StageNoise<Gauss<2>>>,
+    three: Integrator<S, StageNoise<Gauss<3>>>,
+    four: Integrator<S, StageNoise<Gauss<4>>>,
 }
 
 /// The constants `MK` are the numbers of increments of a step with `K` stages.
@@ -85,9 +85,9 @@ where
 {
     fn new(system: S) -> Self {
         Self {
-            gauss_2: Integrator::new(system, StageNoise(Gauss::<2>)),
-            gauss_3: Integrator::new(system, StageNoise(Gauss::<3>)),
-            gauss_4: Integrator::new(system, StageNoise(Gauss::<4>)),
+            two: Integrator::new(system, StageNoise(Gauss::<2>)),
+            three: Integrator::new(system, StageNoise(Gauss::<3>)),
+            four: Integrator::new(system, StageNoise(Gauss::<4>)),
         }
     }
 
@@ -99,9 +99,9 @@ where
         [two, three, four]: [RangeInclusive<u32>; 3],
     ) -> Study<'a, S> {
         study
-            .method_with_step_counts("Gauss 2, stage noise", &self.gauss_2, powers(two))
-            .method_with_step_counts("Gauss 3, stage noise", &self.gauss_3, powers(three))
-            .method_with_step_counts("Gauss 4, stage noise", &self.gauss_4, powers(four))
+            .method_with_step_counts("Gauss 2, stage noise", &self.two, powers(two))
+            .method_with_step_counts("Gauss 3, stage noise", &self.three, powers(three))
+            .method_with_step_counts("Gauss 4, stage noise", &self.four, powers(four))
     }
 }
 
@@ -135,9 +135,9 @@ const COEFFICIENTS: usize = 5;
 /// Returns increments at the four stages of `gauss(4)`, and the exact solution.
 ///
 /// Over a step the solution is the rotation by h plus σ ∫ (sin(h−s), cos(h−s)) dW. The noise is
-/// drawn by its coefficients ξ_k = √(2k+1) ∫ P_k(2s/h − 1) dW / √h, which are independent normals.
-/// With a = h/2 and the spherical Bessel functions j, the expansion of a plane wave in Legendre
-/// polynomials gives ∫ exp(i(h−s)) dW = √h Σ √(2k+1) exp(i(a − kπ/2)) j_k(a) ξ_k.
+/// drawn by its coefficients `ξ_k = √(2k+1) ∫ P_k(2s/h − 1) dW / √h`, which are independent
+/// normals. With a = h/2 and the spherical Bessel functions j, the expansion of a plane wave in
+/// Legendre polynomials gives `∫ exp(i(h−s)) dW = √h Σ √(2k+1) exp(i(a − kπ/2)) j_k(a) ξ_k`.
 fn exact_oscillator(
     sigma: f64,
     start: State<[f64; 1]>,
@@ -175,7 +175,7 @@ fn exact_oscillator(
     (recorded.expect("finite increments"), end)
 }
 
-/// Returns the spherical Bessel function j_k at a small argument, by its power series.
+/// Returns the spherical Bessel function `j_k` at a small argument, by its power series.
 fn spherical_bessel(k: usize, x: f64) -> f64 {
     const TERMS: usize = 6;
     let mut term: f64 = (0..k).map(|i| x / (2 * i + 3) as f64).product();
@@ -188,7 +188,7 @@ fn spherical_bessel(k: usize, x: f64) -> f64 {
 }
 
 /// Returns the increments at the stages of `gauss(4)` over a step of length 1 from the coefficients
-/// of the noise: b_i Σ √(2k+1) P_k(2c_i − 1) ξ_k, where k has the values 0 to 3.
+/// of the noise: `b_i Σ √(2k+1) P_k(2c_i − 1) ξ_k`, where k has the values 0 to 3.
 fn at_stages(xi: [f64; COEFFICIENTS]) -> [f64; 4] {
     let (middle, width, weight) = (3.0 / 7.0, 2.0 / 7.0 * 1.2_f64.sqrt(), 30.0_f64.sqrt());
     let (inner, outer) = ((middle - width).sqrt(), (middle + width).sqrt());
@@ -281,7 +281,7 @@ pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
         .horizon(16.0)
         .step_counts(powers(6..=11))
         .paths(200)
-        .fine(&stage_rules.gauss_4, 2)
+        .fine(&stage_rules.four, 2)
         .observe("energy", Mechanics::hamiltonian)
         .run()?;
     Ok(Problem {
@@ -308,7 +308,7 @@ pub(crate) fn langevin() -> Result<Problem, StudyError> {
         .horizon(2.0)
         .step_counts(powers(3..=9))
         .paths(2000)
-        .fine(&stage_rules.gauss_4, 4)
+        .fine(&stage_rules.four, 4)
         .observe("q²", |_, state| state.q[0].powi(2))
         .run()?;
     Ok(Problem {

@@ -22,6 +22,10 @@ const BAND: Color = (253, 231, 160);
 const WIDTH: u32 = 1240;
 const HEIGHT: u32 = 380;
 
+/// Height of an entry of the legend. The row of a long legend is higher than the others, so that no
+/// entries overlap.
+const ENTRY: u32 = 17;
+
 /// The methods for comparison.
 const BASELINES: [&str; 6] = [
     "Heun",
@@ -351,13 +355,13 @@ pub(crate) fn figure(
     if !below.is_empty() {
         rows.push(below);
     }
-    let row = |panels| Row {
-        height: HEIGHT,
-        panels,
-    };
+    // The band has an entry too, and the margins of the row have the height of two.
+    let legend = ENTRY * (all.len() as u32 + 3);
+    let heights = [HEIGHT.max(legend), HEIGHT];
+    let row = |(panels, height)| Row { height, panels };
     Figure {
         name,
         width: WIDTH,
-        rows: rows.into_iter().map(row).collect(),
+        rows: rows.into_iter().zip(heights).map(row).collect(),
     }
 }
