@@ -3,7 +3,7 @@
 import csv
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import exp, log
 from pathlib import Path
@@ -12,14 +12,15 @@ from statistics import median
 
 @dataclass(frozen=True)
 class Output:
-    """What a command printed, and the root of the project, for the files that it wrote."""
+    """What a command printed, and the root of the project with the folder of the files that it wrote."""
 
     text: str
     root: Path
+    folder: str = "target/work-precision"
 
     def records(self, path: str, **wanted: str) -> list[dict[str, str]]:
         """The lines of a CSV file in which the columns have these values."""
-        with (self.root / "target/work-precision" / path).open(encoding="utf-8") as file:
+        with (self.root / self.folder / path).open(encoding="utf-8") as file:
             rows = [row for row in csv.DictReader(file) if all(row[k] == v for k, v in wanted.items())]
         if not rows:
             raise LookupError(f"no {wanted} in {path}")
@@ -288,6 +289,89 @@ def contests() -> list[Number]:
     return numbers
 
 
+ORDER_3 = {"oscillator": "linear_oscillator", "henon": "henon_heiles", "langevin": "langevin"}
+"""Problems with additive noise, by the names of their numbers."""
+ORDER_3_FOLDER = "target/order-3"
+STAGE_NOISE = tuple(f"Gauss {stages}, stage noise" for stages in (2, 3, 4))
+WITH_AREAS, LANGEVIN = ("SPaRK", "ShARK"), ("ALIGN", "ShOULD", "QUICSORT")
+"""Methods of diffrax that know areas of the noise: for any additive noise, and for Langevin dynamics."""
+ONE, MANY = "peers/diffrax_{}.csv", "peers/batch/diffrax_{}.csv"
+
+
+def ordered(output: Output, path: str, chosen: Callable[[str], bool]) -> dict[str, list[dict[str, str]]]:
+    """The lines of the chosen methods, from the longest step to the shortest."""
+    found: dict[str, list[dict[str, str]]] = {}
+    for row in replace(output, folder=ORDER_3_FOLDER).records(path):
+        if chosen(row["method"]) and row["error"] and row["time_to_solution_s"]:
+            found.setdefault(row["method"], []).append(row)
+    return {method: sorted(rows, key=lambda row: -float(row["h"])) for method, rows in found.items()}
+
+
+def first_to(path: str, chosen: Callable[[str], bool], at: float) -> Extract:
+    """The fastest of the chosen methods to a strong error, with its time."""
+
+    def extract(output: Output) -> str:
+        methods = ordered(output, path, chosen)
+        points = {method: [(float(row["time_to_solution_s"]), float(row["error"])) for row in rows] for method, rows in methods.items()}
+        times = {method: needed for method, ps in points.items() if (needed := least_time(ps, at)) is not None}
+        if not times:
+            return "–"
+        method = min(times, key=times.__getitem__)
+        return f"{method.removesuffix(', stage noise')} {time(times[method])}"
+
+    return extract
+
+
+def measured_order(path: str, method: str) -> Extract:
+    """The strong order between the last but two and the last number of steps."""
+
+    def extract(output: Output) -> str:
+        (rows,) = ordered(output, path, method.__eq__).values()
+        (e0, h0), (e1, h1) = ((float(row["error"]), float(row["h"])) for row in (rows[-3], rows[-1]))
+        return f"{log(e0 / e1) / log(h0 / h1):.2f}"
+
+    return extract
+
+
+def step_time(path: str, method: str) -> Extract:
+    """The time of a step, with the shortest one."""
+
+    def extract(output: Output) -> str:
+        (rows,) = ordered(output, path, method.__eq__).values()
+        return time(1e-9 * float(rows[-1]["ns_per_step"]))
+
+    return extract
+
+
+def order_3() -> list[Number]:
+    """Times to strong errors with additive noise, measured orders, and times of a step."""
+    numbers = []
+    for key, problem in ORDER_3.items():
+        own, one, many = f"{problem}.csv", ONE.format(problem), MANY.format(problem)
+        sides = [
+            ("plain", "the fastest rule without stage noise", own, lambda m: m not in BASELINES and m not in STAGE_NOISE),
+            ("stages", "the fastest rule with stage noise", own, STAGE_NOISE.__contains__),
+            ("areas", "the faster of SPaRK and ShARK of diffrax, one path", one, WITH_AREAS.__contains__),
+            ("areas.many", "the faster of SPaRK and ShARK of diffrax, many paths at once, a path", many, WITH_AREAS.__contains__),
+        ]
+        if problem == "langevin":
+            sides += [
+                ("special", "the fastest of ALIGN, ShOULD and QUICSORT of diffrax, one path", one, LANGEVIN.__contains__),
+                ("special.many", "the fastest of ALIGN, ShOULD and QUICSORT of diffrax, many paths at once, a path", many, LANGEVIN.__contains__),
+            ]
+        for k in (3, 5, 7):
+            numbers += [Number(f"order3.{key}.{k}.{name}", f"{problem}, strong error 1e-{k}: {what}", first_to(path, chosen, 10.0**-k)) for name, what, path, chosen in sides]
+        methods = [(method, own) for method in STAGE_NOISE]
+        methods += [(method, one) for method in WITH_AREAS + (LANGEVIN if problem == "langevin" else ())]
+        for method, path in methods:
+            name = method.removesuffix(", stage noise").replace(" ", "").lower()
+            numbers.append(Number(f"order3.{key}.order.{name}", f"{problem}: measured strong order of {method}", measured_order(path, method)))
+            numbers.append(Number(f"order3.{key}.step.{name}", f"{problem}: time of a step of {method}, one path", step_time(path, method)))
+            if path == one:
+                numbers.append(Number(f"order3.{key}.step.{name}.many", f"{problem}: time of a step of {method}, many paths at once, a path", step_time(many, method)))
+    return numbers
+
+
 def cells(row: str, column: int) -> Extract:
     """A cell of the table of `structure`: blocks 1, operations 2, calls 3, angle additions 4, times 8."""
 
@@ -435,6 +519,12 @@ WORK = " && ".join([
     "cargo run --release --example work_precision",
 ])
 
+ORDER_3_WORK = (
+    "for problem in linear_oscillator henon_heiles langevin; do"
+    f" target/peers/bin/python examples/peers/run.py --program diffrax --only $problem --out {ORDER_3_FOLDER}/peers"
+    f" && cargo run --release --example work_precision -- --only $problem --out {ORDER_3_FOLDER} || exit 1; done"
+)
+
 FIRST = (
     "rm -rf target/first && begin=$(date +%s) && cargo build -q --release --example paper --target-dir target/first"
     " && echo built in $(($(date +%s) - begin)) s, $(du -sm target/first | cut -f1) MB; rm -rf target/first"
@@ -472,6 +562,7 @@ COMMANDS = [
         Number("peers.steps.most", "the same: the largest ratio", partial(numba_range, max)),
         Number("peers.steps.kubo", "Kubo, midpoint step over its closed form by hand in numba", lambda output: f"{against_numba('kubo')(output):.2f}"),
     ]),
+    Command("order-3", ORDER_3_WORK, 400, order_3()),
     Command("steps", "cargo bench -p sve-runtime --bench steps -- nomatch", 5, [
         Number("steps.oscillator", "linear oscillator, endpoint, over a three-line loop", over("oscillator endpoint", "sve", "three-line loop")),
         Number("steps.kubo", "Kubo, midpoint, over its Cayley form", over("Kubo midpoint", "sve", "Cayley form")),

@@ -1,6 +1,6 @@
 """Checks that what the programs are compared with is right, and that their steps are those of the methods. Exits with status 1 where one is not.
 
-Takes some twenty seconds and measures no times. Where the example's own results lie in `target/work-precision`, it compares with them as well.
+Takes some three minutes and measures no times. Where the example's own results lie in `target/work-precision`, it compares with them as well.
 """
 
 import csv
@@ -10,10 +10,11 @@ from pathlib import Path
 
 import heyoka
 import numpy as np
+import peer_diffrax
 from common import Record, set_errors
 from peer_numba import methods, walk
 from problems import OSCILLATOR_SIGMA, PROBLEMS, Problem
-from references import along_parabolas, coarsen, paths
+from references import Noise, along_cubics, draw, paths
 from scipy.integrate import solve_ivp
 
 RESULTS = Path(__file__).resolve().parents[2] / "target" / "work-precision"
@@ -40,6 +41,17 @@ UNUSUAL = {
     ("quiet_henon_heiles", "Runge–Kutta 4"): 4.4,
     ("outer_solar_system", "Runge–Kutta 4"): 5.0,
 }
+WITH_AREAS = {"SPaRK": (2.0, 0.05), "ShARK": (2.0, 0.05), "ALIGN": (2.0, 0.05), "ShOULD": (3.0, 0.1), "QUICSORT": (3.0, 0.1)}
+"""Strong orders of diffrax's methods that know areas, for additive noise, and how far a measured order may be from them.
+
+SPaRK and ShARK have order 1.5 for any additive noise. Here the noise enters the momentum alone and the force depends on the position alone: the local error of
+size h², σ² ∂²f ∫ W² ds, vanishes. The next ones have size h^{5/2} and mean zero, and leave order 2. ShOULD and QUICSORT have order 3 by theory for forces with bounded derivatives;
+the double well has none, and shows the same order.
+"""
+ALONG_CUBICS = {"linear_oscillator": 1e-10, "kubo": 1e-4, "henon_heiles": 3e-11, "langevin": 3e-10}
+"""Distances of the exact ends from those along cubic polynomials over the finest steps. With additive noise errors have order 3. For Kubo's noise
+they are those of a step of order 8 along the polynomial, where powers of the noise above the second are not exact.
+"""
 ORDER = 0.3
 """How far a measured order may be from the true one, on few paths with few steps."""
 
@@ -83,22 +95,52 @@ def moments() -> dict[str, tuple[float, float]]:
 
 
 def areas() -> dict[str, tuple[float, float]]:
-    """Steps along parabolas reach the exact ends only if increments and areas belong to them; and the law of coarse increments and areas."""
+    """Steps along cubic polynomials reach the exact ends only if increments and areas belong to them; and the areas of coarse steps."""
     found = {}
-    # what is left is the error of these steps, for Kubo's noise that of Runge and Kutta's method
-    for name, bound in {"linear_oscillator": 2e-5, "kubo": 1e-4}.items():
+    for name, bound in ALONG_CUBICS.items():
         problem, reference = BY_NAME[name], paths(BY_NAME[name])
-        h = problem.horizon / problem.steps[-1]
-        step = along_parabolas(problem)
-        reached = [step(problem.start, h, dw, area) for dw, area in zip(reference.dw[:100], reference.area[:100], strict=True)]
-        found[f"{name}: along parabolas"] = (np.sqrt(((np.array(reached) - reference.ends[:100]) ** 2).sum(axis=1).mean()), bound)
-    rng = np.random.default_rng(7)
+        h, noise = problem.horizon / problem.finest, reference.noise
+        step = along_cubics(problem)
+        reached = [step(problem.start, h, noise.dw[path], noise.area[path], noise.third[path]) for path in range(100)]
+        found[f"{name}: along cubics"] = (np.sqrt(((np.array(reached) - reference.ends[:100]) ** 2).sum(axis=1).mean()), bound)
+    return found | _coarse_polynomials() | _coarse_law()
+
+
+def _coarse_polynomials() -> dict[str, tuple[float, float]]:
+    """Areas of long steps from those of their parts, for a path that is a polynomial of degree 5, with areas by Gauss quadrature."""
+    path = np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.7, -1.5, 0.4])
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    u = 0.5 * (nodes + 1.0)
+
+    def exact(steps: int) -> Noise:
+        h = 1.0 / steps
+        starts = h * np.arange(steps)[:, None]
+        dw = path(starts + h) - path(starts)
+        bridge = path(starts + h * u) - path(starts) - u * dw
+        columns = dw[:, 0], 0.5 * bridge @ weights, 0.5 * (bridge * (0.5 - u)) @ weights
+        return Noise(*(column[None, :, None] for column in columns))
+
+    found = {}
+    for parts in (2, 3, 8):
+        summed, whole = exact(4 * parts).coarse(4), exact(4)
+        for what in ("dw", "area", "third"):
+            distance = np.abs(getattr(summed, what) - getattr(whole, what)).max()
+            found[f"coarse steps of {parts} parts of a polynomial: {what}"] = (distance, 1e-14)
+    return found
+
+
+def _coarse_law() -> dict[str, tuple[float, float]]:
+    """Variances and independence of coarse increments and areas, in standard errors."""
     n, fine = 20_000, 8
-    dw, area = coarsen(rng.standard_normal((n, fine, 1)), rng.standard_normal((n, fine, 1)) / math.sqrt(12.0), fine)
+    noise = draw(float(fine), n, fine, 1, np.random.default_rng(7)).coarse(1)
+    found = {}
     for what, values, exact in (
-        ("of ΔW", dw * dw, float(fine)),
-        ("of H", area * area, fine / 12.0),
-        ("of ΔW and H", dw * area, 0.0),
+        ("of ΔW", noise.dw**2, float(fine)),
+        ("of H", noise.area**2, fine / 12.0),
+        ("of K", noise.third**2, fine / 720.0),
+        ("of ΔW and H", noise.dw * noise.area, 0.0),
+        ("of ΔW and K", noise.dw * noise.third, 0.0),
+        ("of H and K", noise.area * noise.third, 0.0),
     ):
         found[f"coarse steps: covariance {what}"] = (abs(values.mean() - exact) / (values.std() / math.sqrt(n)), SIGMAS)
     return found
@@ -125,10 +167,27 @@ def orders() -> dict[str, tuple[float, float]]:
     return found
 
 
+def orders_with_areas() -> dict[str, tuple[float, float]]:
+    """Measured strong orders of diffrax's methods that know areas, for additive noise."""
+    found = {}
+    for problem in PROBLEMS:
+        if not problem.additive:
+            continue
+        exact = paths(problem).ends
+        for name, method in peer_diffrax.methods(problem).items():
+            if name in WITH_AREAS:
+                expected, bound = WITH_AREAS[name]
+                counts = problem.steps[-3::2]
+                coarse, fine = (np.sqrt(((peer_diffrax.all_ends(problem, method, n) - exact) ** 2).sum(axis=1).mean()) for n in counts)
+                measured = math.log(coarse / fine) / math.log(counts[1] / counts[0])
+                found[f"{problem.name}: order of {name} of diffrax, {measured:.3f}"] = (abs(measured - expected), bound)
+    return found
+
+
 def _iterations(problem: Problem, step) -> dict[str, tuple[float, float]]:
     """Newton's method with the right derivative needs few iterations, even for the longest steps."""
     steps = problem.steps[0]
-    dw, _ = paths(problem).coarse(steps)
+    dw = paths(problem).coarse(steps).dw
     _, iterations = walk(step, problem.start, problem.horizon / steps, dw, len(dw))
     fixed_point = problem.name == "double_pendulum"
     return {} if fixed_point else {f"{problem.name}: iterations": (iterations / (len(dw) * steps), 5.0)}
@@ -149,7 +208,7 @@ def against_sve() -> dict[str, tuple[float, float]]:
                 if method in chosen and line["error"] and float(line["error"]) < LARGEST:
                     steps = round(problem.horizon / float(line["h"]))
                     mine = Record(problem.name, method)
-                    dw, _ = paths(problem).coarse(steps)
+                    dw = paths(problem).coarse(steps).dw
                     reached, _ = walk(chosen[method], problem.start, problem.horizon / steps, dw, len(dw))
                     set_errors(mine, problem, reached, paths(problem).ends)
                     theirs = float(line["error"])
@@ -163,7 +222,7 @@ def against_sve() -> dict[str, tuple[float, float]]:
 
 def _error(problem: Problem, step, steps: int) -> float:
     reference = paths(problem)
-    dw, _ = reference.coarse(steps)
+    dw = reference.coarse(steps).dw
     reached, _ = walk(step, problem.start, problem.horizon / steps, dw, len(dw))
     return float(np.sqrt(((reached - reference.ends) ** 2).sum(axis=1).mean()))
 
@@ -171,7 +230,7 @@ def _error(problem: Problem, step, steps: int) -> float:
 def main() -> None:
     """Runs all checks and prints them."""
     failed = 0
-    for check in (ends, moments, areas, orders, against_sve):
+    for check in (ends, moments, areas, orders, orders_with_areas, against_sve):
         for name, (value, bound) in check().items():
             # not a number is a failure too
             good = value <= bound

@@ -1,11 +1,11 @@
 """diffrax (JAX, double precision): its solvers with fixed and with adaptive steps; one path at a time, and all paths at once by `vmap`.
 
-Solvers of stochastic equations are given the increments of the common paths, and the space-time Lévy areas where they ask for them.
+Solvers of stochastic equations are given the increments of the common paths, and the space-time and space-time-time Lévy areas where they ask for them.
 """
 
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import diffrax
@@ -14,8 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from common import Record, Walk, set_errors, set_invariant, set_times
-from problems import Problem
-from references import Paths, paths
+from problems import LANGEVIN_KT, LANGEVIN_NU, Problem
+from references import Noise, Paths, paths
 
 # where it is used, noise depends on q alone, and the equations of Itô and of Stratonovich are the same
 warnings.filterwarnings("ignore", "`SemiImplicitEuler` is not marked as converging")
@@ -31,6 +31,8 @@ BATCHED = ("Dopri8",)
 """Methods with adaptive steps of which many equal problems are solved at once."""
 MOST_STEPS = 1 << 17
 """More steps than this are not taken, for time."""
+TAYLOR_THRESHOLD = 0.01
+"""Product of friction and step below which the Langevin solvers expand their coefficients: the value that diffrax recommends for 64 bits."""
 EQUAL_STARTS = 256
 """Paths at once where nothing is random."""
 
@@ -43,15 +45,16 @@ ADAPTIVE = {
 Lines = list[tuple[Record, Walk]]
 Solved = tuple[jax.Array, jax.Array, jax.Array]
 """Times (k,), states (k, 2N) and the number of steps, with those rejected; k is 1, the horizon alone, or has room for all."""
+Arrays = tuple[jax.Array, jax.Array, jax.Array]
+"""Increments and areas H and K, each (steps, M)."""
 Build = Callable[..., tuple]
-"""A function of h, dw and area (steps, M) that returns the terms and the start."""
+"""A function of h and the arrays of the noise that returns the terms and the start."""
 
 
 class Recorded(diffrax.AbstractBrownianPath):
-    """A Brownian path with given increments and areas, both (steps, M), over steps of length h."""
+    """A Brownian path with given increments and areas, each (steps, M), over steps of length h."""
 
-    dw: jax.Array
-    area: jax.Array
+    noise: Arrays
     h: jax.Array
     levy_area: type = equinox.field(static=True, default=diffrax.SpaceTimeLevyArea)
 
@@ -69,16 +72,19 @@ class Recorded(diffrax.AbstractBrownianPath):
         """The increment over the step that begins at t0; nothing else is asked for with fixed steps."""
         del left
         step = jnp.round(t0 / self.h).astype(int)
-        if use_levy:
-            return diffrax.SpaceTimeLevyArea(dt=t1 - t0, W=self.dw[step], H=self.area[step])
-        return self.dw[step]
+        dw, area, third = self.noise
+        if not use_levy:
+            return dw[step]
+        if self.levy_area is diffrax.SpaceTimeTimeLevyArea:
+            return diffrax.SpaceTimeTimeLevyArea(dt=t1 - t0, W=dw[step], H=area[step], K=third[step])
+        return diffrax.SpaceTimeLevyArea(dt=t1 - t0, W=dw[step], H=area[step])
 
 
 def _plain(problem: Problem) -> Build:
     """Terms of a problem without noise."""
     drift = problem.drift(jnp)
 
-    def build(h, dw, area):
+    def build(h, noise):
         return diffrax.ODETerm(lambda t, z, args: jnp.stack(drift(z))), jnp.array(problem.start)
 
     return build
@@ -92,9 +98,9 @@ def _noisy(problem: Problem) -> Build:
     def diffusion(t, z, args):
         return jnp.stack([_vector(kick(z, unit)) for unit in units], axis=1)
 
-    def build(h, dw, area):
-        ode, start = plain(h, dw, area)
-        return diffrax.MultiTerm(ode, diffrax.ControlTerm(diffusion, Recorded(dw, area, h))), start
+    def build(h, noise):
+        ode, start = plain(h, noise)
+        return diffrax.MultiTerm(ode, diffrax.ControlTerm(diffusion, Recorded(noise, h))), start
 
     return build
 
@@ -115,12 +121,28 @@ def _separable(problem: Problem) -> Build:
     def diffusion(t, q, args):
         return jnp.stack([_vector(kick((*q, *nothing), unit)[n:]) for unit in units], axis=1)
 
-    def build(h, dw, area):
+    def build(h, noise):
         second = diffrax.ODETerm(force)
         if kick:
-            second = diffrax.MultiTerm(second, diffrax.ControlTerm(diffusion, Recorded(dw, area, h)))
+            second = diffrax.MultiTerm(second, diffrax.ControlTerm(diffusion, Recorded(noise, h)))
         start = jnp.array(problem.start)
         return (diffrax.ODETerm(velocity), second), (start[:n], start[n:])
+
+    return build
+
+
+def _langevin(problem: Problem, levy_area: type) -> Build:
+    """Terms for solvers of dx = v dt, dv = −γ v dt − u ∇f dt + √(2γu) dW: γ is the friction, u the temperature, and u ∇f minus the force at rest."""
+    drift = problem.drift(jnp)
+    n = problem.dimension // 2
+
+    def gradient(q, args):
+        return jnp.stack(drift((*q, *(0.0,) * n))[n:]) / -LANGEVIN_KT
+
+    def build(h, noise):
+        diffusion = diffrax.UnderdampedLangevinDiffusionTerm(LANGEVIN_NU, LANGEVIN_KT, Recorded(noise, h, levy_area))
+        start = jnp.array(problem.start)
+        return diffrax.MultiTerm(diffrax.UnderdampedLangevinDriftTerm(LANGEVIN_NU, LANGEVIN_KT, gradient), diffusion), (start[:n], start[n:])
 
     return build
 
@@ -146,10 +168,10 @@ def _solve(terms, solver, problem: Problem, h, start, all_steps: bool, controlle
 
 
 def _fixed(problem: Problem, solver: diffrax.AbstractSolver, build: Build, all_steps: bool = False) -> Callable[..., Solved]:
-    """A function of h, dw and area (steps, M)."""
+    """A function of h and the arrays of the noise."""
 
-    def solve(h, dw, area):
-        terms, start = build(h, dw, area)
+    def solve(h, noise):
+        terms, start = build(h, noise)
         return _solve(terms, solver, problem, h, start, all_steps, diffrax.ConstantStepSize())
 
     return solve
@@ -160,22 +182,45 @@ def _adaptive(problem: Problem, solver: diffrax.AbstractSolver, all_steps: bool 
     build = _plain(problem)
 
     def solve(start, tolerance):
-        terms, _ = build(None, None, None)
+        terms, _ = build(None, None)
         return _solve(terms, solver, problem, None, start, all_steps, diffrax.PIDController(rtol=tolerance, atol=tolerance))
 
     return solve
 
 
-def _methods(problem: Problem) -> dict[str, tuple[diffrax.AbstractSolver, Build]]:
+@dataclass(frozen=True)
+class Fixed:
+    """A solver with fixed steps, its terms, and whether it is run with `more_steps` too."""
+
+    solver: diffrax.AbstractSolver
+    build: Build
+    more: bool = False
+
+
+def methods(problem: Problem) -> dict[str, Fixed]:
     """The solvers with fixed steps."""
-    chosen: dict[str, tuple[diffrax.AbstractSolver, Build]] = {}
+    chosen: dict[str, Fixed] = {}
     if problem.separable and problem.name != "kubo":
-        chosen["SemiImplicitEuler"] = (diffrax.SemiImplicitEuler(), _separable(problem))
+        chosen["SemiImplicitEuler"] = Fixed(diffrax.SemiImplicitEuler(), _separable(problem))
     if problem.processes == 0:
-        return chosen | {"LeapfrogMidpoint": (diffrax.LeapfrogMidpoint(), _plain(problem))}
-    best = {"ShARK": diffrax.ShARK()} if problem.additive else {"SlowRK": diffrax.SlowRK()}
-    solvers = {"EulerHeun": diffrax.EulerHeun(), "Heun": diffrax.Heun(), "SPaRK": diffrax.SPaRK()} | best
-    return chosen | {name: (solver, _noisy(problem)) for name, solver in solvers.items()}
+        return chosen | {"LeapfrogMidpoint": Fixed(diffrax.LeapfrogMidpoint(), _plain(problem))}
+    noisy = _noisy(problem)
+    chosen |= {"EulerHeun": Fixed(diffrax.EulerHeun(), noisy), "Heun": Fixed(diffrax.Heun(), noisy), "SPaRK": Fixed(diffrax.SPaRK(), noisy, more=True)}
+    if not problem.additive:
+        return chosen | {"SlowRK": Fixed(diffrax.SlowRK(), noisy)}
+    chosen["ShARK"] = Fixed(diffrax.ShARK(), noisy, more=True)
+    if problem.name == "langevin":
+        first, second = _langevin(problem, diffrax.SpaceTimeLevyArea), _langevin(problem, diffrax.SpaceTimeTimeLevyArea)
+        chosen["ALIGN"] = Fixed(diffrax.ALIGN(TAYLOR_THRESHOLD), first, more=True)
+        chosen["ShOULD"] = Fixed(diffrax.ShOULD(TAYLOR_THRESHOLD), second)
+        chosen["QUICSORT"] = Fixed(diffrax.QUICSORT(TAYLOR_THRESHOLD), second)
+    return chosen
+
+
+def all_ends(problem: Problem, method: Fixed, steps: int) -> np.ndarray:
+    """States at the horizon of all paths, shape (paths, 2N)."""
+    many = jax.jit(jax.vmap(_fixed(problem, method.solver, method.build), in_axes=(None, 1)))
+    return np.asarray(many(problem.horizon / steps, _arrays(paths(problem).coarse(steps)))[1][:, 0])
 
 
 def records(problem: Problem) -> tuple[list[Record], list[Record]]:
@@ -188,11 +233,11 @@ def records(problem: Problem) -> tuple[list[Record], list[Record]]:
     reference = paths(problem)
     single: Lines = []
     batch: Lines = []
-    for name, (solver, build) in _methods(problem).items():
+    for name, method in methods(problem).items():
         if problem.processes > 0:
-            _on_paths(problem, reference, name, _fixed(problem, solver, build), single, batch)
+            _on_paths(problem, reference, name, method, single, batch)
         else:
-            _without_noise(problem, reference, name, solver, build, single)
+            _without_noise(problem, reference, name, method, single)
     if problem.processes == 0:
         for name, (solver, tolerances) in ADAPTIVE.items():
             _tolerances(problem, reference, name, solver(), tolerances, single, batch)
@@ -201,33 +246,44 @@ def records(problem: Problem) -> tuple[list[Record], list[Record]]:
     return [line for line, _ in single], [line for line, _ in batch]
 
 
-def _on_paths(problem: Problem, reference: Paths, name: str, solve: Callable[..., Solved], single: Lines, batch: Lines) -> None:
-    one, many = jax.jit(solve), jax.jit(jax.vmap(solve, in_axes=(None, 0, 0)))
-    # the same shape for all numbers of steps, so that one compilation serves all
-    shape = reference.dw.shape
-    for steps in problem.steps:
+def _on_paths(problem: Problem, reference: Paths, name: str, method: Fixed, single: Lines, batch: Lines) -> None:
+    solve = _fixed(problem, method.solver, method.build)
+    # paths are the last index but one, so that a step of all of them reads neighbours in memory
+    one, many = jax.jit(solve), jax.jit(jax.vmap(solve, in_axes=(None, 1)))
+    for steps in problem.steps + problem.more_steps * method.more:
         h = problem.horizon / steps
-        dw, area = np.zeros(shape), np.zeros(shape)
-        dw[:, :steps], area[:, :steps] = reference.coarse(steps)
-        dw, area = jnp.asarray(dw), jnp.asarray(area)
+        noise = _arrays(reference.coarse(steps), problem.finest)
+        first = tuple(part[:, 0] for part in noise)
         line = Record(problem.name, name, h, source=SOURCE)
-        set_errors(line, problem, np.asarray(many(h, dw, area)[1][:, 0]), reference.ends)
-        single.append((line, Walk(_calls(partial(one, h, dw[0], area[0])), steps)))
-        jax.block_until_ready(one(h, dw[0], area[0]))
+        set_errors(line, problem, np.asarray(many(h, noise)[1][:, 0]), reference.ends)
+        single.append((line, Walk(_calls(partial(one, h, first)), steps)))
+        jax.block_until_ready(one(h, first))
         if steps in problem.batch_steps:
-            batch.append((replace(line), Walk(_calls(partial(many, h, dw, area)), steps, len(dw))))
+            batch.append((replace(line), Walk(_calls(partial(many, h, noise)), steps, problem.paths)))
 
 
-def _without_noise(problem: Problem, reference: Paths, name: str, solver, build: Build, single: Lines) -> None:
-    one = jax.jit(_fixed(problem, solver, build))
-    all_steps = jax.jit(_fixed(problem, solver, build, all_steps=True)) if name in WATCHED else one
+def _arrays(noise: Noise, length: int = 0) -> Arrays:
+    """Increments and areas (steps, paths, M), filled up with zeros to this number of steps: one compilation serves all arrays of a shape."""
+
+    def array(part: np.ndarray) -> jax.Array:
+        paths, steps, processes = part.shape
+        filled = np.zeros((max(length, steps), paths, processes))
+        filled[:steps] = np.moveaxis(part, 1, 0)
+        return jnp.asarray(filled)
+
+    return array(noise.dw), array(noise.area), array(noise.third)
+
+
+def _without_noise(problem: Problem, reference: Paths, name: str, method: Fixed, single: Lines) -> None:
+    one = jax.jit(_fixed(problem, method.solver, method.build))
+    all_steps = jax.jit(_fixed(problem, method.solver, method.build, all_steps=True)) if name in WATCHED else one
     for steps in problem.steps:
         if steps <= MOST_STEPS:
             h = problem.horizon / steps
-            jax.block_until_ready(one(h, None, None))
+            jax.block_until_ready(one(h, None))
             line = Record(problem.name, name, h, source=SOURCE)
-            _set_all_errors(line, problem, reference, all_steps(h, None, None))
-            single.append((line, Walk(_calls(partial(one, h, None, None)), steps)))
+            _set_all_errors(line, problem, reference, all_steps(h, None))
+            single.append((line, Walk(_calls(partial(one, h, None)), steps)))
 
 
 def _tolerances(problem: Problem, reference: Paths, name: str, solver, tolerances, single: Lines, batch: Lines) -> None:

@@ -316,7 +316,7 @@ def records(problem: Problem) -> tuple[list[Record], list[Record]]:
         explicit = name != "midpoint" or step in (oscillator_midpoint, kubo_midpoint)
         for steps in problem.steps:
             h = problem.horizon / steps
-            dw, _ = reference.coarse(steps)
+            dw = reference.coarse(steps).dw
             ends, iterations = walk(step, problem.start, h, dw, len(dw))
             line = Record(problem.name, name, h, source=SOURCE)
             set_errors(line, problem, ends, reference.ends)

@@ -48,6 +48,8 @@ class Problem:
     """Whether dq/dt depends on p alone and dp/dt on q alone."""
     additive: bool = False
     """Whether the noise does not depend on the state."""
+    more_steps: tuple[int, ...] = ()
+    """More numbers of steps, for methods of order 2 that know the areas of the noise; each is a multiple of those before."""
     extrapolations: int = 0
     """Steps of the extrapolation that computes the end of a problem without noise; 0 where it ends at its start."""
 
@@ -62,9 +64,14 @@ class Problem:
         return self.dimension if self.processes > 0 else self.dimension // 2
 
     @property
+    def finest(self) -> int:
+        """The largest number of steps."""
+        return (self.steps + self.more_steps)[-1]
+
+    @property
     def batch_steps(self) -> tuple[int, ...]:
-        """Numbers of steps with which many paths at once are timed: two, as the time of a step hardly depends on them."""
-        return self.steps[2:4]
+        """Numbers of steps with which many paths at once are timed: with additive noise all, otherwise two, as the time of a step hardly depends on them."""
+        return self.steps + self.more_steps if self.additive else self.steps[2:4]
 
 
 def powers(first: int, last: int) -> tuple[int, ...]:
@@ -226,6 +233,7 @@ PROBLEMS = (
         paths=1000,
         observable=_oscillator_energy,
         additive=True,
+        more_steps=powers(11, 13),
     ),
     Problem(
         "kubo",
@@ -261,6 +269,7 @@ PROBLEMS = (
         paths=200,
         observable=_henon_heiles_energy,
         additive=True,
+        more_steps=powers(12, 13),
     ),
     Problem(
         "langevin",
@@ -274,6 +283,7 @@ PROBLEMS = (
         observable=_position_squared,
         separable=False,
         additive=True,
+        more_steps=powers(10, 11),
     ),
     Problem(
         "pendulum",

@@ -1,8 +1,9 @@
 """What errors are measured against: exact ends, and Brownian paths with the ends that belong to them.
 
 Deterministic problems: extrapolation in 80-bit numbers, which no program under test uses. Problems with noise: the exact solution where there is one,
-otherwise steps that are shorter than the finest ones, driven by a parabola in each (Foster, Lyons, Oberhauser 2020): it has the increment and the area of the
-Brownian path there. The areas, H = 1/h ∫ (W(s) − W(0) − s/h ΔW) ds over a step, are drawn with the increments, as some solvers take them.
+otherwise steps that are shorter than the finest ones, driven by a cubic polynomial in each (Foster, Lyons, Oberhauser 2020): it has the increment and the areas of
+the Brownian path there. The areas of a step, with u from 0 to 1 and the bridge B(u) = W(uh) − W(0) − u ΔW, are H = ∫ B(u) du and K = ∫ (½ − u) B(u) du.
+With the Legendre polynomials Pₖ(2u − 1) they are −½ ∫ P₁ dW and 1/12 ∫ P₂ dW. Solvers of stochastic equations take them in this form, and they are drawn with the increments.
 """
 
 import math
@@ -13,118 +14,138 @@ from functools import cache
 import numpy as np
 from compiled import jit, plus, rate
 from problems import KUBO_A, KUBO_SIGMA, OSCILLATOR_SIGMA, Problem
+from scipy.integrate import DOP853
 
 SEED = 42
 FINER = 8
 """Steps of a reference in one of the finest steps."""
 
+LEGENDRE = 6
+"""Legendre coefficients of the noise in a step of the linear oscillator. The first that is left out is of the size of h⁶ in the impulse, 1e-15 of the noise for the longest of the finest steps."""
+
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
-class Paths:
-    """Brownian paths over equal steps, and exact ends. A problem without noise has one path and no processes."""
+class Noise:
+    """Increments and areas of Brownian paths over equal steps, each of shape (paths, steps, processes)."""
 
     dw: Array
-    """Increments, shape (paths, steps, processes)."""
+    """Increments."""
     area: Array
-    """Space-time Lévy areas H, the same shape."""
+    """Space-time Lévy areas H."""
+    third: Array
+    """Space-time-time Lévy areas K."""
+
+    def coarse(self, steps: int) -> "Noise":
+        """Returns increments and areas of the same paths over fewer steps.
+
+        A step is cut into n parts. With y in [−1, 1] in part i, 2u − 1 = m + y/n, where m = (2i + 1)/n − 1. The Legendre polynomials of the step are therefore
+        P₁ = m + P₁(y)/n and P₂ = (3m² − 1 + 1/n²)/2 + 3m/n P₁(y) + P₂(y)/n², and the integrals of the parts add up.
+        """
+        paths, fine, processes = self.dw.shape
+        n = fine // steps
+        m = ((2.0 * np.arange(n) + 1.0) / n - 1.0)[:, None]
+        dw, area, third = (parts.reshape(paths, steps, n, processes) for parts in (self.dw, self.area, self.third))
+        return Noise(
+            dw.sum(axis=2),
+            (area / n - 0.5 * m * dw).sum(axis=2),
+            ((3.0 * m * m - 1.0 + 1.0 / n**2) / 24.0 * dw - 0.5 * m / n * area + third / n**2).sum(axis=2),
+        )
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Brownian paths and exact ends. A problem without noise has one path and no processes."""
+
+    noise: Noise
     ends: Array
     """States at the horizon, shape (paths, 2N)."""
 
-    def coarse(self, steps: int) -> tuple[Array, Array]:
-        """Increments and areas of the same paths over fewer steps."""
-        return coarsen(self.dw, self.area, self.dw.shape[1] // steps)
-
-
-def coarsen(dw: Array, area: Array, factor: int) -> tuple[Array, Array]:
-    """Increments and areas over `factor` steps at once, by Chen's relation; shapes (paths, steps, processes)."""
-    paths, steps, processes = dw.shape
-    shape = (paths, steps // factor, factor, processes)
-    parts = dw.reshape(shape)
-    whole = parts.sum(axis=2)
-    # mean of W − W(0) over each part: where it begins, half its increment, its own area
-    means = np.cumsum(parts, axis=2) - 0.5 * parts + area.reshape(shape)
-    return whole, means.mean(axis=2) - 0.5 * whole
+    def coarse(self, steps: int) -> Noise:
+        """Returns increments and areas of the same paths over fewer steps."""
+        return self.noise.coarse(steps)
 
 
 @cache
 def paths(problem: Problem) -> Paths:
-    """The paths of a problem with `problem.steps[-1]` steps; the same at each call."""
+    """The paths of a problem with `problem.finest` steps; the same at each call."""
     if problem.processes == 0:
-        none = np.zeros((1, problem.steps[-1], 0))
-        return Paths(none, none, deterministic_end(problem)[None, :])
+        none = np.zeros((1, problem.finest, 0))
+        return Paths(Noise(none, none, none), deterministic_end(problem)[None, :])
     if problem.name == "linear_oscillator":
         return _oscillator(problem)
     if problem.name == "kubo":
-        dw, area = _draw(problem, problem.paths, problem.steps[-1], np.random.default_rng(SEED))
-        angle = KUBO_A * problem.horizon + KUBO_SIGMA * dw.sum(axis=(1, 2))
-        return Paths(dw, area, np.stack([np.cos(angle), -np.sin(angle)], axis=1))
-    return by_parabolas(problem, FINER)
+        noise = draw(problem.horizon, problem.paths, problem.finest, problem.processes, np.random.default_rng(SEED))
+        angle = KUBO_A * problem.horizon + KUBO_SIGMA * noise.dw.sum(axis=(1, 2))
+        return Paths(noise, np.stack([np.cos(angle), -np.sin(angle)], axis=1))
+    return by_cubics(problem, FINER)
 
 
-def _draw(problem: Problem, paths: int, steps: int, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Increments and areas: independent, of variance h and h/12."""
-    h = problem.horizon / steps
-    shape = (paths, steps, problem.processes)
-    return math.sqrt(h) * rng.standard_normal(shape), math.sqrt(h / 12.0) * rng.standard_normal(shape)
+def draw(horizon: float, paths: int, steps: int, processes: int, rng: np.random.Generator) -> Noise:
+    """Draws increments and areas: independent, of variance h, h/12 and h/720."""
+    h = horizon / steps
+    dw, area, third = (math.sqrt(h / part) * rng.standard_normal((paths, steps, processes)) for part in (1.0, 12.0, 720.0))
+    return Noise(dw, area, third)
 
 
 def _oscillator(problem: Problem) -> Paths:
-    """The exact solution: a rotation by h plus σ ∫ (sin(h−s), cos(h−s)) dW, drawn jointly with the increment by Cholesky's factor of the covariance.
+    """The exact solution: a rotation by h plus σ ∫ (sin(h−s), cos(h−s)) dW.
 
-    The area is that of the first two normals; what it has of others is of the size of h⁴ of it.
+    The noise of a step is drawn by its coefficients ξₖ = √((2k + 1)/h) ∫ Pₖ dW, which are independent normals, and the integrals are sums over them.
     """
-    steps = problem.steps[-1]
+    steps = problem.finest
     h = problem.horizon / steps
-    sin, cos, w = math.sin(h), math.cos(h), math.sqrt(h)
-    # 1 − cos h = 2 sin²(h/2), as the difference would cancel
-    xw, yw = 2.0 * math.sin(0.5 * h) ** 2 / w, sin / w
-    x = math.sqrt(0.5 * (h - sin * cos) - xw * xw)
-    yx = (0.5 * sin * sin - xw * yw) / x
-    y = math.sqrt(max(0.0, 0.5 * (h + sin * cos) - yw * yw - yx * yx))
-    # covariance of ∫ (h−s) dW with the first integral is sin h − h cos h
-    a = (sin - h * cos - 0.5 * h * w * xw) / x
-    z = np.random.default_rng(SEED).standard_normal((3, problem.paths, steps))
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    basis = np.sqrt(2.0 * np.arange(LEGENDRE) + 1.0) * np.polynomial.legendre.legvander(nodes, LEGENDRE - 1)
+    remaining = 0.5 * h * (1.0 - nodes)
+    in_q, in_p = (OSCILLATOR_SIGMA * math.sqrt(h) * 0.5 * (weights * f(remaining)) @ basis for f in (np.sin, np.cos))
+    sin, cos = math.sin(h), math.cos(h)
+    xi = np.random.default_rng(SEED).standard_normal((LEGENDRE, problem.paths, steps))
     q, p = (np.full(problem.paths, component) for component in problem.start)
-    for z0, z1, z2 in zip(*(part.T for part in z), strict=True):
-        q, p = (
-            cos * q + sin * p + OSCILLATOR_SIGMA * (xw * z0 + x * z1),
-            cos * p - sin * q + OSCILLATOR_SIGMA * (yw * z0 + yx * z1 + y * z2),
-        )
-    return Paths(w * z[0][:, :, None], a / h * z[1][:, :, None], np.stack([q, p], axis=1))
+    for n in range(steps):
+        q, p = cos * q + sin * p + in_q @ xi[:, :, n], cos * p - sin * q + in_p @ xi[:, :, n]
+    dw, area, third = (math.sqrt(h) * factor * xi[k][:, :, None] for k, factor in enumerate((1.0, -math.sqrt(1.0 / 12.0), math.sqrt(1.0 / 720.0))))
+    return Paths(Noise(dw, area, third), np.stack([q, p], axis=1))
 
 
-def by_parabolas(problem: Problem, finer: int) -> Paths:
+def by_cubics(problem: Problem, finer: int) -> Paths:
     """Paths whose ends are those of steps `finer` times shorter."""
-    steps = problem.steps[-1] * finer
-    walk = along_parabolas(problem)
-    dw, area, ends = [], [], []
+    steps = problem.finest * finer
+    walk = along_cubics(problem)
+    coarse, ends = [], []
     for path in range(problem.paths):
         # a path at a time, as the fine ones would fill the memory
-        fine = _draw(problem, 1, steps, np.random.default_rng([SEED, path]))
-        ends.append(walk(problem.start, problem.horizon / steps, fine[0][0], fine[1][0]))
-        coarse = coarsen(*fine, finer)
-        dw.append(coarse[0])
-        area.append(coarse[1])
-    return Paths(np.concatenate(dw), np.concatenate(area), np.array(ends))
+        fine = draw(problem.horizon, 1, steps, problem.processes, np.random.default_rng([SEED, path]))
+        ends.append(walk(problem.start, problem.horizon / steps, fine.dw[0], fine.area[0], fine.third[0]))
+        coarse.append(fine.coarse(problem.finest))
+    dw, area, third = (np.concatenate([getattr(noise, name) for noise in coarse]) for name in ("dw", "area", "third"))
+    return Paths(Noise(dw, area, third), np.array(ends))
 
 
-def along_parabolas(problem: Problem) -> Callable:
-    """A compiled function of start, h, increments and areas (steps, M) that returns the end: in each step one of Runge and Kutta's along the parabola."""
+def along_cubics(problem: Problem) -> Callable:
+    """A compiled function of start, h, increments and areas H and K (steps, M) that returns the end.
+
+    In each step W is the cubic polynomial with these integrals, and the ordinary differential equation along it is solved by a step of Dormand and Prince's method of order 8.
+    A method of order 4 would not do: its weight of ∫∫∫ P₂, by which K enters a position, is wrong.
+    """
     change, add = rate(problem), plus(problem.dimension)
+    a, b, c = DOP853.A[: DOP853.n_stages, : DOP853.n_stages], DOP853.B, DOP853.C[: DOP853.n_stages]
+    stages, zero = DOP853.n_stages, (0.0,) * problem.dimension
 
     @jit
-    def walk(start, h, dw, area):
+    def walk(start, h, dw, area, third):
         z = start
+        rates = [zero] * stages
         for n in range(dw.shape[0]):
-            # the parabola u ΔW + 6 u (1 − u) H has the derivative ΔW + 6 (1 − 2 u) H
-            first, last = dw[n] + 6.0 * area[n], dw[n] - 6.0 * area[n]
-            k1 = change(z, h, first)
-            k2 = change(add(z, 0.5, k1), h, dw[n])
-            k3 = change(add(z, 0.5, k2), h, dw[n])
-            k4 = change(add(z, 1.0, k3), h, last)
-            z = add(add(z, 1.0 / 6.0, add(k1, 2.0, k2)), 1.0 / 6.0, add(k4, 2.0, k3))
+            for i in range(stages):
+                y = 2.0 * c[i] - 1.0
+                stage = z
+                for j in range(i):
+                    stage = add(stage, a[i, j], rates[j])
+                rates[i] = change(stage, h, dw[n] - 6.0 * y * area[n] + 30.0 * (3.0 * y * y - 1.0) * third[n])
+            for i in range(stages):
+                z = add(z, b[i], rates[i])
         return z
 
     return walk

@@ -1,10 +1,14 @@
 //! The problems with noise: strong and weak errors on common Brownian paths.
 
-use sve_runtime::Variational;
+use std::array;
+use std::f64::consts::FRAC_PI_2;
+use std::ops::RangeInclusive;
+
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama, Heun};
 use sve_runtime::prelude::*;
 use sve_runtime::study::{Study, StudyError};
 use sve_runtime::system::{Dims, System};
+use sve_runtime::{Rule, Variational};
 
 use crate::problem::{Problem, powers};
 use crate::systems::{HenonHeiles, Kubo, Langevin, Oscillator, Synchrotron};
@@ -63,12 +67,51 @@ where
     }
 }
 
+/// The Gauss rules with an increment for each stage, for additive noise.
+struct StageRules<S: System> {
+    two: Integrator<S, StageNoise<Gauss<2>>>,
+    three: Integrator<S, StageNoise<Gauss<3>>>,
+    four: Integrator<S, StageNoise<Gauss<4>>>,
+}
+
+/// The constants `MK` are the numbers of increments of a step with `K` stages.
+impl<S, const N: usize, const M: usize, const M2: usize, const M3: usize, const M4: usize>
+    StageRules<S>
+where
+    S: System<Dims = Dims<N, M>> + Copy + Sync,
+    StageNoise<Gauss<2>>: Rule<S::Itself, Increments = [f64; M2]>,
+    StageNoise<Gauss<3>>: Rule<S::Itself, Increments = [f64; M3]>,
+    StageNoise<Gauss<4>>: Rule<S::Itself, Increments = [f64; M4]>,
+{
+    fn new(system: S) -> Self {
+        Self {
+            two: Integrator::new(system, StageNoise(Gauss::<2>)),
+            three: Integrator::new(system, StageNoise(Gauss::<3>)),
+            four: Integrator::new(system, StageNoise(Gauss::<4>)),
+        }
+    }
+
+    /// Adds the rules to a study. They reach errors of interest with fewer steps than rules of
+    /// order 1, so each rule has its own range of exponents of 2.
+    fn add_to<'a>(
+        &'a self,
+        study: Study<'a, S>,
+        [two, three, four]: [RangeInclusive<u32>; 3],
+    ) -> Study<'a, S> {
+        study
+            .method_with_step_counts("Gauss 2, stage noise", &self.two, powers(two))
+            .method_with_step_counts("Gauss 3, stage noise", &self.three, powers(three))
+            .method_with_step_counts("Gauss 4, stage noise", &self.four, powers(four))
+    }
+}
+
 /// Runs L = v²/2 − q²/2, γ = σq, from (1, 0).
 pub(crate) fn oscillator() -> Result<Problem, StudyError> {
     let system = Oscillator { sigma: 1.0 };
     let (start, horizon) = (State::new([1.0], [0.0]), 10.0);
-    let report = Methods::new(system)
-        .study("linear_oscillator")
+    let (methods, stage_rules) = (Methods::new(system), StageRules::new(system));
+    let report = stage_rules
+        .add_to(methods.study("linear_oscillator"), [4..=10, 3..=10, 3..=9])
         .start(start)
         .horizon(horizon)
         .step_counts(powers(5..=10))
@@ -85,9 +128,16 @@ pub(crate) fn oscillator() -> Result<Problem, StudyError> {
     })
 }
 
-/// Returns increments, and the exact solution. Over a step it is the rotation by h plus σ ∫
-/// (sin(h−s), cos(h−s)) dW, a pair that is drawn jointly with ΔW by the Cholesky factor of the
-/// covariance of all three.
+/// Number of coefficients of the noise in Legendre polynomials. The first one that is left out
+/// changes an impulse by less than 10⁻¹⁵ of the noise of a step.
+const COEFFICIENTS: usize = 5;
+
+/// Returns increments at the four stages of `gauss(4)`, and the exact solution.
+///
+/// Over a step the solution is the rotation by h plus σ ∫ (sin(h−s), cos(h−s)) dW. The noise is
+/// drawn by its coefficients `ξ_k = √(2k+1) ∫ P_k(2s/h − 1) dW / √h`, which are independent
+/// normals. With a = h/2 and the spherical Bessel functions j, the expansion of a plane wave in
+/// Legendre polynomials gives `∫ exp(i(h−s)) dW = √h Σ √(2k+1) exp(i(a − kπ/2)) j_k(a) ξ_k`.
 fn exact_oscillator(
     sigma: f64,
     start: State<[f64; 1]>,
@@ -98,26 +148,62 @@ fn exact_oscillator(
     let normals = Wiener::new(SEED).path(path);
     let h = horizon / steps as f64;
     let (sin, cos) = h.sin_cos();
-    let w = h.sqrt();
-    // 1 − cos h = 2 sin²(h/2), since the difference would cancel.
-    let (xw, yw) = (2.0 * (h / 2.0).sin().powi(2) / w, sin / w);
-    let x = (0.5 * (h - sin * cos) - xw * xw).sqrt();
-    let yx = (0.5 * sin * sin - xw * yw) / x;
-    // The remaining variance has the size of h⁵, and rounding may make it negative.
-    let y = (0.5 * (h + sin * cos) - yw * yw - yx * yx).max(0.0).sqrt();
+    let impulses: [(f64, f64); COEFFICIENTS] = array::from_fn(|k| {
+        let (sine, cosine) = (0.5 * h - k as f64 * FRAC_PI_2).sin_cos();
+        let size = sigma * (h * (2 * k + 1) as f64).sqrt() * spherical_bessel(k, 0.5 * h);
+        (size * sine, size * cosine)
+    });
     let mut end = start;
-    let increments: Vec<[f64; 1]> = (0..steps as u64)
+    let increments: Vec<[f64; 4]> = (0..steps as u64)
         .map(|step| {
-            let [z0, z1, z2] = [0, 1, 2].map(|process| normals.increment(step, process, 1.0));
+            let xi: [f64; COEFFICIENTS] = array::from_fn(|k| normals.increment(step, k, 1.0));
             let ([q], [p]) = (end.q, end.p);
-            end.q = [cos * q + sin * p + sigma * (xw * z0 + x * z1)];
-            end.p = [cos * p - sin * q + sigma * (yw * z0 + yx * z1 + y * z2)];
-            [w * z0]
+            let sum = |part: fn(&(f64, f64)) -> f64| -> f64 {
+                impulses
+                    .iter()
+                    .zip(xi)
+                    .map(|(both, xi)| part(both) * xi)
+                    .sum()
+            };
+            end.q = [cos * q + sin * p + sum(|both| both.0)];
+            end.p = [cos * p - sin * q + sum(|both| both.1)];
+            at_stages(xi).map(|part| h.sqrt() * part)
         })
         .collect();
-    let recorded = Recorded::new(h, increments);
+    let recorded = Recorded::new(h, increments).and_then(|path| path.with_stages(4));
     // Normals are finite, and so is h.
     (recorded.expect("finite increments"), end)
+}
+
+/// Returns the spherical Bessel function `j_k` at a small argument, by its power series.
+fn spherical_bessel(k: usize, x: f64) -> f64 {
+    const TERMS: usize = 6;
+    let mut term: f64 = (0..k).map(|i| x / (2 * i + 3) as f64).product();
+    let mut sum = term;
+    for m in 1..TERMS {
+        term *= -0.5 * x * x / (m * (2 * (k + m) + 1)) as f64;
+        sum += term;
+    }
+    sum
+}
+
+/// Returns the increments at the stages of `gauss(4)` over a step of length 1 from the coefficients
+/// of the noise: `b_i Σ √(2k+1) P_k(2c_i − 1) ξ_k`, where k has the values 0 to 3.
+fn at_stages(xi: [f64; COEFFICIENTS]) -> [f64; 4] {
+    let (middle, width, weight) = (3.0 / 7.0, 2.0 / 7.0 * 1.2_f64.sqrt(), 30.0_f64.sqrt());
+    let (inner, outer) = ((middle - width).sqrt(), (middle + width).sqrt());
+    [
+        (-outer, -weight),
+        (-inner, weight),
+        (inner, weight),
+        (outer, -weight),
+    ]
+    .map(|(y, weight)| {
+        let second = 0.5 * (3.0 * y * y - 1.0);
+        let third = 0.5 * (5.0 * y * y - 3.0) * y;
+        let odd = 3.0_f64.sqrt() * y * xi[1] + 7.0_f64.sqrt() * third * xi[3];
+        (18.0 + weight) / 72.0 * (xi[0] + odd + 5.0_f64.sqrt() * second * xi[2])
+    })
 }
 
 /// Runs L = v²/2a − aq²/2, H₁ = σ(q² + p²)/2, from (1, 0), and rules without the correction.
@@ -188,20 +274,20 @@ pub(crate) fn synchrotron() -> Result<Problem, StudyError> {
 /// Runs Hénon–Heiles with γ = (σx, σy).
 pub(crate) fn henon_heiles() -> Result<Problem, StudyError> {
     let system = HenonHeiles { sigma: 0.02 };
-    let methods = Methods::new(system);
-    let report = methods
-        .study("henon_heiles")
+    let (methods, stage_rules) = (Methods::new(system), StageRules::new(system));
+    let report = stage_rules
+        .add_to(methods.study("henon_heiles"), [5..=11, 5..=10, 4..=9])
         .start(State::new([0.0, 0.1], [0.35, 0.1]))
         .horizon(16.0)
         .step_counts(powers(6..=11))
         .paths(200)
-        .fine(&methods.verlet, 16)
+        .fine(&stage_rules.four, 2)
         .observe("energy", Mechanics::hamiltonian)
         .run()?;
     Ok(Problem {
         title: "Hénon–Heiles, additive noise",
-        setting: "L = (v² − q²)/2 − x²y + y³/3, γ = (σx, σy), σ = 0.02, from q = (0, 0.1), p = (0.35, 0.1) to t = 16. Errors against the rule \
-                  of Störmer and Verlet with 16 times shorter steps on each of 200 paths.",
+        setting: "L = (v² − q²)/2 − x²y + y³/3, γ = (σx, σy), σ = 0.02, from q = (0, 0.1), p = (0.35, 0.1) to t = 16. Errors against gauss(4, stage_noise) \
+                  with 2 times shorter steps on each of 200 paths.",
         norm: "root mean square distance of (q, p) at the end",
         invariant: None,
         report,
@@ -215,20 +301,20 @@ pub(crate) fn langevin() -> Result<Problem, StudyError> {
         nu: 1.0,
         kt: 0.4,
     };
-    let methods = Methods::new(system);
-    let report = methods
-        .study("langevin")
+    let (methods, stage_rules) = (Methods::new(system), StageRules::new(system));
+    let report = stage_rules
+        .add_to(methods.study("langevin"), [3..=9, 3..=9, 2..=8])
         .start(State::new([-1.0], [0.0]))
         .horizon(2.0)
         .step_counts(powers(3..=9))
         .paths(2000)
-        .fine(&methods.verlet, 16)
+        .fine(&stage_rules.four, 4)
         .observe("q²", |_, state| state.q[0].powi(2))
         .run()?;
     Ok(Problem {
         title: "Langevin dynamics in a double well, friction and additive noise",
-        setting: "L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q, a = ν = 1, kT = 0.4, from q = −1 at rest to t = 2. Errors against the rule of Störmer and Verlet with \
-                  16 times shorter steps on each of 2000 paths.",
+        setting: "L = v²/2 − a(q² − 1)², F = −νv, γ = √(2νkT) q, a = ν = 1, kT = 0.4, from q = −1 at rest to t = 2. Errors against gauss(4, stage_noise) with \
+                  4 times shorter steps on each of 2000 paths.",
         norm: "root mean square distance of (q, p) at the end",
         invariant: None,
         report,

@@ -22,6 +22,10 @@ const BAND: Color = (253, 231, 160);
 const WIDTH: u32 = 1240;
 const HEIGHT: u32 = 380;
 
+/// Height of an entry of the legend. The row of a long legend is higher than the others, so that no
+/// entries overlap.
+const ENTRY: u32 = 17;
+
 /// The methods for comparison.
 const BASELINES: [&str; 6] = [
     "Heun",
@@ -167,6 +171,9 @@ fn pen(series: &Series, number: usize) -> Pen {
         "Störmer–Verlet" => (palette::VERMILION, Shape::Square),
         "Störmer–Verlet, Kahan–Li 8" => (palette::VERMILION, Shape::Cross),
         "Gauss 2" | "Gauss 4" => (palette::PURPLE, Shape::Triangle),
+        "Gauss 2, stage noise" => (palette::PURPLE, Shape::Plus),
+        "Gauss 3, stage noise" => (palette::BLACK, Shape::Cross),
+        "Gauss 4, stage noise" => (palette::BLACK, Shape::Triangle),
         "Gauss 6" => (palette::PURPLE, Shape::Diamond),
         "Gauss 8" | "Störmer–Verlet, weak2" => (palette::PURPLE, Shape::Plus),
         "Gauss 8, compensated" => (palette::PURPLE, Shape::Circle),
@@ -320,7 +327,7 @@ pub(crate) fn figure(
     let band = |points| Layer::new("band: fastest method of sve", points, Pen::line(BAND, 11.0));
     first.layers.insert(0, band(exponents(&trace)).unlisted());
     let orders: &[i32] = if shown.weak.is_some() {
-        &[1, 2]
+        &[1, 2, 3]
     } else {
         &[2, 4, 8]
     };
@@ -348,13 +355,13 @@ pub(crate) fn figure(
     if !below.is_empty() {
         rows.push(below);
     }
-    let row = |panels| Row {
-        height: HEIGHT,
-        panels,
-    };
+    // The band has an entry too, and the margins of the row have the height of two.
+    let legend = ENTRY * (all.len() as u32 + 3);
+    let heights = [HEIGHT.max(legend), HEIGHT];
+    let row = |(panels, height)| Row { height, panels };
     Figure {
         name,
         width: WIDTH,
-        rows: rows.into_iter().map(row).collect(),
+        rows: rows.into_iter().zip(heights).map(row).collect(),
     }
 }

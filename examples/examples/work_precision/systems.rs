@@ -30,7 +30,16 @@ pub(crate) struct Oscillator {
     pub(crate) sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(2, stage_noise),
+    gauss(3, stage_noise),
+    gauss(4, stage_noise)
+)]
 impl Oscillator {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v - 0.5 * q * q
@@ -93,7 +102,16 @@ pub(crate) struct HenonHeiles {
     pub(crate) sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(2, stage_noise),
+    gauss(3, stage_noise),
+    gauss(4, stage_noise)
+)]
 impl HenonHeiles {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let [x, y] = q;
@@ -209,7 +227,16 @@ pub(crate) struct Langevin {
     pub(crate) kt: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
+#[variational(
+    initial_point,
+    endpoint,
+    midpoint,
+    stormer_verlet,
+    gauss(2),
+    gauss(2, stage_noise),
+    gauss(3, stage_noise),
+    gauss(4, stage_noise)
+)]
 impl Langevin {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v - self.a * (q * q - 1.0).powi(2)
