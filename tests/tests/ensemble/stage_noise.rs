@@ -65,7 +65,9 @@ struct Mirrored<W>(W);
 impl<W: Noise> Noise for Mirrored<W> {
     fn increments(&mut self, step: u64, h: f64, dw: &mut [f64]) -> Result<(), NoiseError> {
         self.0.increments(step, h, dw)?;
-        dw.iter_mut().for_each(|dw| *dw = -*dw);
+        for dw in dw.iter_mut() {
+            *dw = -*dw;
+        }
         Ok(())
     }
 
@@ -77,7 +79,9 @@ impl<W: Noise> Noise for Mirrored<W> {
         dw: &mut [f64],
     ) -> Result<(), NoiseError> {
         self.0.stage_increments(step, h, stages, dw)?;
-        dw.iter_mut().for_each(|dw| *dw = -*dw);
+        for dw in dw.iter_mut() {
+            *dw = -*dw;
+        }
         Ok(())
     }
 }
