@@ -6,6 +6,7 @@ use quote::quote;
 use syn::Type;
 
 use super::super::attributes;
+use super::super::inputs::named;
 use super::system::implementation;
 
 /// Implementations without bodies, for a configuration of these entries and for some types of rules
@@ -44,10 +45,11 @@ pub(in super::super) fn placeholders(
     };
     let own = kind(quote!(Self));
     let reference = (!has_inputs).then(|| {
-        let kind = kind(quote!(#self_ty));
+        let (self_ty, lifetimes) = named(self_ty, false);
+        let kind = kind(self_ty.clone());
         quote! {
             #attributes
-            impl #private::AnySystem for &#self_ty {
+            impl<#(#lifetimes),*> #private::AnySystem for &#self_ty {
                 #kind
                 fn target(&self) -> &#self_ty { self }
             }

@@ -68,10 +68,11 @@ impl Context<'_> {
             }
         });
         let reference = self.block.inputs.is_none().then(|| {
-            let kind = self.kind(&quote!(#user_ty));
+            let (user_ty, lifetimes) = named(user_ty, false);
+            let kind = self.kind(&user_ty);
             quote! {
                 #attributes
-                impl #private::AnySystem for &#user_ty {
+                impl<#(#lifetimes),*> #private::AnySystem for &#user_ty {
                     #kind
                     fn target(&self) -> &#user_ty { self }
                 }
