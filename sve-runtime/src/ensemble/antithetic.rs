@@ -12,7 +12,7 @@ use super::{Ensemble, Summary};
 use crate::ensemble::PathMethod;
 use crate::lanes::{LANES, Lane, Mask};
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Makes the paths 2k and 2k + 1 a pair: both have the increments of path k of the noise, the
     /// second one with the other sign.
     ///

@@ -36,7 +36,7 @@ const MAGIC: &[u8; 8] = b"sve run\0";
 /// Bytes before the content.
 const HEADER_LENGTH: usize = MAGIC.len() + 4 + 8 + 8;
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Writes the results of finished blocks to a file, at this interval and at the end, for
     /// [`resume`](Self::resume).
     ///

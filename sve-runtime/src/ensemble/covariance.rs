@@ -10,7 +10,7 @@ use super::statistic::{AnyRequest, Extent, Recorded, Size, Statistic, check_know
 use super::{Ensemble, EnsembleError, Summary};
 use crate::ensemble::PathMethod;
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Takes the covariance of two observables over the paths, at each recorded time:
     /// [`Summary::covariance`](super::Summary::covariance).
     ///

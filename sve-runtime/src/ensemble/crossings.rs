@@ -10,7 +10,7 @@ use crate::ensemble::PathMethod;
 use crate::error::observed::Observed;
 use crate::system::StateOf;
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Takes statistics of the number of times that a function has changed its sign from one step
     /// to the next, along each path.
     ///

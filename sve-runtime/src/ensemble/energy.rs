@@ -13,7 +13,7 @@ use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::mechanics::Mechanics;
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Takes statistics of the energy, as `observe(name, |system, state|
     /// system.hamiltonian(state))` does, in the lanes of vector registers. This is many times as
     /// fast if the macro has H(q, p) as a formula, that is for Lagrangians that are quadratic in

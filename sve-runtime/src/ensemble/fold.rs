@@ -15,7 +15,7 @@ use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::lanes::{LANES, Lane, Mask};
 use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Takes statistics of a memory of any type: `begin` makes it from the start of a path,
     /// `update` is called with the state after each step (and with the state at which a path
     /// [stops](Self::stop_at)), and `value` returns the recorded number.

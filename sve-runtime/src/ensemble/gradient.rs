@@ -230,7 +230,7 @@ impl<I: PathMethod> Gradients<'_, I> {
     }
 }
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Takes statistics of a smooth function of a state, and of its derivatives: the derivatives of
     /// the mean by parameters, by parameters during some steps and by the start, with their
     /// standard errors.

@@ -14,7 +14,7 @@ use crate::ensemble::PathMethod;
 use crate::lanes::{LANES, Lane};
 use crate::table::{Table, Values, table_writers};
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Takes a histogram of an observable with equal bins over a range, at each recorded time, or
     /// with [`Bins::at_end`] at the end only.
     ///

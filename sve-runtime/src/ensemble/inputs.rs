@@ -5,9 +5,10 @@
 //! paths only.
 
 use core::hash::Hasher;
+use core::marker::PhantomData;
 
 use super::settings::{Leg, missing};
-use super::{Ensemble, EnsembleError};
+use super::{Ensemble, EnsembleError, Summary};
 use crate::ensemble::PathMethod;
 use crate::integrator::Integrator;
 use crate::integrator::driven::{Driven, Source};
@@ -15,6 +16,7 @@ use crate::lanes::{LANES, Mask};
 use crate::method::Shared;
 use crate::rule::Rule;
 use crate::system::{StateOf, System, WithInputs};
+use crate::trajectory::StepsWithoutInputs;
 
 /// What an ensemble has paths of: a method, or an integrator of a system with inputs.
 #[diagnostic::on_unimplemented(
@@ -24,8 +26,8 @@ use crate::system::{StateOf, System, WithInputs};
 #[doc(hidden)]
 pub trait Runs<'a, K> {
     type Method: PathMethod;
-    /// Returns the method, and whether its inputs are still to be given.
-    fn shared(self) -> (Shared<'a, Self::Method>, bool);
+    /// Returns the method.
+    fn shared(self) -> Shared<'a, Self::Method>;
 }
 
 /// Marks methods, which need no inputs.
@@ -41,8 +43,8 @@ pub struct NeedsInputs;
 impl<'a, I: PathMethod> Runs<'a, Complete> for &'a I {
     type Method = I;
 
-    fn shared(self) -> (Shared<'a, I>, bool) {
-        (self.into(), false)
+    fn shared(self) -> Shared<'a, I> {
+        self.into()
     }
 }
 
@@ -55,9 +57,8 @@ where
 {
     type Method = Driven<'a, S, R, PathInputs<'a, S>>;
 
-    fn shared(self) -> (Shared<'a, Self::Method>, bool) {
-        let driven = Driven::new(self, PathInputs(None));
-        (Shared::Owned(Box::new(driven)), true)
+    fn shared(self) -> Shared<'a, Self::Method> {
+        Shared::Owned(Box::new(Driven::new(self, PathInputs(None))))
     }
 }
 
@@ -105,7 +106,7 @@ where
     }
 }
 
-impl<'a, S, R> Ensemble<'a, Driven<'a, S, R, PathInputs<'a, S>>>
+impl<'a, S, R, K> Ensemble<'a, Driven<'a, S, R, PathInputs<'a, S>>, K>
 where
     S: WithInputs,
     R: Copy + Rule<S::Held<'a>>,
@@ -154,27 +155,58 @@ where
     /// # }
     /// ```
     #[must_use]
-    pub fn inputs<F>(mut self, name: impl Into<String>, inputs: F) -> Self
+    pub fn inputs<F>(
+        self,
+        name: impl Into<String>,
+        inputs: F,
+    ) -> Ensemble<'a, Driven<'a, S, R, PathInputs<'a, S>>>
     where
         F: Fn(u64, u64, &StateOf<S>) -> S::Input + Send + Sync + 'a,
     {
-        if let Shared::Owned(method) = &mut self.method {
+        let mut ensemble = Ensemble {
+            method: self.method,
+            kind: PhantomData,
+            paths: self.paths,
+            seed: self.seed,
+            noise: self.noise,
+            steps: self.steps,
+            every: self.every,
+            start: self.start,
+            keep_final_states: self.keep_final_states,
+            refine: self.refine,
+            stop_on_failure: self.stop_on_failure,
+            observed: self.observed,
+            execution: self.execution,
+        };
+        if let Shared::Owned(method) = &mut ensemble.method {
             method.source = PathInputs(Some((name.into(), Box::new(OfPath(inputs)))));
-            self.needs_inputs = false;
         }
-        self
+        ensemble
     }
 }
 
-/// Checks that the inputs of a system with inputs are given, for steps that are not divided.
-pub(super) fn check_inputs<I: PathMethod>(
-    ensemble: &Ensemble<'_, I>,
-    leg: &Leg<'_, I>,
-) -> Result<(), EnsembleError> {
-    if ensemble.needs_inputs {
+impl<'a, S, R> Ensemble<'a, Driven<'a, S, R, PathInputs<'a, S>>, NeedsInputs>
+where
+    S: WithInputs,
+    R: Copy + Rule<S::Held<'a>>,
+    Driven<'a, S, R, PathInputs<'a, S>>: PathMethod,
+{
+    /// Does not compile, and names the call that does: [`inputs`](Self::inputs).
+    ///
+    /// # Errors
+    /// None: it is never called.
+    #[doc(hidden)]
+    pub fn run(&self) -> Result<Summary, EnsembleError>
+    where
+        S: StepsWithoutInputs,
+    {
         let write = ".inputs(\"push\", |path, step, state| 0.0)";
-        return Err(missing("function of the inputs", write));
+        Err(missing("function of the inputs", write))
     }
+}
+
+/// Checks that the steps of a system with inputs are not divided.
+pub(super) fn check_inputs<I: PathMethod>(leg: &Leg<'_, I>) -> Result<(), EnsembleError> {
     match leg.of {
         Some(first) if I::System::INPUTS > 0 => Err(EnsembleError::NotTogether {
             settings: [first, "inputs"],

@@ -14,7 +14,7 @@ use crate::ensemble::PathMethod;
 use crate::error::observed::Observed;
 use crate::system::StateOf;
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Takes statistics of the integral ∫f dt of a function along each path, from the start to the
     /// recorded time, by the trapezoidal rule over all steps.
     ///

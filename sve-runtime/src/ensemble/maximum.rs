@@ -10,7 +10,7 @@ use crate::ensemble::PathMethod;
 use crate::error::observed::Observed;
 use crate::system::StateOf;
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Takes statistics of the greatest value that a function has had along each path: at the
     /// start, after each step until the recorded time, and where a path [stops](Self::stop_at).
     ///

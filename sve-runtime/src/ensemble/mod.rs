@@ -84,7 +84,7 @@ pub use estimate::{Level, MultilevelEstimate};
 pub use failure::{Cause, FAILURES_KEPT, Failure};
 pub use final_state::FinalState;
 pub use histogram::{Bins, Histogram};
-pub use inputs::Runs;
+pub use inputs::{Complete, NeedsInputs, Runs};
 pub use multilevel::Multilevel;
 pub use passage::{Passages, Rate};
 pub use path_method::PathMethod;
@@ -96,6 +96,7 @@ pub use sweep::{Sweep, SweepRow};
 pub use warning::Warning;
 
 use core::fmt;
+use core::marker::PhantomData;
 
 use self::gradient::Gradients;
 use self::observe::Closure;
@@ -160,10 +161,10 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 /// # Ok(())
 /// # }
 /// ```
-pub struct Ensemble<'a, I: PathMethod> {
+pub struct Ensemble<'a, I: PathMethod, K = Complete> {
     method: Shared<'a, I>,
-    /// The method has no inputs yet.
-    needs_inputs: bool,
+    /// Whether the method needs inputs.
+    kind: PhantomData<K>,
     paths: Option<u64>,
     seed: Option<u64>,
     noise: Option<PathData>,
@@ -223,14 +224,13 @@ impl<I: PathMethod> Observations<'_, I> {
     }
 }
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Paths of a method: an [`Integrator`](crate::Integrator) or a [`baseline`](crate::baseline).
     /// The paths of a system with inputs need [`inputs`](Self::inputs).
-    pub fn new<K>(method: impl Runs<'a, K, Method = I>) -> Self {
-        let (method, needs_inputs) = method.shared();
+    pub fn new(method: impl Runs<'a, K, Method = I>) -> Self {
         Self {
-            method,
-            needs_inputs,
+            method: method.shared(),
+            kind: PhantomData,
             paths: None,
             seed: None,
             noise: None,
@@ -289,7 +289,9 @@ impl<'a, I: PathMethod> Ensemble<'a, I> {
         self.observed.observables.push(Box::new(observable));
         self
     }
+}
 
+impl<I: PathMethod> Ensemble<'_, I> {
     /// Runs all paths.
     ///
     /// # Errors
@@ -306,7 +308,7 @@ impl<'a, I: PathMethod> Ensemble<'a, I> {
     }
 }
 
-impl<I: PathMethod> fmt::Debug for Ensemble<'_, I> {
+impl<I: PathMethod, K> fmt::Debug for Ensemble<'_, I, K> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Ensemble")
             .field("paths", &self.paths)

@@ -178,7 +178,7 @@ impl<S: System, F: Function<S>> Observer<S> for &Plain<F> {
     }
 }
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Returns the observed functions: the exponent of the weight if there is a weight, then the
     /// observables.
     fn observed(&self) -> impl Iterator<Item = (&str, &dyn Observable<I::System>)> {

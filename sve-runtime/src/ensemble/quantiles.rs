@@ -12,7 +12,7 @@ use super::{Ensemble, EnsembleError, Summary};
 use crate::ensemble::PathMethod;
 use crate::lanes::LANES;
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Takes quantiles of an observable over the paths, at each recorded time:
     /// [`Summary::quantiles`](super::Summary::quantiles).
     ///

@@ -12,7 +12,7 @@ use crate::noise::DyadicInterval;
 use crate::system::StateOf;
 use crate::trajectory::Halving;
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Refines steps that fail, as [`Trajectory::refine`](crate::Trajectory::refine) does: divides
     /// such a step into two halves on the same path of the noise, and divides each half that fails
     /// in the same way, up to `depth` times.

@@ -11,7 +11,7 @@ use crate::ensemble::PathMethod;
 use crate::noise::ManyPaths;
 use crate::system::StateOf;
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Sets the number of paths.
     ///
     #[doc = include_str!("example.md")]

@@ -99,7 +99,7 @@ impl<'a, I: PathMethod> Settings<'a, I> {
         let start =
             (leg.start).ok_or_else(|| missing("start", ".start(State::new([1.0], [0.0]))"))?;
         check_numbers(ensemble, paths, ensemble_steps)?;
-        check_inputs(ensemble, leg)?;
+        check_inputs(leg)?;
         let parts = 1_u64.checked_shl(leg.halvings).unwrap_or(u64::MAX);
         let h = h / parts as f64;
         let every = ensemble.every.unwrap_or(ensemble_steps);

@@ -236,7 +236,7 @@ statistics! {
     Pairs(Pairs),
 }
 
-impl<I: PathMethod> Ensemble<'_, I> {
+impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// Requests a statistic. Requests stand in the order of their kinds, so that it does not matter
     /// which kind was asked for first.
     pub(super) fn take(mut self, request: AnyRequest) -> Self {

@@ -80,6 +80,15 @@ impl<S: WithInputs, R, W> fmt::Debug for NeedsInputs<'_, S, R, W> {
     }
 }
 
+/// Does not compile, and names the call that does: [`inputs`](NeedsInputs::inputs).
+impl<S: WithInputs + StepsWithoutInputs, R, W> Iterator for NeedsInputs<'_, S, R, W> {
+    type Item = Result<StateOf<S>, StepError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        Some(S::step(&mut self.state).map(|()| self.state.clone()))
+    }
+}
+
 impl<'a, S: WithInputs, R, W: Noise> NeedsInputs<'a, S, R, W> {
     /// Returns the states after each step, with the inputs that a function returns for the number
     /// of a step, from 0, and the state at its start. A table is `|step, _| table[step as usize]`;

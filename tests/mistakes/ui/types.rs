@@ -73,6 +73,15 @@ fn step_without_inputs(driven: Integrator<Driven, Midpoint>, mut state: Start) {
     let _ = driven.step(&mut state, 0.1, &[]);
 }
 
+fn path_without_inputs(driven: Integrator<Driven, Midpoint>, start: Start) {
+    let _ = driven.trajectory(start, 0.1, Wiener::new(1)).last();
+    for _ in driven.trajectory(start, 0.1, Wiener::new(1)) {}
+}
+
+fn ensemble_without_inputs(driven: Integrator<Driven, Midpoint>, start: Start) {
+    let _ = Ensemble::new(&driven).start(start).steps(0.1, 10).paths(10).run();
+}
+
 fn lengths_of_a_state_differ() {
     let _ = State::new([1.0], [0.0, 0.0]);
 }

@@ -127,3 +127,84 @@ fn inputs_of_scenes_of_other_lengths() {
         assert!(error.unwrap_err().to_string().contains("u[0]"));
     }
 }
+
+/// Sites whose masses are borrowed.
+struct Borrowed<'a> {
+    mass: &'a [f64],
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl Borrowed<'_> {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * self.mass[i] * v[i] * v[i] - q[i].powi(4);
+        }
+        l
+    }
+}
+
+/// The same with inputs, in a scene and unrolled.
+struct Pushed<'a> {
+    mass: &'a [f64],
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl Pushed<'_> {
+    fn lagrangian(&self, q: &[f64], v: &[f64], u: f64) -> f64 {
+        let mut l = 0.0;
+        for i in 0..q.len() {
+            l += 0.5 * self.mass[i] * v[i] * v[i] - q[i].powi(4) + u * q[i];
+        }
+        l
+    }
+}
+
+struct Pair<'a> {
+    mass: &'a [f64; 2],
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl Pair<'_> {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2], u: f64) -> f64 {
+        let mut l = 0.0;
+        for i in 0..2 {
+            l += 0.5 * self.mass[i] * v[i] * v[i] - q[i].powi(4) + u * q[i];
+        }
+        l
+    }
+}
+
+/// Systems that borrow their data, also by reference and in a function that names the lifetime.
+#[test]
+fn systems_with_lifetimes_hold_inputs() {
+    fn end<'a>(pair: &Integrator<Pair<'a>, Midpoint>, push: f64) -> State<[f64; 2]> {
+        let path = pair.trajectory(State::new([0.3, 0.4], [0.0; 2]), 0.1, NoNoise);
+        path.inputs(|_, _| push).take(10).last().unwrap().unwrap()
+    }
+    let mass = [1.0, 2.5];
+    let start = State::new(vec![0.3, 0.4], vec![0.0; 2]);
+    let last = |path: &mut dyn Iterator<Item = Result<State<Vec<f64>>, StepError>>| {
+        path.take(10).last().unwrap().unwrap()
+    };
+    let pair = Integrator::new(Pair { mass: &mass }, Midpoint);
+    let pushed = Integrator::new(Pushed { mass: &mass }, Midpoint);
+    let by_reference = Pushed { mass: &mass };
+    let by_reference = Integrator::new(&by_reference, Midpoint);
+    for push in [0.0, 0.7] {
+        let expected = end(&pair, push);
+        let path = pushed.trajectory(start.clone(), 0.1, NoNoise);
+        let found = last(&mut path.inputs(|_, _| push));
+        assert_same(&found, &expected.q, &expected.p, "a scene");
+        let path = by_reference.trajectory(start.clone(), 0.1, NoNoise);
+        let found = last(&mut path.inputs(|_, _| push));
+        assert_same(&found, &expected.q, &expected.p, "a reference");
+    }
+    let expected = end(&pair, 0.0);
+    let borrowed = Borrowed { mass: &mass };
+    let found =
+        last(&mut Integrator::new(&borrowed, Midpoint).trajectory(start.clone(), 0.1, NoNoise));
+    assert_same(&found, &expected.q, &expected.p, "a scene without inputs");
+    let found = last(&mut Integrator::new(borrowed, Midpoint).trajectory(start, 0.1, NoNoise));
+    assert_same(&found, &expected.q, &expected.p, "a scene without inputs");
+}

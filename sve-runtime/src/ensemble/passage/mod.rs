@@ -31,7 +31,7 @@ pub(super) struct PassageFunction<'a, S: System> {
     pub(super) stops: bool,
 }
 
-impl<'a, I: PathMethod> Ensemble<'a, I> {
+impl<'a, I: PathMethod, K> Ensemble<'a, I, K> {
     /// Stops each path at the first zero of a function, as
     /// [`Trajectory::stop_at`](crate::Trajectory::stop_at) does, and records the time:
     /// [`Summary::passage`](super::Summary::passage) has the distribution of the times.

@@ -6,7 +6,8 @@ use proc_macro2::{Group, Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::{Lifetime, Type, parse_quote};
 
-use super::{Context, attributes};
+use super::attributes;
+use crate::model::Symbols;
 use crate::syntax::parse::{Annotated, is_f64};
 
 /// Returns the type whose steps are derived.
@@ -60,12 +61,15 @@ fn each_elided(tokens: TokenStream, name: &mut impl FnMut() -> Ident) -> TokenSt
 }
 
 /// Returns the implementations together with the type that holds inputs, if the block has any.
-pub(super) fn within(context: &Context<'_>, output: TokenStream) -> TokenStream {
-    let Some(input) = &context.block.inputs else {
-        return output;
-    };
-    let count = context.model.symbols.inputs();
-    Holder::new(context.private, context.block, input, count).print(&output)
+pub(super) fn within(
+    private: &TokenStream,
+    (block, symbols): (&Annotated, &Symbols),
+    output: TokenStream,
+) -> TokenStream {
+    match &block.inputs {
+        None => output,
+        Some(input) => Holder::new(private, block, input, symbols.inputs()).print(&output),
+    }
 }
 
 /// The type that holds the values of inputs beside a system.
@@ -83,12 +87,7 @@ pub(super) struct Holder<'a> {
 }
 
 impl<'a> Holder<'a> {
-    pub(super) fn new(
-        private: &'a TokenStream,
-        block: &'a Annotated,
-        input: &'a Type,
-        count: usize,
-    ) -> Self {
+    fn new(private: &'a TokenStream, block: &'a Annotated, input: &'a Type, count: usize) -> Self {
         let count = Literal::usize_unsuffixed(count);
         Self {
             private,

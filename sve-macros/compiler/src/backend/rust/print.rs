@@ -48,7 +48,8 @@ pub(crate) fn print(derivation: &Derivation) -> TokenStream {
         let texts = explain::step(derived, classified);
         output.extend(rule(&Context { arena, ..context }, derived, &texts));
     }
-    bounded(inputs::within(&context, output))
+    let of = (context.block, &context.model.symbols);
+    bounded(inputs::within(context.private, of, output))
 }
 
 /// Prints the equations at a node, and the steps of the rules that share these equations.

@@ -14,7 +14,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::function::Formulas;
-use super::inputs::{Holder, stepped};
+use super::inputs::{stepped, within};
 use super::{bounded, private};
 use crate::algebra::Arena;
 use crate::explain;
@@ -60,12 +60,6 @@ pub(crate) fn print(
     let rules = rules.map(|listed| context.rule(listed.rule));
     let momenta = context.momenta();
     let stepped = quote!(#system #scene #slopes #(#rules)*);
-    let stepped = match &block.inputs {
-        None => stepped,
-        Some(input) => {
-            let count = derived.scene.symbols.inputs();
-            Holder::new(private, block, input, count).print(&stepped)
-        }
-    };
+    let stepped = within(private, (block, &derived.scene.symbols), stepped);
     bounded(quote!(#stepped #momenta))
 }
