@@ -178,7 +178,7 @@ impl Pair<'_> {
 /// Systems that borrow their data, also by reference and in a function that names the lifetime.
 #[test]
 fn systems_with_lifetimes_hold_inputs() {
-    fn end<'a>(pair: &Integrator<Pair<'a>, Midpoint>, push: f64) -> State<[f64; 2]> {
+    fn end(pair: &Integrator<Pair<'_>, Midpoint>, push: f64) -> State<[f64; 2]> {
         let path = pair.trajectory(State::new([0.3, 0.4], [0.0; 2]), 0.1, NoNoise);
         path.inputs(|_, _| push).take(10).last().unwrap().unwrap()
     }
