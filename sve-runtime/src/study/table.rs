@@ -107,7 +107,7 @@ impl fmt::Display for NotAsymptotic {
         write!(f, "{subject}: not asymptotic")?;
         match &self.slopes[..] {
             [] if self.observable.is_some() => f.write_str(
-                ", no two step sizes with errors of one sign between a quarter of the mean, rounding and scatter of the paths",
+                ", fewer than two step sizes with errors of one sign below a quarter of the observable and above rounding and scatter of the paths",
             ),
             [] => f.write_str(
                 ", no two step sizes with errors between a quarter of the solution and rounding",

@@ -6,8 +6,7 @@ use quote::quote;
 use syn::Type;
 
 use super::super::attributes;
-use super::super::inputs::named;
-use super::system::implementation;
+use super::system::{implementation, kind, reference};
 
 /// Implementations without bodies, for a configuration of these entries and for some types of rules
 /// with their plan. A reference to a type that holds inputs is no system.
@@ -34,27 +33,8 @@ pub(in super::super) fn placeholders(
         result(quote!(usize), "IndexError"),
         result(quote!(()), "Stop"),
     );
-    let kind = |target: TokenStream| {
-        quote! {
-            type Configuration = ::std::vec::Vec<#entry>;
-            type Target = #target;
-            type Stepped = #target;
-            type Kind = #private::scene::Scenes;
-            type StateLanes = ();
-        }
-    };
-    let own = kind(quote!(Self));
-    let reference = (!has_inputs).then(|| {
-        let (self_ty, lifetimes) = named(self_ty, false);
-        let kind = kind(self_ty.clone());
-        quote! {
-            #attributes
-            impl<#(#lifetimes),*> #private::AnySystem for &#self_ty {
-                #kind
-                fn target(&self) -> &#self_ty { self }
-            }
-        }
-    });
+    let own = kind(private, &entry, &quote!(Self));
+    let reference = (!has_inputs).then(|| reference(private, &entry, self_ty));
     let zero = Literal::usize_unsuffixed(0);
     let rules = rules.iter();
     let rules = rules.map(|rule| implementation([private, runtime], self_ty, [rule, plan, &fail]));

@@ -41,7 +41,8 @@ impl Context<'_> {
         let (private, self_ty, attributes) = (self.formulas.private, &self.self_ty, attributes());
         let user_ty = self.user_ty();
         let doc = documented(&[("The system:", &self.texts.system())]);
-        let kind = self.kind(&quote!(Self));
+        let site = self.site();
+        let kind = kind(private, &site, &quote!(Self));
         let [coordinates, momenta] = ["q", "p"].map(|letter| self.names(letter));
         let mut hash = XxHash64::default();
         hash.write(self.texts.formulas().as_bytes());
@@ -67,17 +68,8 @@ impl Context<'_> {
                 impl #private::QuadraticKineticEnergy for #self_ty {}
             }
         });
-        let reference = self.block.inputs.is_none().then(|| {
-            let (user_ty, lifetimes) = named(user_ty, false);
-            let kind = self.kind(&user_ty);
-            quote! {
-                #attributes
-                impl<#(#lifetimes),*> #private::AnySystem for &#user_ty {
-                    #kind
-                    fn target(&self) -> &#user_ty { self }
-                }
-            }
-        });
+        let is_alone = self.block.inputs.is_none();
+        let reference = is_alone.then(|| reference(private, &site, user_ty));
         quote! {
             #attributes
             const _: () = { #(let _ = <#user_ty>::#functions;)* };
@@ -101,18 +93,6 @@ impl Context<'_> {
             #attributes
             impl #private::Separable for #self_ty {}
             #quadratic
-        }
-    }
-
-    /// The types of a system.
-    fn kind(&self, target: &TokenStream) -> TokenStream {
-        let (private, site) = (self.formulas.private, self.site());
-        quote! {
-            type Configuration = ::std::vec::Vec<#site>;
-            type Target = #target;
-            type Stepped = #target;
-            type Kind = #private::scene::Scenes;
-            type StateLanes = ();
         }
     }
 
@@ -251,6 +231,30 @@ fn shears(rule: Rule) -> Vec<(&'static str, Option<f64>)> {
     let all = before.chain([("Drift", 1.0)]).chain(after);
     let all = all.filter(|shear| shear.1 != 0.0);
     all.map(|(kind, part)| (kind, Some(part))).collect()
+}
+
+/// The types of a system with these sites.
+pub(super) fn kind(private: &TokenStream, site: &TokenStream, target: &TokenStream) -> TokenStream {
+    quote! {
+        type Configuration = ::std::vec::Vec<#site>;
+        type Target = #target;
+        type Stepped = #target;
+        type Kind = #private::scene::Scenes;
+        type StateLanes = ();
+    }
+}
+
+/// The implementation for a reference to a system.
+pub(super) fn reference(private: &TokenStream, site: &TokenStream, user_ty: &Type) -> TokenStream {
+    let (user_ty, lifetimes) = named(user_ty, false);
+    let (attributes, kind) = (attributes(), kind(private, site, &user_ty));
+    quote! {
+        #attributes
+        impl<#(#lifetimes),*> #private::AnySystem for &#user_ty {
+            #kind
+            fn target(&self) -> &#user_ty { self }
+        }
+    }
 }
 
 /// The implementation of a rule of this type, with its plan and the body of its walk.
