@@ -446,9 +446,9 @@ def long_rows() -> list[Number]:
 
 
 def stiff(row: str, method: str, long: bool) -> Number:
-    """Where an oscillator blows up."""
-    pattern = r"steps, ([\d.]+) within 10⁶" if long else r"from ωh = ([\d.]+) within 5,000"
-    steps = "10⁶" if long else "5,000"
+    """The first ωh of a scan at which an oscillator blows up."""
+    pattern = r"steps, ([\d.]+) within 10⁵" if long else r"from ωh = ([\d.]+) within 5,000"
+    steps = "10⁵" if long else "5,000"
     name = f"hard.{row.split()[0]}.{method.replace(' ', '-')}.{'long' if long else 'short'}"
     return Number(name, f"{row}, {method}: blows up within {steps} steps from ωh", case(rf"{row} +stiff: ωh to 1000", method, pattern))
 

@@ -14,7 +14,7 @@ mod stiff;
 mod table;
 
 fn main() -> ExitCode {
-    let mut table = table::Table::default();
+    let mut table = table::Table::new();
     stiff::rows(&mut table);
     orbits::rows(&mut table);
     long::rows(&mut table);

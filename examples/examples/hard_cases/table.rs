@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::{fmt, fs};
 
+use indicatif::{ProgressBar, ProgressStyle};
 use sve_examples::figure::Figure;
 use sve_examples::{page, render};
 use sve_runtime::plot::page::table;
@@ -42,10 +43,19 @@ struct Row {
 }
 
 /// The rows so far.
-#[derive(Default)]
-pub(super) struct Table(Vec<Row>);
+pub(super) struct Table {
+    rows: Vec<Row>,
+    bar: ProgressBar,
+}
 
 impl Table {
+    pub(super) fn new() -> Self {
+        Self {
+            rows: Vec::new(),
+            bar: ProgressBar::no_length().with_style(ProgressStyle::default_spinner()),
+        }
+    }
+
     /// Adds a row: the case with its difficulty, the method, the expected verdict, and the outcome.
     pub(super) fn add(
         &mut self,
@@ -53,7 +63,9 @@ impl Table {
         expected: Verdict,
         (found, numbers): (Verdict, String),
     ) {
-        self.0.push(Row {
+        self.bar.set_message(format!("{case}, {method}"));
+        self.bar.inc(1);
+        self.rows.push(Row {
             case,
             hard,
             method,
@@ -65,8 +77,9 @@ impl Table {
 
     /// Prints the rows. Returns whether every verdict is the expected one.
     pub(super) fn print(&self) -> bool {
+        self.bar.finish_and_clear();
         let width = |text: fn(&Row) -> &str| {
-            let longest = self.0.iter().map(|row| text(row).chars().count()).max();
+            let longest = self.rows.iter().map(|row| text(row).chars().count()).max();
             longest.unwrap_or(0)
         };
         let widths = [width(|r| r.case), width(|r| r.hard), width(|r| r.method)];
@@ -76,7 +89,7 @@ impl Table {
             "case", "what makes it hard", "method", "verdict"
         );
         let mut good = true;
-        for row in &self.0 {
+        for row in &self.rows {
             let as_expected = row.found == row.expected;
             good &= as_expected;
             print!(
@@ -100,10 +113,9 @@ impl Table {
             let verdict = [row.found.to_string(), row.numbers.clone()];
             (expected, cells.into_iter().chain(verdict).collect())
         };
-        let rows: Vec<(&str, Vec<String>)> = self.0.iter().map(row).collect();
+        let rows: Vec<(&str, Vec<String>)> = self.rows.iter().map(row).collect();
         let head = ["case", "method", "what makes it hard", "verdict", "numbers"];
-        let caption =
-            "Above the limit of stability the energy grows without bound, and the line ends.";
+        let caption = "A line ends where the energy first grows without bound.";
         let body = format!(
             "<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n{}",
             render::svg(figure)?,

@@ -1,6 +1,7 @@
 //! Figure 4: the Kubo oscillator on one path, exact, by the midpoint rule, and by Euler–Maruyama.
 
 use std::error::Error;
+use std::ops::Range;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
@@ -15,8 +16,10 @@ use crate::settings::{H, Options};
 use crate::systems::Kubo;
 
 const KUBO: Kubo = Kubo { a: 1.0, sigma: 1.0 };
-/// Half the side of the picture. Euler–Maruyama is drawn up to this border.
-const PICTURE: f64 = 8.0;
+/// Half the side of the pictures of orbits. Euler–Maruyama is drawn up to this border.
+const PICTURE: f64 = 4.0;
+/// The decades of the radius that are drawn.
+const DECADES: Range<f64> = -2.0..15.0;
 /// Largest allowed deviation of a sum of many independent terms, in standard deviations: a false
 /// alarm in a million.
 const DEVIATIONS: f64 = 5.0;
@@ -170,17 +173,16 @@ fn overflow(options: &Options, euler: &Run) -> [Check; 2] {
 }
 
 fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
-    let panel = |title: &str, size: f64| {
-        let axes = [Axis::new("q", -size..size), Axis::new("p", -size..size)];
-        let [q, p] = axes;
+    let panel = |title: &str| {
+        let [q, p] = ["q", "p"].map(|name| Axis::new(name, -PICTURE..PICTURE));
         Panel::new(title, q, p).equal()
     };
-    let exact = panel("Exact solution", 1.4).with(Layer::new(
+    let exact = panel("Exact solution").with(Layer::new(
         "exact",
         runs.exact.orbit(),
         Pen::dots(palette::BLACK, 0.8),
     ));
-    let midpoint = panel("Variational, midpoint rule", 1.4).with(Layer::new(
+    let midpoint = panel("Variational, midpoint rule").with(Layer::new(
         "midpoint rule",
         runs.midpoint.orbit(),
         Pen::dots(palette::BLUE, 0.8),
@@ -198,7 +200,7 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
     if let Some(symbols) = &mut pen.symbol {
         symbols.radius = 1.8;
     }
-    let euler = panel("Euler–Maruyama, uncorrected", PICTURE)
+    let euler = panel("Euler–Maruyama, uncorrected")
         .with(Layer::new(
             "exact circle",
             circle,
@@ -206,7 +208,7 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
         ))
         .with(Layer::new("Euler–Maruyama", spiral, pen))
         .note(
-            (-0.9 * PICTURE, -0.9 * PICTURE),
+            (-0.2 * PICTURE, 0.55 * PICTURE),
             format!("leaves the picture at t = {left:.1}"),
             palette::VERMILION,
         )
@@ -234,22 +236,27 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
         let last = all.last().copied();
         all.into_iter().step_by(every).chain(last).collect()
     };
-    let highest = |points: &[(f64, f64)]| points.iter().map(|point| point.1).fold(1.0, f64::max);
-    let (euler, corrected) = (decades(&runs.euler), decades(&runs.corrected));
-    let top = highest(&euler).max(highest(&corrected));
-    let lowest = corrected.iter().map(|point| point.1).fold(0.0, f64::min);
-    let range = lowest - 0.05 * top..1.08 * top;
+    let euler = decades(&runs.euler);
     let mut panel = Panel::new(
         "Radius √(q² + p²) against time, logarithmic",
         Axis::new("time t", 0.0..options.horizon),
-        Axis::powers("radius", range),
+        Axis::powers("radius", DECADES),
     )
-    .legend(Corner::TopLeft);
-    if let (Some(t), Some(&(last, decade))) = (runs.euler.overflow, euler.last()) {
-        let text = format!("overflow of f64 at t = {t:.1}");
+    .note(
+        (0.4 * options.horizon, -1.3),
+        "midpoint rule and exact solution: 1".to_owned(),
+        palette::BLUE,
+    )
+    .note(
+        (0.5 * options.horizon, 1.5),
+        "Euler–Maruyama, corrected".to_owned(),
+        palette::ORANGE,
+    );
+    let above = euler.iter().find(|&&(_, decade)| decade > DECADES.end);
+    if let (Some(t), Some(&(left, _))) = (runs.euler.overflow, above) {
         panel = panel.note(
-            (last + 0.01 * options.horizon, decade),
-            text,
+            (left + 0.01 * options.horizon, DECADES.end - 1.0),
+            format!("Euler–Maruyama, uncorrected: goes on to the overflow of f64 at t = {t:.1}"),
             palette::VERMILION,
         );
     }
@@ -261,7 +268,7 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
         ))
         .with(Layer::new(
             "Euler–Maruyama, corrected",
-            corrected,
+            decades(&runs.corrected),
             Pen::line(palette::ORANGE, 1.4).symbols(Shape::Triangle, 12),
         ))
         .with(Layer::new(
