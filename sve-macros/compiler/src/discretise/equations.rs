@@ -47,6 +47,8 @@ pub(crate) struct Equations {
     pub(crate) conditions: Vec<Condition<Expr>>,
     /// Additional results of a step.
     pub(crate) reported: Vec<Expr>,
+    /// The entries of rotations at nodes at the end of the step.
+    pub(crate) turned: Vec<Expr>,
     /// Expressions that must not be negative if a solution is accepted because its iteration
     /// contracts.
     pub(crate) guards: Vec<Expr>,
@@ -103,6 +105,7 @@ pub(crate) fn equations(action: &Action, symbols: &Symbols, arena: &mut Arena) -
         torn: Vec::new(),
         conditions: Vec::new(),
         reported: Vec::new(),
+        turned: action.turned().flat_map(|r| r.values.clone()).collect(),
         guards: Vec::new(),
     };
     match &action.enforced {

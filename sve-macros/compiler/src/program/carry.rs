@@ -3,7 +3,9 @@
 //!
 //! Input: a scheduled step. Output: pairs of values, of which the next step takes the second in
 //! place of the first. Invariant: the second value comes from q₁ by the same operations as the
-//! first from q₀, and q₁ is rounded as the state is, so that carrying changes no bit.
+//! first from q₀. The q₁ of vectors is rounded as the state is, so that carrying changes no bit. The
+//! rotation at the end is the matrix of the equations, and that of the state is the matrix of a
+//! quaternion: they differ by rounding errors.
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,6 +13,7 @@ use super::instructions::{Operation, Program, Tier, Value, operands};
 use super::limits::{CALL, DIVISION};
 use super::step::Step;
 use crate::algebra::Function;
+use crate::model::configuration::Factor;
 use crate::model::{Meaning, Quantity, Symbols};
 use crate::structure::{Returns, Solution};
 
@@ -31,12 +34,12 @@ impl Carried {
         let scheme = &step.scheme;
         let is_iterated = |solution: &Solution<_, _>| matches!(solution, Solution::Iteration(_));
         if scheme.returns != Returns::Increment
-            || scheme.blocks.iter().any(|b| is_iterated(&b.solution))
+            || step.turned.is_empty() && scheme.blocks.iter().any(|b| is_iterated(&b.solution))
         {
             return None;
         }
         let program = &step.program;
-        let images = images(program, symbols, &scheme.dq);
+        let images = images(step, symbols);
         let is_input = |v: &Value| matches!(program.get(*v).operation, Operation::Input(_));
         let sources: HashSet<Value> = images.keys().copied().filter(|v| !is_input(v)).collect();
         let used_outside: HashSet<Value> = program
@@ -71,7 +74,8 @@ fn weight(program: &Program, value: Value) -> usize {
 
 /// Returns, for each value that depends on q₀ and the parameters alone, the value that the same
 /// operations give at q₁, if the step computes it.
-fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, Value> {
+fn images(step: &Step, symbols: &Symbols) -> HashMap<Value, Value> {
+    let program = &step.program;
     let mut images = HashMap::new();
     let mut fixed = HashSet::new();
     for (value, instruction) in program.all() {
@@ -87,13 +91,10 @@ fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, 
                     fixed.insert(value);
                     None
                 }
-                // entries of a rotation are not added to
-                Meaning::Start(Quantity::Position, _) if symbols.configuration.has_rotations() => {
-                    None
-                }
-                Meaning::Start(Quantity::Position, i) => {
-                    dq.get(i).and_then(|&dq| end(program, value, dq))
-                }
+                Meaning::Start(Quantity::Position, i) => match moving(i, symbols) {
+                    Some(direction) => end(program, value, step.scheme.dq[direction]),
+                    None => step.turned.get(&i).copied(),
+                },
                 _ => None,
             },
             _ if operands(operation).all(|v| fixed.contains(&v)) => {
@@ -111,6 +112,14 @@ fn images(program: &Program, symbols: &Symbols, dq: &[Value]) -> HashMap<Value, 
         }
     }
     images
+}
+
+/// Returns the direction in which an entry of a vector moves; `None` for an entry of a rotation.
+fn moving(entry: usize, symbols: &Symbols) -> Option<usize> {
+    let blocks = symbols.configuration.blocks().into_iter();
+    let mut vectors = blocks.filter(|block| block.factor != Factor::Rotation);
+    let block = vectors.find(|block| block.entries.contains(&entry))?;
+    Some(block.directions.start + (entry - block.entries.start))
 }
 
 /// Returns the value q₀ + dq, if the step computes it by the addition that updates the state.

@@ -3,6 +3,8 @@
 //! Input: a scheme. Output: one program in tiers, the scheme with values in place of its
 //! expressions, and labels of the values.
 
+use std::collections::HashMap;
+
 use super::labels::Labels;
 use super::{Factored, Operation, Program, Scheduler, Tier, Tiers, Value};
 use crate::algebra::{Arena, Expr};
@@ -14,6 +16,8 @@ pub(crate) struct Step {
     pub(crate) scheme: Scheme<Value, Residual>,
     pub(crate) program: Program,
     pub(crate) labels: Labels,
+    /// Entries of rotations at the end that the step computes, by their numbers in the configuration.
+    pub(crate) turned: HashMap<usize, Value>,
 }
 
 /// A residual of an iteration.
@@ -73,7 +77,10 @@ impl Step {
         };
         labels.vector(q, 0, &lowered.dq);
         labels.vector(p, 0, &lowered.dp);
+        let turned = scheme.turned.iter();
+        let turned = turned.filter_map(|&(entry, e)| Some((entry, scheduler.known(e)?)));
         Self {
+            turned: turned.collect(),
             program: scheduler.finish(&results(&lowered, |_| true)),
             labels,
             scheme: lowered,

@@ -11,7 +11,7 @@ use super::constraints::{self, Enforced};
 use super::correction::Correction;
 use super::degenerate;
 use super::discretisation;
-use super::rotations::{RotationAtNode, values_at_nodes};
+use super::rotations::{NodePlace, RotationAtNode, values_at_nodes};
 use super::weak2::Potential;
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::catalogue::{Rule, RuleOption};
@@ -44,6 +44,14 @@ pub(crate) struct Action {
     pub(crate) half_factor: Option<f64>,
     /// The contributions of constraints, if there are any.
     pub(crate) enforced: Option<Enforced>,
+}
+
+impl Action {
+    /// Returns the rotations at nodes at the end of the step.
+    pub(crate) fn turned(&self) -> impl Iterator<Item = &RotationAtNode> {
+        let rotations = self.rotations.iter();
+        rotations.filter(|rotation| rotation.place == NodePlace::End)
+    }
 }
 
 /// Virtual work of a component of a force (Lagrange–d'Alembert): `impulse · δ place` is added to

@@ -33,6 +33,7 @@ pub(super) struct Reduced<'a> {
     pub(super) guards: Vec<Expr>,
     /// Additional results of a step.
     pub(super) reported: Vec<Expr>,
+    pub(super) turned: Vec<Expr>,
     /// The increments of noise forces that depend on velocities.
     pub(super) dividing: Vec<Symbol>,
 }
@@ -74,6 +75,7 @@ impl<'a> Reduced<'a> {
             torn: equations.torn,
             guards: equations.guards,
             reported: equations.reported,
+            turned: equations.turned,
         }
     }
 
@@ -128,7 +130,13 @@ impl<'a> Reduced<'a> {
                 .leading
                 .iter_mut()
                 .map(|leading| &mut leading.residuals);
-            let lists = [&mut self.dq, &mut self.reported, &mut self.guards].into_iter();
+            let lists = [
+                &mut self.dq,
+                &mut self.reported,
+                &mut self.turned,
+                &mut self.guards,
+            ]
+            .into_iter();
             for list in lists.chain(&mut self.dp).chain(leading) {
                 for expr in list {
                     if self.arena.contains(*expr, unknown) {

@@ -85,6 +85,11 @@ pub(crate) fn analyse(
         .map(|list| system.arena.substitute_all(list, &known))
         .collect();
     let dp = cheapest(system.arena, &candidates, &dq, &blocks);
+    let turned = system.arena.substitute_all(&system.turned, &known);
+    let numbers = action
+        .turned()
+        .flat_map(|r| (r.first..).take(r.values.len()));
+    let turned = numbers.zip(turned).collect();
     let increments = Scheme {
         blocks,
         increments: [dq.clone(), dp.clone()],
@@ -98,6 +103,7 @@ pub(crate) fn analyse(
             .collect(),
         guards,
         reported,
+        turned,
     };
     let mut scheme = linear_map(increments, action, symbols, arena);
     arena.stabilise(Purpose::Step, scheme.exprs_mut());
@@ -130,6 +136,7 @@ pub(crate) fn unstructured(
         domain: Vec::new(),
         guards: Vec::new(),
         reported: system.arena.substitute_all(&system.reported, &known),
+        turned: Vec::new(),
     };
     arena.stabilise(Purpose::Step, scheme.exprs_mut());
     scheme

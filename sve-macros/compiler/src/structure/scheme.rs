@@ -31,6 +31,9 @@ pub(crate) struct Scheme<T, R = T> {
     /// Additional results of a step, in terms of the solution: the multipliers of constraints, at
     /// the start and at the end.
     pub(crate) reported: Vec<Expr>,
+    /// Entries of rotations at the end of the step, by their numbers in the configuration, if a node
+    /// of the rule is there.
+    pub(crate) turned: Vec<(usize, Expr)>,
 }
 
 /// The results of a step.
@@ -172,6 +175,7 @@ impl Scheme<Expr> {
             guards: by.values(&self.guards),
             increments: self.increments.clone(),
             reported: self.reported.clone(),
+            turned: self.turned.clone(),
         }
     }
 
@@ -205,12 +209,14 @@ impl Scheme<Expr> {
             guards,
             increments: _,
             reported,
+            turned,
         } = self;
         let mut exprs: Vec<&mut Expr> = dq
             .iter_mut()
             .chain(dp)
             .chain(reported)
             .chain(guards)
+            .chain(turned.iter_mut().map(|(_, entry)| entry))
             .collect();
         exprs.extend(domain.iter_mut().map(|condition| &mut condition.value));
         for block in blocks {
