@@ -34,8 +34,10 @@ pub mod scene {
 
 pub use crate::angle_addition::sin_cos_of_sum;
 pub use crate::error::StepError;
+pub use crate::integrator::adapted::{AdaptsSteps, Attempts, BoxedAttempts};
 pub use crate::integrator::steps::Steps;
 pub use crate::lanes::{LANES, Lane, Mask};
+pub use crate::mechanics::time_scale::{ScaledTime, TimeScale, WithTimeScale};
 pub use crate::method::{Differentiable, Shared};
 pub use crate::parameter::{entry, number};
 pub use crate::phase::Field;
@@ -66,7 +68,7 @@ pub use crate::system::aliases::{
     StateOf, VectorOf,
 };
 pub use crate::system::any::{FixedSizes, Kind};
-pub use crate::system::equations::{Memory, StepOf};
+pub use crate::system::equations::{Memory, StepOf, nodes_between};
 pub use crate::system::equations::{Returns, StepEquations};
 pub use crate::system::euler::EulerIncrement;
 pub use crate::system::inputs::{HeldInputs, Inputs};
@@ -80,7 +82,7 @@ pub use crate::system::{
     AnySystem, ConstraintJet, CoordinateRole, Dims, ForceJet, LagrangianJet, Names, NoiseJet,
     System, WithInputs,
 };
-pub use crate::trajectory::StepsWithoutInputs;
+pub use crate::trajectory::{FixedSteps, StepsWithoutInputs, WithoutNoise};
 pub use nalgebra::UnitQuaternion;
 /// The derivatives of a step.
 pub type DMatrix = nalgebra::DMatrix<f64>;

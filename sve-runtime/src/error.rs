@@ -187,12 +187,88 @@ pub enum StepError {
         /// The message of the panic.
         message: String,
     },
+    /// The time scale of a system is not positive and finite at a node of a step.
+    #[error(
+        "the time scale is {scale} at q = {q:?}, in the step from t = {t} with h = {h:e}: \
+         a function with `#[time_scale]` is positive and finite wherever the motion comes; look at it there, or take a smaller h"
+    )]
+    TimeScale {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// Length of the step in τ; 0 outside of a step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// The value of the time scale.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        scale: f64,
+        /// The configuration at the node.
+        q: Vec<f64>,
+    },
     /// The step size is zero or not finite.
     #[error("the step size h = {h} must be finite and not zero")]
     StepSize {
         /// The step size given.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
+    },
+    /// The tolerance of a path is not between 10⁻¹⁵ and 10⁻².
+    #[error(
+        "the tolerance {tolerance:e} of the path from t = {t} must be between 1e-15 and 1e-2: it is the error after about one characteristic time of the motion, in units of the state"
+    )]
+    Tolerance {
+        /// Time at the start of the path.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The tolerance given.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        tolerance: f64,
+    },
+    /// A snapshot of a path with a tolerance was resumed without one.
+    #[error(
+        "the snapshot at t = {t} is that of a path whose step sizes were adapted to a tolerance: give the tolerance again, \
+         `integrator.resume(snapshot, NoNoise)?.tolerance(tol)`, or begin a new trajectory at its state"
+    )]
+    ToleranceMissing {
+        /// Time of the snapshot.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+    },
+    /// A step that the tolerance of a path allows is too small to change the time, or no size was
+    /// found for it.
+    #[error(
+        "the tolerance of the path allows no step from t = {t}: the last of {attempts} attempts had h = {h:e}, below {least:e} no step is made; \
+         L is singular or not smooth near q = {q:?}, or the tolerance is below the rounding errors of its terms: end the path before, or take a larger tolerance"
+    )]
+    StepTooSmall {
+        /// Time at the start of the step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The size of the step that was tried last.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// The smallest size, four times the rounding error of the time.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        least: f64,
+        /// Number of sizes that were tried.
+        attempts: u32,
+        /// Configuration at the start of the step.
+        q: Vec<f64>,
+    },
+    /// A path with a tolerance has made the largest number of steps.
+    #[error(
+        "the path has made {steps} steps to t = {t}, the last with h = {h:e}, and that is its limit: \
+         allow more with `.max_steps(n)`, end it before, or take a larger tolerance"
+    )]
+    TooManySteps {
+        /// The time that the path has reached.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        t: f64,
+        /// The size of the last step.
+        #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
+        h: f64,
+        /// The number of steps.
+        steps: u64,
     },
     /// Newton's method did not reach rounding level.
     #[error(

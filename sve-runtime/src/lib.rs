@@ -65,6 +65,7 @@ pub use integrator::{
 };
 pub use lyapunov::Lyapunov;
 pub use mechanics::Mechanics;
+pub use mechanics::time_scale::{TimeScale, TimedState, WithTimeScale};
 pub use method::OneStepMethod;
 /// Vectors, matrices and rotations, in the version that this crate uses.
 pub use nalgebra;
@@ -86,8 +87,9 @@ pub use sve_macros::variational;
 pub use system::plan::Plan;
 pub use table::{SaveError, StateTable, Xyz};
 pub use trajectory::{
-    Adjoint, DrivenPaths, DrivenTrajectory, Events, Gradient, Method, NeedsInputs,
-    RefinedTrajectory, Refinements, Saved, Snapshot, Trajectory,
+    AccurateTrajectory, Adjoint, DrivenPaths, DrivenTrajectory, Events, Gradient, Method,
+    NeedsInputs, RefinedTrajectory, Refinements, Saved, ScaledPaths, ScaledTrajectory, Snapshot,
+    Trajectory,
 };
 
 /// The parts of a [`Plan`]: what is solved in a step, by which formulas, with which orders and
@@ -110,8 +112,8 @@ pub mod prelude {
     pub use crate::{
         BlanesMoan4, BlanesMoanRkn6, Composed, DrivenPaths, Endpoint, Gauss, InitialPoint,
         Integrator, KahanLi8, Mechanics, Method, Midpoint, NeighbourError, Neighbours, Newton,
-        OneStepMethod, SceneMechanics, Snapshot, Split, StageNoise, State, StepError,
-        StormerVerlet, Taylor2, Weak2, Xyz, variational,
+        OneStepMethod, ScaledPaths, SceneMechanics, Snapshot, Split, StageNoise, State, StepError,
+        StormerVerlet, Taylor2, TimedState, Weak2, WithTimeScale, Xyz, variational,
     };
     pub use nalgebra::{
         Matrix2, Matrix3, Matrix4, Rotation2, Rotation3, SMatrix, SVector, UnitQuaternion, Vector1,

@@ -28,6 +28,10 @@ pub trait OneStepMethod {
     /// carries from step to step.
     type Prepared: Clone;
 
+    /// True if a step writes the time at its end, which is not `h` after its start.
+    #[doc(hidden)]
+    const HAS_OWN_TIME: bool = false;
+
     /// Returns the system that the method integrates.
     fn system(&self) -> &Self::System;
 

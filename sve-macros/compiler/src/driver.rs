@@ -113,6 +113,11 @@ fn implementations(
         }
     };
     applicable::check(&block, &model)?;
+    let settings = Settings {
+        // states of a path with a time scale are stepped one by one
+        lanes: settings.lanes && block.time_scale.is_none(),
+        ..settings
+    };
     let budget = Budget::new(&block, &model, work)?;
     let system = classify(&block, model, &budget, &mut arena)?;
     let derivation = derive(block, system, &budget, settings, arena)?;

@@ -42,6 +42,9 @@ pub(crate) struct Course {
     sweeps: u32,
     /// Sweeps whose changes fell by less than the contraction factor.
     slow: u32,
+    /// The size of the change after the next one at which the iteration ends early; `None` if it
+    /// goes on to rounding errors.
+    level: Option<f64>,
 }
 
 /// The decision after a sweep.
@@ -59,6 +62,17 @@ impl Course {
             last: f64::INFINITY,
             sweeps: 0,
             slow: 0,
+            level: None,
+        }
+    }
+
+    /// Returns an iteration that ends as soon as the change after the next one is below a level.
+    /// The caller evaluates the stages once more, so the next change is made too. An iteration that
+    /// ends early does not keep the structure of a step.
+    pub(super) const fn down_to(level: f64) -> Self {
+        Self {
+            level: Some(level),
+            ..Self::new()
         }
     }
 
@@ -68,14 +82,24 @@ impl Course {
         self.sweeps == 0
     }
 
-    /// Judges a sweep by its change. Convergence is linear: the next change is about
-    /// `change² / last`. The first sweep says nothing about the rate, unless it changes nothing.
+    /// Returns whether the changes that follow are negligible. Convergence is linear: the next
+    /// change is about `change² / last`, and the change after it `change³ / last²`.
+    #[inline(always)]
+    fn is_negligible(&self, change: f64, last: f64) -> bool {
+        match self.level {
+            None => change * change <= NEGLIGIBLE * last,
+            Some(level) => change * (change / last) * (change / last) <= level,
+        }
+    }
+
+    /// Judges a sweep by its change. The first sweep says nothing about the rate, unless it changes
+    /// nothing.
     #[inline(always)]
     pub(crate) fn judge(&mut self, change: f64) -> Verdict {
         let last = self.last;
         self.last = change;
         self.sweeps += 1;
-        if change * change <= NEGLIGIBLE * last && self.sweeps > 1 || change == 0.0 {
+        if self.is_negligible(change, last) && self.sweeps > 1 || change == 0.0 {
             // `last` is infinite on the first sweep alone
             return Verdict::Converged;
         }

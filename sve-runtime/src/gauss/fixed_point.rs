@@ -19,7 +19,7 @@
 use super::convergence::{Course, Verdict};
 use super::newton::{Solved, displacement, moves_position, velocity};
 use super::scaled::{Scaled, SecondOrderCoefficients};
-use super::stages::{Rows, at_stages, inverse_size, larger, product, relative_change, sum};
+use super::stages::{Matrix, Rows, at_stages, inverse_size, larger, product, relative_change, sum};
 use super::step::Step;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::system::System;
@@ -105,19 +105,31 @@ pub(super) fn solve_second_order<
 where
     Sys: SecondOrder<N, M>,
 {
+    let ahead = &coefficients.second_order_ahead;
     dispatch(SecondOrderIteration::<_, S, N, M, K> {
         step,
-        coefficients,
-        before,
+        inverse_mass: &coefficients.inverse_mass,
+        scaled: &coefficients.scaled,
+        guess: before.map(|impulses| (ahead, impulses)),
+        course: Course::new(),
     })
 }
 
-struct SecondOrderIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize>
-{
-    step: &'a Step<'a, Sys, S, N, M>,
-    coefficients: &'a SecondOrderCoefficients<S, N>,
-    /// The impulses of the step before.
-    before: Option<&'a Rows<S, N>>,
+/// The iteration of a step of a system of second order.
+pub(super) struct SecondOrderIteration<
+    'a,
+    Sys,
+    const S: usize,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+> {
+    pub(super) step: &'a Step<'a, Sys, S, N, M>,
+    pub(super) inverse_mass: &'a [[f64; N]; N],
+    pub(super) scaled: &'a Scaled<S>,
+    /// Impulses, and the matrix that gives the first displacements from them.
+    pub(super) guess: Option<(&'a Matrix<S>, &'a Rows<S, N>)>,
+    pub(super) course: Course,
 }
 
 impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize> Kernel
@@ -134,8 +146,7 @@ where
             nodes,
             rest,
             second_order,
-            second_order_ahead,
-        } = &self.coefficients.scaled;
+        } = self.scaled;
         let start = self.velocity(&state.p.map(|p| [p]));
         // The motion with constant velocity, relative to the start.
         let mut free = [[0.0; S]; N];
@@ -145,15 +156,15 @@ where
             }
         }
         let none = [[0.0; S]; N];
-        let mut moves = match self.before {
-            Some(impulses) => self.moves(&free, second_order_ahead, impulses),
+        let mut moves = match self.guess {
+            Some((matrix, impulses)) => self.moves(&free, matrix, impulses),
             None => self.moves(&free, second_order, &none),
         };
         let mut inverse_sizes = [0.0; N];
         for n in 0..N {
             inverse_sizes[n] = inverse_size(state.q[n], &moves[n]);
         }
-        let mut course = Course::new();
+        let mut course = self.course;
         loop {
             let impulses = self.step.system.impulses(&self.step.lanes(&moves));
             let next = self.moves(&free, second_order, &impulses);
@@ -209,7 +220,7 @@ where
             for n in 0..N {
                 let pushed = product(second_order, &impulses[n]);
                 for i in 0..S {
-                    moves[n][i] = free[n][i] + self.coefficients.inverse_mass[n][n] * pushed[i];
+                    moves[n][i] = free[n][i] + self.inverse_mass[n][n] * pushed[i];
                 }
             }
             return moves;
@@ -229,7 +240,7 @@ where
     /// Returns the velocities of the given momenta.
     #[inline(always)]
     fn velocity<const L: usize>(&self, momenta: &Rows<L, N>) -> Rows<L, N> {
-        let inverse_mass = &self.coefficients.inverse_mass;
+        let inverse_mass = self.inverse_mass;
         let mut velocities = [[0.0; L]; N];
         for n in 0..N {
             if Sys::HAS_DIAGONAL_MASS {
@@ -264,14 +275,27 @@ pub(super) fn solve_partitioned<
 where
     Sys: Partitioned<N, M>,
 {
-    dispatch(PartitionedIteration::<_, S, N, M, K> { step, before })
+    let ahead = &step.tableau.ratio_ahead;
+    dispatch(PartitionedIteration::<_, S, N, M, K> {
+        step,
+        guess: before.map(|stages| (ahead, stages)),
+        course: Course::new(),
+    })
 }
 
-struct PartitionedIteration<'a, Sys, const S: usize, const N: usize, const M: usize, const K: usize>
-{
-    step: &'a Step<'a, Sys, S, N, M>,
-    /// Displacements and impulses of the step before.
-    before: Option<&'a [Rows<S, N>; 2]>,
+/// The iteration of a step of a system with ∂L/∂v affine in v.
+pub(super) struct PartitionedIteration<
+    'a,
+    Sys,
+    const S: usize,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+> {
+    pub(super) step: &'a Step<'a, Sys, S, N, M>,
+    /// Displacements and impulses, and the matrix that gives the first stages from them.
+    pub(super) guess: Option<(&'a Matrix<S>, &'a [Rows<S, N>; 2])>,
+    pub(super) course: Course,
 }
 
 impl<Sys, const S: usize, const N: usize, const M: usize, const K: usize> Kernel
@@ -287,14 +311,14 @@ where
         // Displacements and impulses are relative to the start; nothing moves in the limit of no
         // noise and h → 0.
         let (mut moves, mut kicks) = ([[0.0; S]; N], [[0.0; S]; N]);
-        if let Some([displacements, impulses]) = self.before {
+        if let Some((matrix, [displacements, impulses])) = self.guess {
             for n in 0..N {
-                moves[n] = product(&tableau.ratio_ahead, &displacements[n]);
-                kicks[n] = product(&tableau.ratio_ahead, &impulses[n]);
+                moves[n] = product(matrix, &displacements[n]);
+                kicks[n] = product(matrix, &impulses[n]);
             }
         }
         let mut inverse_sizes = [[0.0; N]; 2];
-        let mut course = Course::new();
+        let mut course = self.course;
         let mut has_converged = false;
         loop {
             let stages = self.step.lanes(&moves);

@@ -13,6 +13,7 @@
 //! | `memory.rs` | the numbers that a trajectory carries from step to step |
 //! | `linearise.rs` | the linearised step |
 //! | `potential.rs` | the term of the option `weak2` |
+//! | `legendre.rs`, `adapted.rs`, `step_size.rs` | steps whose size is adapted to a tolerance |
 //!
 //! A step with four stages or more is first solved by fixed-point iteration if its Lagrangian
 //! allows it. The solution is accepted if the iteration contracts, which is sampled along the
@@ -25,11 +26,13 @@
 //!
 //! If a solution is not accepted, [`continuation`](crate::continuation) follows it from the limit.
 
+pub(crate) mod adapted;
 mod bounds;
 mod connected;
 pub(crate) mod convergence;
 mod double_double;
 mod fixed_point;
+mod legendre;
 mod linearise;
 mod memory;
 mod newton;
@@ -40,13 +43,15 @@ mod scaled;
 pub(crate) mod stage_noise;
 mod stages;
 mod step;
+pub(crate) mod step_size;
 mod tableau;
 
+pub use adapted::{AdaptedSteps, Attempt, StageSeries, partitioned_attempt, second_order_attempt};
 pub use bounds::{NodeBounds, NoiseBounds, Radii, StageBounds, Uniqueness};
 pub use fixed_point::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
 pub use linearise::{ByParameters, ParameterJet};
 pub use potential::{Corrected, WithPotential, with_potential};
-pub use scaled::SecondOrderCoefficients;
+pub use scaled::{SecondOrderCoefficients, inverse_mass};
 
 use crate::phase::configuration::VectorCoordinates;
 use crate::phase::state::State;
@@ -56,7 +61,7 @@ use crate::system::linearisation::Linearisation;
 use crate::system::{Dims, System};
 use memory::solve_from_memory;
 use newton::Solved;
-use step::Step;
+use step::{Step, at_stage};
 use tableau::Tableau;
 
 /// Solves a step by Newton's method.
@@ -192,6 +197,27 @@ pub fn start<const S: usize, const N: usize, const K: usize>(velocity: &[f64; N]
         *x = velocity[at / S];
     }
     x
+}
+
+/// Visits the positions of the stages of a solved step with their weights.
+#[inline]
+pub fn nodes<const S: usize, const N: usize, const K: usize>(
+    start: &[f64; N],
+    h: f64,
+    unknowns: &[f64; K],
+    visit: &mut dyn FnMut(f64, &[f64; N]),
+) {
+    let tableau = const { &Tableau::<S>::VALUES };
+    let displacements: [[f64; N]; S] = core::array::from_fn(|i| {
+        core::array::from_fn(|n| h * tableau.b[i] * unknowns[newton::velocity::<S>(i, n)])
+    });
+    for i in 0..S {
+        let mut q = at_stage(i, &displacements);
+        for n in 0..N {
+            q[n] += start[n];
+        }
+        visit(tableau.b[i], &q);
+    }
 }
 
 /// Linearises a solved step. Returns the result of `then` for the linearised equations and results.

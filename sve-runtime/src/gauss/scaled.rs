@@ -22,6 +22,8 @@ pub struct SecondOrderCoefficients<const S: usize, const N: usize> {
     /// The inverse of the constant mass matrix; NaN if the mass matrix is singular.
     pub(super) inverse_mass: [[f64; N]; N],
     pub(super) scaled: Scaled<S>,
+    /// `h Σ_k η_ik x_kj`, where x extrapolates the impulses of a step to those of the next one.
+    pub(super) second_order_ahead: [[f64; S]; S],
 }
 
 /// The coefficients for a step size. Matrices are stored column by column, as in [`Tableau`].
@@ -33,11 +35,22 @@ pub(super) struct Scaled<const S: usize> {
     pub(super) rest: [f64; S],
     /// `h η_ij`.
     pub(super) second_order: [[f64; S]; S],
-    /// `h Σ_k η_ik x_kj`, where x extrapolates the impulses of a step to those of the next one.
-    pub(super) second_order_ahead: [[f64; S]; S],
 }
 
 impl<const S: usize> Scaled<S> {
+    /// Returns the products with the step size, rounded each for itself, so that the condition of
+    /// symplecticity holds to rounding errors alone.
+    #[inline]
+    pub(super) fn product(h: f64) -> Self {
+        let tableau = const { &Tableau::<S>::VALUES };
+        let nodes = tableau.c.map(|c| h * c);
+        Self {
+            nodes,
+            rest: nodes.map(|node| h - node),
+            second_order: tableau.second_order.map(|row| row.map(|eta| h * eta)),
+        }
+    }
+
     fn new(h: f64) -> Self {
         let tableau = const { &Tableau::<S>::VALUES };
         // The unit is the distance to the next number towards zero. All its multiples up to h are
@@ -56,7 +69,6 @@ impl<const S: usize> Scaled<S> {
             nodes,
             rest: nodes.map(|node| h - node),
             second_order,
-            second_order_ahead: tableau.second_order_ahead.map(|row| row.map(|x| h * x)),
         }
     }
 }
@@ -82,22 +94,33 @@ impl<const S: usize, const N: usize> SecondOrderCoefficients<S, N> {
         Sys: System<Dims = Dims<N, M, Q>>,
         Q: VectorCoordinates<N>,
     {
-        let mass = system.lagrangian_jet(0.0, &[0.0; N], &[0.0; N]).dvv;
-        let mut inverse_mass = [[f64::NAN; N]; N];
-        for column in 0..N {
-            let mut unit = [0.0; N];
-            unit[column] = 1.0;
-            if let Some(solution) = dense::solve(&mass, &unit) {
-                for row in 0..N {
-                    inverse_mass[row][column] = solution[row];
-                }
-            }
-        }
+        let tableau = const { &Tableau::<S>::VALUES };
         Self {
-            inverse_mass,
+            inverse_mass: inverse_mass(system),
             scaled: Scaled::new(h),
+            second_order_ahead: tableau.second_order_ahead.map(|row| row.map(|x| h * x)),
         }
     }
+}
+
+/// Returns the inverse of a constant mass matrix; NaN if the mass matrix is singular.
+pub fn inverse_mass<Sys, Q, const N: usize, const M: usize>(system: &Sys) -> [[f64; N]; N]
+where
+    Sys: System<Dims = Dims<N, M, Q>>,
+    Q: VectorCoordinates<N>,
+{
+    let mass = system.lagrangian_jet(0.0, &[0.0; N], &[0.0; N]).dvv;
+    let mut inverse_mass = [[f64::NAN; N]; N];
+    for column in 0..N {
+        let mut unit = [0.0; N];
+        unit[column] = 1.0;
+        if let Some(solution) = dense::solve(&mass, &unit) {
+            for row in 0..N {
+                inverse_mass[row][column] = solution[row];
+            }
+        }
+    }
+    inverse_mass
 }
 
 #[cfg(test)]

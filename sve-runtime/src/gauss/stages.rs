@@ -6,10 +6,13 @@ use super::tableau::Tableau;
 /// A number at each stage, for each coordinate.
 pub(super) type Rows<const S: usize, const N: usize> = [[f64; S]; N];
 
+/// A matrix over the stages, column by column.
+pub(super) type Matrix<const S: usize> = [[f64; S]; S];
+
 /// Returns `Σ_j matrix[j] z_j`. The products are added as a tree, whose chain of operations is
 /// shorter than the chain of a sum in order.
 #[inline(always)]
-pub(super) fn product<const S: usize>(matrix: &[[f64; S]; S], z: &[f64; S]) -> [f64; S] {
+pub(super) fn product<const S: usize>(matrix: &Matrix<S>, z: &[f64; S]) -> [f64; S] {
     let mut terms = [[0.0; S]; S];
     for j in 0..S {
         for i in 0..S {

@@ -235,7 +235,7 @@ impl<const S: usize> Exact<S> {
 }
 
 /// Returns the Legendre polynomials of degree 0 to [`MOST_STAGES`], by their recurrence.
-const fn legendre_at(y: Double) -> [Double; MOST_STAGES + 1] {
+pub(super) const fn legendre_at(y: Double) -> [Double; MOST_STAGES + 1] {
     let mut p = [Double::ONE; MOST_STAGES + 1];
     p[1] = y;
     let mut k = 1;

@@ -27,6 +27,7 @@ pages! {
     constraints_and_rotations
     degenerate
     inputs
+    time_scales
     failures
     python_module
     claims

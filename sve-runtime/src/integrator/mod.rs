@@ -16,8 +16,11 @@
 //! | `gradient.rs` | derivatives along paths |
 //! | `inputs.rs` | steps of systems with inputs |
 //! | `driven.rs` | the method whose inputs come from a function |
+//! | `adapted.rs` | attempts at steps whose size is adapted |
+//! | `time_scale.rs` | the method of a system with a time scale |
 
 pub(crate) mod accept;
+pub(crate) mod adapted;
 mod compensated;
 mod consistent;
 mod constraint_forces;
@@ -33,6 +36,7 @@ mod start;
 pub(crate) mod step;
 pub(crate) mod steps;
 mod tangent;
+pub(crate) mod time_scale;
 
 use core::fmt;
 

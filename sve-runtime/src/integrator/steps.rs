@@ -291,7 +291,7 @@ where
 /// # Errors
 /// As [`walk_from`].
 #[inline(always)]
-fn walk_on<S, R, Q, const N: usize, const M: usize>(
+pub(super) fn walk_on<S, R, Q, const N: usize, const M: usize>(
     walker: Walker<'_, S, R>,
     prepared: &mut Prepared<R::Prepared, R::Memory>,
     state: &mut State<Q::Flat>,

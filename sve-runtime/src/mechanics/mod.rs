@@ -12,6 +12,7 @@ mod dual_state;
 pub(crate) mod legendre;
 mod rates;
 mod starts;
+pub(crate) mod time_scale;
 
 pub(crate) use dual_state::with_dual_state;
 pub(crate) use rates::{Motion, Noises, reach_of_noise, solve_drift, solve_motion};

@@ -10,6 +10,7 @@
 
 use core::fmt::Debug;
 
+pub(crate) use flat::two_sum;
 pub use flat::{FlatConfiguration, Flatten};
 pub use reduced::Reduced;
 pub use rotations::WithRotations;

@@ -45,6 +45,9 @@ rules! {
 /// steps are slow: the outer solar system has 144 unknowns with 8 stages, and a step that is too
 /// long for the fixed-point iteration takes milliseconds, some hundred times as long as a shorter
 /// step.
+///
+/// With four stages or more [`tolerance`](crate::Trajectory::tolerance) adapts the size of the
+/// steps of a path without noise, for accurate paths over short times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gauss<const S: usize>;
 

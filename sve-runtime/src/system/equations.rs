@@ -13,7 +13,7 @@ use crate::system::linearisation::{Linearisation, Unknowns};
 use crate::system::plan::Plan;
 use crate::system::start::StartOfStep;
 use crate::system::{
-    FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, TangentLanesOf, VectorOf,
+    FlatOf, FlatStateOf, IncrementLanesOf, Increments, StateLanesOf, TangentLanesOf, VectorOf,
 };
 
 /// Numbers that a trajectory carries from one step to the next: results that the next step would
@@ -186,6 +186,20 @@ pub trait StepEquations<R>: StartOfStep {
     ) {
         let _ = (state, h, dw, unknowns, visit);
     }
+    /// Visits the positions of the nodes of a solved step with their weights in the action, for a
+    /// system with a time scale. The derivative of the action by the energy is h times the weighted
+    /// sum of the time scale at the nodes.
+    #[inline(always)]
+    fn nodes(
+        &self,
+        start: &FlatStateOf<Self>,
+        end: &FlatStateOf<Self>,
+        h: f64,
+        unknowns: &Self::Unknowns,
+        visit: &mut dyn FnMut(f64, &FlatOf<Self>),
+    ) {
+        let _ = (start, end, h, unknowns, visit);
+    }
     /// Linearises the step's equations and results around a solved step. Returns the result of
     /// `then`.
     fn linearise<T>(
@@ -196,6 +210,21 @@ pub trait StepEquations<R>: StartOfStep {
         unknowns: &Self::Unknowns,
         then: impl FnOnce(Linearisation<'_>) -> T,
     ) -> T;
+}
+
+/// Visits nodes between the ends of a step: each with its weight, and its place as a fraction of
+/// the displacement.
+#[inline]
+pub fn nodes_between<const N: usize>(
+    start: &[f64; N],
+    end: &[f64; N],
+    nodes: &[(f64, f64)],
+    visit: &mut dyn FnMut(f64, &[f64; N]),
+) {
+    for &(weight, place) in nodes {
+        let at = core::array::from_fn(|n| start[n] + place * (end[n] - start[n]));
+        visit(weight, &at);
+    }
 }
 
 /// The result of [`StepEquations::increment`].

@@ -5,8 +5,10 @@
 //! adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low
 //! parts of the state. The adapter [`Events`] yields the states at zeros of functions, and ends or
 //! changes the trajectory at them; the adapter [`Saved`] yields every n-th state, or the states at
-//! given times.
+//! given times. An [`AccurateTrajectory`] adapts the step size to a tolerance.
 
+mod accurate;
+mod adapted;
 mod checkpoints;
 mod compensated;
 mod driven;
@@ -17,7 +19,9 @@ mod refined;
 mod saved;
 mod snapshot;
 mod sweep;
+mod time_scale;
 
+pub use accurate::{AccurateTrajectory, FixedSteps, WithoutNoise};
 pub use driven::{DrivenPaths, DrivenTrajectory, NeedsInputs, StepsWithoutInputs};
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
@@ -27,8 +31,11 @@ pub(crate) use refined::Halving;
 pub use refined::{RefinedTrajectory, Refinements};
 pub use saved::Saved;
 pub use snapshot::Snapshot;
+pub use time_scale::{ScaledPaths, ScaledTrajectory};
 
 use core::borrow::{Borrow as _, BorrowMut as _};
+
+use adapted::Sizes;
 
 use crate::error::StepError;
 use crate::fingerprint::{StepsDifference, StepsFingerprint};
@@ -50,7 +57,9 @@ pub struct Trajectory<'a, I: OneStepMethod, W> {
     state: StateOf<I::System>,
     /// Time before the first step.
     start: f64,
+    /// The size of a step; of the last step if the sizes are adapted.
     h: f64,
+    /// What the method prepares for steps of one size; `None` if the sizes are adapted.
     prepared: Option<I::Prepared>,
     /// The memory of the increments of a step.
     buffer: <I::Increments as AnyIncrements>::Buffer,
@@ -60,6 +69,7 @@ pub struct Trajectory<'a, I: OneStepMethod, W> {
     refinements: Refinements,
     /// The low parts of the state, if rounding errors are compensated.
     low: Option<StateOf<I::System>>,
+    sizes: Sizes<I::System>,
 }
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
@@ -81,12 +91,13 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             has_ended: false,
             refinements: Refinements::default(),
             low: None,
+            sizes: Sizes::Fixed,
         }
     }
 
     #[allow(clippy::needless_pass_by_value)] // the trajectory takes the place of its snapshot
     pub(crate) fn resume(
-        method: &'a I,
+        method: impl Into<Shared<'a, I>>,
         snapshot: Snapshot<StateOf<I::System>>,
         noise: W,
     ) -> Result<Self, StepError> {
@@ -97,43 +108,49 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             state,
             low,
             memory,
+            adapted,
             steps,
             refinements,
         } = snapshot;
-        let t = state.t;
+        let (method, t) = (method.into(), state.t);
         if low.is_some() && !method.has_compensated_step() {
             return Err(StepError::Uncompensated { t });
         }
-        let mut resumed = Self {
+        let (mut prepared, mut sizes) = (None, Sizes::Fixed);
+        // Without numbers that are carried the next step reads the state and the present parameters
+        // alone.
+        let numbers = memory.len() + adapted.len();
+        if numbers > 0 {
+            let other = |differs: &str| StepError::OtherSteps {
+                t,
+                numbers,
+                differs: differs.into(),
+            };
+            if let Some(what) = steps.difference(&StepsFingerprint::of(&*method)) {
+                return Err(other(match what {
+                    StepsDifference::Formulas => "formulas of the system",
+                    StepsDifference::Parameters => "values of the system's parameters",
+                    StepsDifference::Method => "rules or options of Newton's method",
+                }));
+            }
+            if adapted.is_empty() {
+                let carried = prepared.insert(method.prepare(h)?);
+                if !method.recall(carried, &memory) {
+                    return Err(other("versions of this library"));
+                }
+            } else {
+                sizes = Sizes::Stored(adapted);
+            }
+        }
+        Ok(Self {
             start,
+            prepared,
             step,
             refinements,
             low,
+            sizes,
             ..Self::new(method, state, h, noise)
-        };
-        if memory.is_empty() {
-            // Nothing is carried, so the next step reads the state and the present parameters
-            // alone.
-            return Ok(resumed);
-        }
-        let other = |differs: &str| StepError::OtherSteps {
-            t,
-            numbers: memory.len(),
-            differs: differs.into(),
-        };
-        if let Some(what) = steps.difference(&StepsFingerprint::of(method)) {
-            return Err(other(match what {
-                StepsDifference::Formulas => "formulas of the system",
-                StepsDifference::Parameters => "values of the system's parameters",
-                StepsDifference::Method => "rules or options of Newton's method",
-            }));
-        }
-        let mut prepared = method.prepare(h)?;
-        if !method.recall(&mut prepared, &memory) {
-            return Err(other("versions of this library"));
-        }
-        resumed.prepared = Some(prepared);
-        Ok(resumed)
+        })
     }
 
     /// Returns the snapshot from which [`Method::resume`](crate::Method::resume) continues with the
@@ -147,6 +164,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             low: self.low.clone(),
             memory: (self.prepared.as_ref())
                 .map_or_else(Vec::new, |prepared| self.method.memory(prepared)),
+            adapted: self.sizes.numbers(),
             steps: StepsFingerprint::of(&*self.method),
             refinements: self.refinements,
         }
@@ -168,10 +186,14 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         &self.state
     }
 
-    /// Computes the values that depend on the step size alone.
+    /// Computes the values that depend on the step size alone, if it is the same in all steps.
     #[cold]
     fn prepare(&mut self) -> Result<(), StepError> {
-        self.prepared = Some(self.method.prepare(self.h)?);
+        match &self.sizes {
+            Sizes::Fixed => self.prepared = Some(self.method.prepare(self.h)?),
+            Sizes::Adapted(_) => {}
+            Sizes::Stored(_) => return Err(StepError::ToleranceMissing { t: self.state.t }),
+        }
         Ok(())
     }
 
@@ -202,6 +224,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         if let Some(prepared) = &mut self.prepared {
             self.method.recall(prepared, &[]);
         }
+        self.sizes.forget();
     }
 
     /// Makes `steps` steps. Returns the state after them; the states between are not copied.
@@ -312,10 +335,22 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     ) -> Result<(), StepError> {
         if self.prepared.is_none() {
             self.prepare()?;
+            if self.prepared.is_none() {
+                return self.adapted_step(None).map(|_| ());
+            }
         }
         let drawn = self.draw()?;
         let dw: &I::Increments = drawn.borrow();
-        let end = time_of_next(self.start, self.step + 1, self.h, self.state.t)?;
+        let end = if const { I::HAS_OWN_TIME } {
+            None
+        } else {
+            Some(time_of_next(
+                self.start,
+                self.step + 1,
+                self.h,
+                self.state.t,
+            )?)
+        };
         // behind the end of a recorded path, so that a table of inputs needs no entry there
         self.hold()?;
         // The rare cases are calls with copies of the increments, so that the compiler optimises
@@ -335,7 +370,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         I::Increments::give(&mut self.buffer, drawn);
         self.step += 1;
         // The time is rounded once: repeated addition of `h` would drift.
-        self.state.t = end;
+        if let Some(end) = end {
+            self.state.t = end;
+        }
         Ok(())
     }
 }

@@ -77,6 +77,12 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         I: Method,
         W: Halves,
     {
+        const {
+            assert!(
+                !I::HAS_OWN_TIME,
+                "steps of a system with a time scale are not refined, since parts of a step keep no structure: take a smaller h, or another time scale"
+            );
+        }
         RefinedTrajectory {
             trajectory: self,
             depth,

@@ -8,8 +8,9 @@ use crate::fingerprint::StepsFingerprint;
 ///
 /// It contains everything that a trajectory carries from step to step: its first time, step size,
 /// number of steps, state, the low parts of [compensated](crate::Trajectory::compensated) sums, the
-/// numbers that the method carries (the force at the end of a step, say), and the count of refined
-/// steps. It contains neither the system nor the method nor the noise:
+/// numbers that the method carries (the force at the end of a step, say), the numbers from which a
+/// path with a [tolerance](crate::Trajectory::tolerance) takes the size of its next step, and the
+/// count of refined steps. It contains neither the system nor the method nor the noise:
 /// [`Method::resume`](crate::Method::resume) takes them again. Hashes of the formulas, of the
 /// parameters and of the method tell `resume` whether the numbers that the method carries belong to
 /// them.
@@ -31,6 +32,9 @@ pub struct Snapshot<T> {
     /// The numbers that the method carries from step to step.
     #[cfg_attr(feature = "serde", serde(default, with = "crate::floats::many"))]
     pub(super) memory: Vec<f64>,
+    /// The numbers from which a path with a tolerance takes the size of its next step.
+    #[cfg_attr(feature = "serde", serde(default, with = "crate::floats::many"))]
+    pub(super) adapted: Vec<f64>,
     /// The formulas, parameters and method of the steps that were made, which determine `memory`.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) steps: StepsFingerprint,
@@ -48,7 +52,7 @@ impl<T> Snapshot<T> {
         self.step
     }
 
-    /// Returns the step size.
+    /// Returns the step size; that of the last step if the sizes are adapted to a tolerance.
     pub fn h(&self) -> f64 {
         self.h
     }

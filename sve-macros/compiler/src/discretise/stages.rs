@@ -9,6 +9,7 @@ use std::collections::HashMap;
 
 use super::node_bounds::{self, Uniqueness};
 use crate::algebra::{Arena, Expr, Purpose, Symbol};
+use crate::catalogue::{Options, Rule};
 use crate::model::domain::{self, Condition};
 use crate::model::{Meaning, Model, Symbols};
 use crate::system::mechanics::Mechanics;
@@ -51,6 +52,11 @@ impl Stages {
     /// generated code tells the runtime.
     pub(crate) fn has_fixed_point(&self, stages: usize) -> bool {
         stages >= STAGES_OF_FIXED_POINT && !matches!(self.form, Form::General)
+    }
+
+    /// Returns whether the size of a rule's steps can be adapted to a tolerance.
+    pub(crate) fn has_adapted_steps(&self, rule: Rule, stages: usize) -> bool {
+        rule.options == Options::NONE && self.has_fixed_point(stages)
     }
 }
 

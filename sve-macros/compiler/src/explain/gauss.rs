@@ -24,13 +24,13 @@ pub(crate) fn gauss(
     let textbook = discretisation(rule).textbook(&features);
     StepTexts {
         action: with_notation(rule, textbook, Vec::new(), &features, system),
-        step: equations(count, stages, &features).join("\n"),
+        step: equations(rule, count, stages, &features).join("\n"),
         domain: Vec::new(),
     }
 }
 
 /// Returns the equations of the stages, the results, and the coefficients.
-fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> {
+fn equations(rule: Rule, count: usize, stages: &Stages, features: &Features) -> Vec<String> {
     let t = features.time("tᵢ");
     let point = format!("{t}Qᵢ, Vᵢ");
     let solver = if stages.has_fixed_point(count) {
@@ -94,5 +94,11 @@ fn equations(count: usize, stages: &Stages, features: &Features) -> Vec<String> 
         "an iteration is counted as a sweep over the stages, without Jacobian and linear solve"
             .to_owned(),
     );
+    if stages.has_adapted_steps(rule, count) {
+        lines.push(
+            "`.tolerance(tol)` adapts the size of the steps: accurate paths, with an error of about tol per characteristic time, for short times; such steps are not symplectic, and conserve no momenta"
+                .to_owned(),
+        );
+    }
     lines
 }

@@ -63,10 +63,27 @@ pub(crate) fn system(system: &Classified, arena: &Arena) -> SystemTexts {
 
 fn lagrangian(model: &Model, page: &mut Page<'_>) -> Vec<String> {
     page.name_parts(&[model.lagrangian]);
-    let mut lines = vec![format!("L = {}", page.formula(model.lagrangian))];
+    let name = if model.time_scale.is_some() {
+        "L̃"
+    } else {
+        "L"
+    };
+    let mut lines = vec![format!("{name} = {}", page.formula(model.lagrangian))];
     lines.extend(page.explanations(|_| false));
+    if let Some(scale) = model.time_scale {
+        lines.push(format!("time scale s = {}", page.formula(scale)));
+        lines.extend(page.explanations(|_| false));
+        lines.extend(OF_TIME_SCALES.map(str::to_owned));
+    }
     lines
 }
+
+/// The remarks on a system with a time scale.
+const OF_TIME_SCALES: [&str; 3] = [
+    "dt = s(q) dτ, L̃(q, v) = s (L(q, v/s) + E): h is a step of τ, v = dq/dτ, p is the momentum of L; in the equations t is τ, and L is L̃",
+    "steps are symplectic for K = s (H − E) at equal steps of τ with a fixed E, the energy at the start",
+    "H oscillates about E without drift; the map between equal times t is not symplectic",
+];
 
 fn noises(model: &Model, commutation: &Commutation, page: &mut Page<'_>) -> Vec<String> {
     let count = shown(model.noises.len());

@@ -57,6 +57,20 @@ impl Lowering<'_> {
         Some(())
     }
 
+    /// Declares the energy of a path, if the block has a time scale.
+    pub(super) fn declare_energy(&mut self) {
+        if self.block.time_scale.is_none() {
+            return;
+        }
+        let name = "E".to_owned();
+        self.fields.reserve(&name);
+        self.symbols.energy = Some(self.symbols.declare(Meaning::Parameter {
+            name,
+            access: quote!(self.u[0]),
+            input: Some(0),
+        }));
+    }
+
     /// Returns the value of an argument `u` of this type.
     pub(super) fn input_of(&self, ty: &Type) -> Value {
         match &self.input {
@@ -66,11 +80,14 @@ impl Lowering<'_> {
         }
     }
 
-    /// Reports a field `u` beside inputs: derived code reads the inputs under this name.
+    /// Reports a field `u` beside inputs or a time scale: derived code reads the inputs, or the
+    /// energy, under this name.
     pub(super) fn check_fields_beside_inputs(&mut self) {
-        if self.block.inputs.is_none() {
-            return;
-        }
+        let beside = match (&self.block.inputs, &self.block.time_scale) {
+            (Some(_), _) => "the argument `u` of the same block",
+            (None, Some(_)) => "a time scale, whose steps read the energy by this name",
+            (None, None) => return,
+        };
         for path in self.fields.paths() {
             let access = path.access();
             let text = access.to_string().replace(' ', "");
@@ -80,7 +97,7 @@ impl Lowering<'_> {
                 let name = access.clone().into_iter().nth(2);
                 self.errors.push(
                     name.map_or_else(|| access.span(), |name| name.span()),
-                    "a field `u` beside the argument `u` of the same block: rename the field",
+                    format!("a field `u` beside {beside}: rename the field"),
                 );
             }
         }

@@ -14,16 +14,18 @@ use super::value::Value;
 use crate::algebra::Expr;
 use crate::syntax::parse::RoleFunction;
 use crate::syntax::readable;
+use crate::syntax::roles::Role;
 
 impl Lowering<'_> {
     pub(super) fn scalar_result(&mut self, function: &RoleFunction, value: &Value) -> Option<Expr> {
         if self.shape(&function.output)? == Shape::Scalar {
             return self.result(function, value);
         }
-        let message = format!(
-            "`{}` must return `f64`, one number: the energy of motion less that of position",
-            function.name
-        );
+        let what = match function.role {
+            Role::TimeScale => "the time that passes in a unit of τ",
+            _ => "the energy of motion less that of position",
+        };
+        let message = format!("`{}` must return `f64`, one number: {what}", function.name);
         self.refuse(&function.output, message)
     }
 

@@ -10,6 +10,7 @@ use super::types::Shape;
 use super::value::Value;
 use crate::algebra::{Expr, Symbol};
 use crate::model::configuration::Configuration;
+use crate::model::time_scale::in_scaled_time;
 use crate::model::{Constraint, Generator, Meaning, Model, NoiseKind, NoiseTerm, Symbols};
 use crate::syntax::parse::RoleFunction;
 use crate::syntax::readable;
@@ -59,6 +60,7 @@ impl Lowering<'_> {
         let attitude = self.symbols.declare_all(parameters, Meaning::Attitude);
         let names = names(function, &space.shapes, !block.arguments.is_reduced);
         self.declare_inputs();
+        self.declare_energy();
 
         let result = self.run(function, &space, time, &[&q, &v]);
         let lagrangian = self.scalar_result(function, &result);
@@ -89,6 +91,13 @@ impl Lowering<'_> {
             let result = self.run(function, &space, time, &[&q]);
             self.constraint_terms(function, &result, &mut constraints);
         }
+        let mut lagrangian = lagrangian;
+        let time_scale = self.time_scale(&space, time, &q);
+        if let (Some(value), Some(scale), Some(energy)) =
+            (lagrangian, time_scale, self.symbols.energy)
+        {
+            lagrangian = Some(in_scaled_time(value, scale, energy, &v, self.arena));
+        }
         self.check_fields_beside_inputs();
         Some(Model {
             symbols: Symbols::default(),
@@ -103,8 +112,16 @@ impl Lowering<'_> {
             force,
             symmetries,
             constraints,
+            time_scale,
             constants: std::mem::take(&mut self.constants),
         })
+    }
+
+    /// Returns s, if there is a time scale.
+    fn time_scale(&mut self, space: &Space, time: Symbol, q: &[Symbol]) -> Option<Expr> {
+        let function = self.block.time_scale.as_ref()?;
+        let result = self.run(function, space, time, &[q]);
+        self.scalar_result(function, &result)
     }
 
     /// Returns the sum of the forces, if there are any.

@@ -13,6 +13,7 @@ mod names;
 mod nodes;
 pub(crate) mod scene;
 mod symbols;
+pub(crate) mod time_scale;
 mod unknowns;
 
 use crate::algebra::{Arena, Bits, Expr, Node, Symbol};
@@ -89,6 +90,8 @@ pub(crate) struct Model {
     pub(crate) force: Option<Vec<Expr>>,
     pub(crate) symmetries: Vec<Generator>,
     pub(crate) constraints: Vec<Constraint>,
+    /// s, if there is a time scale. `lagrangian` is then that of the scaled time (`time_scale.rs`).
+    pub(crate) time_scale: Option<Expr>,
     /// The paths that are read as constants of `std::f64::consts` and may refer to something else,
     /// each with the value of the constant.
     pub(crate) constants: Vec<(TokenStream, f64)>,

@@ -175,6 +175,7 @@ fn processes(symbols: &Symbols) -> usize {
 impl Notation for SymbolNames<'_> {
     fn symbol(&self, symbol: Symbol) -> String {
         match self.symbols.meaning(symbol) {
+            Meaning::Parameter { name, .. } if self.symbols.energy == Some(symbol) => name.clone(),
             Meaning::Parameter { access, .. } => self.parameter(&access.to_string()),
             Meaning::Time if self.of_step.is_some() => "t₀".to_owned(),
             Meaning::Time => "t".to_owned(),

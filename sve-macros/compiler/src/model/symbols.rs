@@ -76,6 +76,9 @@ pub(crate) struct Symbols {
     /// The kinds of the entries of the configuration and of the components of velocity and
     /// momentum.
     pub(crate) configuration: Configuration,
+    /// The energy on which a path of a system with a time scale stays, which a step reads as it
+    /// reads an input.
+    pub(crate) energy: Option<Symbol>,
 }
 
 impl Symbols {
@@ -113,7 +116,7 @@ impl Symbols {
     /// Returns a parameter as the source spells it, without `self`.
     pub(crate) fn source(&self, parameter: Symbol) -> String {
         match self.meaning(parameter) {
-            Meaning::Parameter { access, .. } => {
+            Meaning::Parameter { access, .. } if self.energy != Some(parameter) => {
                 let path = access.to_string().replace(' ', "");
                 path.strip_prefix("self.").unwrap_or(&path).to_owned()
             }

@@ -57,6 +57,9 @@ pub(super) fn take_input(
         Role::Symmetry => refuse(
             "a generator of a symmetry has no input: each value of `u` has the same symmetry",
         ),
+        Role::TimeScale => refuse(
+            "a time scale with an input would jump with it, and the energy on which the path stays is that of its start: leave `u` out",
+        ),
         _ => Ok(arguments.pop()),
     }
 }

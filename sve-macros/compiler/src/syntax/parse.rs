@@ -48,6 +48,8 @@ pub(crate) struct Annotated {
     pub(crate) forces: Vec<RoleFunction>,
     pub(crate) symmetries: Vec<RoleFunction>,
     pub(crate) constraints: Vec<RoleFunction>,
+    /// The function of the time scale, if there is one.
+    pub(crate) time_scale: Option<RoleFunction>,
     /// The type of the argument `u`, if a function has it.
     pub(crate) inputs: Option<Type>,
     /// All functions, since any of them can be called by another one.
@@ -131,6 +133,12 @@ pub(crate) fn annotated(
     let forces = of(&[Role::Force]);
     let readers = || [&lagrangian].into_iter().chain(&noises).chain(&forces);
     let inputs = input_type(readers(), errors);
+    let mut time_scales = of(&[Role::TimeScale]).into_iter();
+    let time_scale = time_scales.next();
+    if let Some(second) = time_scales.next() {
+        let message = "the block has two functions with `#[time_scale]`: keep one";
+        errors.push(second.name.span(), message);
+    }
     is_plain.then_some(Annotated {
         arguments,
         item,
@@ -139,6 +147,7 @@ pub(crate) fn annotated(
         forces,
         symmetries: of(&[Role::Symmetry]),
         constraints: of(&[Role::Constraint]),
+        time_scale,
         functions,
         constants,
         lagrangian,

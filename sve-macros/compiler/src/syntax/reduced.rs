@@ -21,7 +21,7 @@ pub(super) fn role_function_of(function: &Rc<ImplItemFn>, role: Role) -> syn::Re
         Role::Lagrangian | Role::Helper => "fn lagrangian(&self, w: Vector3<f64>) -> f64",
         Role::H1 => "fn name(&self, pi: Vector3<f64>) -> f64` or `-> [f64; M]",
         Role::Force | Role::NoiseForce => "fn name(&self, w: Vector3<f64>) -> Vector3<f64>",
-        Role::Gamma | Role::TangentH1 | Role::Symmetry | Role::Constraint => {
+        Role::Gamma | Role::TangentH1 | Role::Symmetry | Role::Constraint | Role::TimeScale => {
             let message = format!(
                 "a reduced system has no attitude, on which `{name}` could depend: write `#[h1]` with the momentum `pi`, or leave `reduced` out"
             );

@@ -23,6 +23,8 @@ pub(crate) enum Role {
     NoiseForce,
     Symmetry,
     Constraint,
+    /// s of `dt = s(q) dτ`, `#[time_scale]`.
+    TimeScale,
     Helper,
 }
 
@@ -132,12 +134,13 @@ fn no_role(name: &str, meant: Role) -> String {
 
 impl Role {
     /// The roles that an attribute can give.
-    const MARKED: [Self; 5] = [
+    const MARKED: [Self; 6] = [
         Self::Gamma,
         Self::H1,
         Self::Force,
         Self::Symmetry,
         Self::Constraint,
+        Self::TimeScale,
     ];
 
     /// Returns the role that follows from the arguments of its attribute; `None` if the arguments
@@ -187,6 +190,7 @@ impl Role {
             Self::Force | Self::NoiseForce => "force",
             Self::Symmetry => "symmetry",
             Self::Constraint => "constraint",
+            Self::TimeScale => "time_scale",
             Self::Lagrangian | Self::Helper => "",
         }
     }
@@ -204,6 +208,7 @@ impl Role {
                 "fn name(&self, q: [f64; N], v: [f64; N]) -> [f64; N]"
             }
             Self::Symmetry => "fn name(&self, q: [f64; N]) -> [f64; N]",
+            Self::TimeScale => "fn name(&self, q: [f64; N]) -> f64",
             Self::Helper => "",
         }
     }
@@ -218,8 +223,10 @@ impl Role {
             (Self::Lagrangian | Self::Helper, _) => {
                 "fn lagrangian(&self, q: Vector3<f64>, r: Rotation3<f64>, v: Vector3<f64>, w: Vector3<f64>) -> f64"
             }
-            (Self::Gamma | Self::Constraint, 1) => "fn name(&self, r: Rotation3<f64>) -> f64",
-            (Self::Gamma | Self::Constraint, _) => {
+            (Self::Gamma | Self::Constraint | Self::TimeScale, 1) => {
+                "fn name(&self, r: Rotation3<f64>) -> f64"
+            }
+            (Self::Gamma | Self::Constraint | Self::TimeScale, _) => {
                 "fn name(&self, q: Vector3<f64>, r: Rotation3<f64>) -> f64"
             }
             (Self::H1 | Self::TangentH1, 1) => {
@@ -244,7 +251,7 @@ impl Role {
     /// Returns the names of the vector arguments after `&self` and the optional time, in order.
     pub(crate) fn quantities(self) -> &'static [&'static str] {
         match self {
-            Self::Gamma | Self::Symmetry | Self::Constraint => &["q"],
+            Self::Gamma | Self::Symmetry | Self::Constraint | Self::TimeScale => &["q"],
             Self::Lagrangian | Self::Force | Self::NoiseForce | Self::Helper => &["q", "v"],
             Self::H1 | Self::TangentH1 => &["q", "p"],
         }

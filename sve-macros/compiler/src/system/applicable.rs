@@ -1,11 +1,13 @@
 //! Checks that rules apply to a system. Rules that take no noise, force, constraint or rotations
 //! are reported, and options that need noise.
 
-use crate::catalogue::{Rule, RuleOption, names};
+use syn::spanned::Spanned;
+
+use crate::catalogue::{Nodes, Rule, RuleOption, names};
 use crate::errors::Errors;
 use crate::model::Model;
 use crate::syntax::arguments::ListedRule;
-use crate::syntax::parse::Annotated;
+use crate::syntax::parse::{Annotated, RoleFunction};
 use crate::syntax::roles::Role as FunctionRole;
 use crate::system::classify::Classified;
 use crate::system::degeneracy::{Degeneracy, Role};
@@ -14,6 +16,9 @@ use crate::system::symmetry::check_name;
 /// Returns an error for each rule that does not apply to this system.
 pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     let mut errors = Errors::new();
+    if let Some(scale) = &block.time_scale {
+        check_time_scale(scale, block, model, &mut errors);
+    }
     if model.configuration().has_rotations()
         && let Some(constraint) = block.constraints.first()
     {
@@ -60,6 +65,59 @@ pub(crate) fn check(block: &Annotated, model: &Model) -> syn::Result<()> {
     errors.finish(())
 }
 
+/// Reports all that does not apply to a system with a time scale.
+fn check_time_scale(scale: &RoleFunction, block: &Annotated, model: &Model, errors: &mut Errors) {
+    const WITHOUT: &str = "leave `#[time_scale]` out and take equal steps of t";
+    for function in block.noises.iter().chain(&block.forces) {
+        let reason = match function.role {
+            FunctionRole::Force => {
+                "the energy E on which its path stays is constant, and a force changes it"
+            }
+            _ => {
+                "its steps keep no structure with noise, since the energy E of a path is then not constant"
+            }
+        };
+        let message = format!(
+            "`#[{}]` is not for a system with a time scale: {reason}; {WITHOUT}",
+            function.role.attribute()
+        );
+        errors.push(function.name.span(), message);
+    }
+    for constraint in &block.constraints {
+        let message = format!(
+            "a constraint in a system with a time scale is not derived: use coordinates along the constraint, or {WITHOUT}"
+        );
+        errors.push(constraint.name.span(), message);
+    }
+    if model.configuration().has_rotations() {
+        let message = format!("a time scale is not for configurations with rotations: {WITHOUT}");
+        errors.push(scale.name.span(), message);
+    }
+    if block.inputs.is_some() {
+        let message = format!(
+            "a time scale is not for systems with an input `u`: the energy E on which a path stays would jump with it; {WITHOUT}"
+        );
+        errors.push(scale.name.span(), message);
+    }
+    for function in [scale, &block.lagrangian] {
+        if let Some((time, _)) = function.arguments.first().filter(|_| function.is_timed) {
+            let message = format!(
+                "a time scale is for systems that do not depend on t, whose energy is constant: leave `t` out, or {WITHOUT}"
+            );
+            errors.push(time.span(), message);
+        }
+    }
+    for listed in &block.arguments.rules {
+        if matches!(listed.rule.nodes, Nodes::Taylor) {
+            let name = listed.rule.name();
+            let message = format!(
+                "`{name}` is not for systems with a time scale, since its step tells no time: use `midpoint` or `gauss(2)`"
+            );
+            errors.push(listed.place, message);
+        }
+    }
+}
+
 /// Returns an error for each rule, option and function that does not apply to scenes, whose
 /// coordinates are slices.
 pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
@@ -93,7 +151,7 @@ pub(crate) fn check_scene(block: &Annotated) -> syn::Result<()> {
     for symmetry in &block.symmetries {
         check_name(symmetry, block, &mut errors);
     }
-    for function in tangent.chain(&block.constraints) {
+    for function in tangent.chain(&block.constraints).chain(&block.time_scale) {
         let attribute = match function.role {
             FunctionRole::TangentH1 => "h1(tangent)",
             role => role.attribute(),
@@ -202,6 +260,12 @@ pub(crate) fn check_degenerate(block: &Annotated, degeneracy: &Degeneracy) -> sy
             };
             errors.push(noise.name.span(), message);
         }
+    }
+    if let Some(scale) = &block.time_scale {
+        let message = format!(
+            "{what}, and steps with a time scale are not derived there: give each velocity a kinetic term, or leave `#[time_scale]` out"
+        );
+        errors.push(scale.name.span(), message);
     }
     for constraint in &block.constraints {
         let message = format!(

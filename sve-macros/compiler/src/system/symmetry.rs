@@ -224,7 +224,10 @@ fn change_of_lagrangian(xi: &[Expr], model: &Model, arena: &mut Arena) -> Change
     let along_q = along(lagrangian, xi, model, arena);
     let along_v = pairing(lagrangian, &model.v, &flow, arena);
     Change {
-        of: Changed::Function("the Lagrangian".to_owned()),
+        of: Changed::Function(match model.time_scale {
+            Some(_) => "the Lagrangian with its time scale".to_owned(),
+            None => "the Lagrangian".to_owned(),
+        }),
         rate: arena.add(along_q, along_v),
         scale,
     }

@@ -20,6 +20,7 @@ mod robustness;
 mod rotations;
 mod scheme;
 mod starts;
+mod time_scale;
 mod vectors;
 mod zero;
 

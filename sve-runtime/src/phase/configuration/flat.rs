@@ -142,7 +142,7 @@ impl<Whole: FixedSize, const N: usize> Flatten<Whole, N> for [f64; N] {
 
 /// Returns the sum of two numbers and its rounding error, exactly (Knuth's two-sum).
 #[inline(always)]
-pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let second = sum - a;
     (sum, (a - (sum - second)) + (b - second))

@@ -15,6 +15,8 @@ mod root;
 mod search;
 mod states;
 
+pub(super) use root::zero_between;
+
 use std::collections::VecDeque;
 
 use self::function::{Action, Direction, EventFunction, Function};
@@ -292,6 +294,12 @@ impl<'a, I: Method, W: Halves> Events<'a, I, W> {
         O: Observed,
         C: FnMut(&I::System, &mut StateOf<I::System>) + 'a,
     {
+        const {
+            assert!(
+                !I::HAS_OWN_TIME,
+                "a path of a system with a time scale stays on its energy, which a changed state does not have: let the path end at the event (`stop_at`), and begin another one from `TimedState::of`"
+            );
+        }
         self.with(function, Action::Change(Box::new(change)))
     }
 

@@ -79,14 +79,16 @@ impl<S: System> Rest<S> {
         let mut state = self.state;
         let h = (fraction - self.from) * self.h;
         // A part that is too short to change the time changes nothing else.
-        if h != 0.0 && is_next_time(state.t, state.t + h) {
+        if h != 0.0 && (I::HAS_OWN_TIME || is_next_time(state.t, state.t + h)) {
             let mut dw = self.until(fraction, noise);
             for (dw, before) in dw.as_mut().iter_mut().zip(self.before.as_ref()) {
                 *dw -= before;
             }
             method.make(&mut state, h, &dw)?;
         }
-        state.t = self.time_at(fraction);
+        if const { !I::HAS_OWN_TIME } {
+            state.t = self.time_at(fraction);
+        }
         Ok(state)
     }
 }

@@ -19,15 +19,15 @@ const EVALUATIONS: u32 = 200;
 type Point = (f64, f64);
 
 /// The result of a search.
-pub(super) struct Zero {
+pub(in crate::trajectory) struct Zero {
     /// The end of the last bracket with the smaller value.
-    pub(super) at: f64,
+    pub(in crate::trajectory) at: f64,
     /// The values at both ends of the last bracket.
     pub(super) values: [f64; 2],
 }
 
 /// Finds a zero between two points whose values have different signs.
-pub(super) fn zero_between<E>(
+pub(in crate::trajectory) fn zero_between<E>(
     mut function: impl FnMut(f64) -> Result<f64, E>,
     bracket: [Point; 2],
 ) -> Result<Zero, E> {

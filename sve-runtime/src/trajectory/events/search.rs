@@ -252,7 +252,9 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         state: StateOf<I::System>,
     ) -> Result<Option<Rest<I::System>>, StepError> {
         let rest = rest.after(fraction, state, &self.trajectory.noise);
-        self.trajectory.state = if fraction < 1.0 {
+        // A step of adapted size ends at the change: nothing tells the error of its rest.
+        let goes_on = fraction < 1.0 && !self.trajectory.is_adapted();
+        self.trajectory.state = if goes_on {
             self.state_at(&rest, 1.0)?
         } else {
             state
@@ -264,7 +266,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
                 ConfigurationOf::<I::System>::no_momentum(),
             );
         }
-        Ok((fraction < 1.0).then_some(rest))
+        Ok(goes_on.then_some(rest))
     }
 
     fn state_at(

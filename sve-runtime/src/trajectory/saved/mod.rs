@@ -197,17 +197,17 @@ impl<T: Steps> Saved<T> {
         }
     }
 
-    fn every(path: T, every: u64) -> Self {
+    pub(super) fn every(path: T, every: u64) -> Self {
         let next = path.steps_made();
         Self::new(path, Wanted::Steps { next, every })
     }
 
-    fn after_each_step(path: T) -> Self {
+    pub(super) fn after_each_step(path: T) -> Self {
         let next = path.steps_made() + 1;
         Self::new(path, Wanted::Steps { next, every: 1 })
     }
 
-    fn at<X: Borrow<f64>>(path: T, times: impl IntoIterator<Item = X>) -> Self {
+    pub(super) fn at<X: Borrow<f64>>(path: T, times: impl IntoIterator<Item = X>) -> Self {
         let times = times.into_iter().map(|t| *t.borrow()).collect();
         Self::new(path, Wanted::Times(times))
     }

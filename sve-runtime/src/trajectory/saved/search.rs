@@ -14,11 +14,15 @@ use crate::progress::Progress;
 use crate::system::{AnySystem, StateOf};
 use crate::time::{WrittenTimes, is_next_time};
 use crate::trajectory::Method;
-use crate::trajectory::{RefinedTrajectory, Trajectory, is_end_of_path};
+use crate::trajectory::events::zero_between;
+use crate::trajectory::{AccurateTrajectory, RefinedTrajectory, Trajectory, is_end_of_path};
 
 /// A trajectory whose states can be saved.
 pub(crate) trait Steps: Iterator<Item = Result<StateOf<Self::System>, StepError>> {
     type System: AnySystem;
+    /// True if the times after its steps are not known ahead: they are those of the states, not
+    /// multiples of the step size.
+    const HAS_OWN_TIME: bool = false;
     /// Returns the times after its steps.
     fn times(&self) -> WrittenTimes;
     /// Returns the number of steps made.
@@ -35,12 +39,37 @@ pub(crate) trait Steps: Iterator<Item = Result<StateOf<Self::System>, StepError>
         }
         Ok(true)
     }
+    /// Returns the number of whole steps before a time, and whether the time is the end of these
+    /// steps. A path whose times are not known ahead makes them, and counts no further than `most`.
+    fn place_of(
+        &mut self,
+        t: f64,
+        times: &WrittenTimes,
+        most: u64,
+    ) -> Result<(u64, bool), StepError> {
+        let _ = most;
+        place_among(times, t, self.steps_made())
+    }
     /// Returns the state at a time within the next step.
     fn state_within(&mut self, t: f64) -> Result<StateOf<Self::System>, StepError>;
 }
 
+/// Returns the number of whole steps before a time, and whether the time is the end of these steps.
+///
+/// # Errors
+/// [`StepError::TimeOrder`] if the time is before the end of the step with the number `made`.
+fn place_among(times: &WrittenTimes, t: f64, made: u64) -> Result<(u64, bool), StepError> {
+    let position = times.position(t).filter(|(steps, _)| *steps >= made);
+    position.ok_or(StepError::TimeOrder {
+        t,
+        after: times.after(made),
+        h: times.h(),
+    })
+}
+
 impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
     type System = I::System;
+    const HAS_OWN_TIME: bool = I::HAS_OWN_TIME;
 
     fn times(&self) -> WrittenTimes {
         WrittenTimes::new(self.start, self.h)
@@ -66,7 +95,22 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
         }
     }
 
+    fn place_of(
+        &mut self,
+        t: f64,
+        times: &WrittenTimes,
+        most: u64,
+    ) -> Result<(u64, bool), StepError> {
+        if const { I::HAS_OWN_TIME } {
+            return self.place_in_own_time(t, most);
+        }
+        place_among(times, t, self.step)
+    }
+
     fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
+        if const { I::HAS_OWN_TIME } {
+            return self.state_at_own_time(t);
+        }
         let mut state = self.state.clone();
         let h = t - state.t;
         // A part that is too short to change the time changes nothing else.
@@ -81,6 +125,46 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
 }
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
+    /// Makes steps up to a number of steps, as long as none ends behind a time. Returns their number,
+    /// and whether the last one ends at this time.
+    fn place_in_own_time(&mut self, end: f64, most: u64) -> Result<(u64, bool), StepError> {
+        let times = self.times();
+        let after = self.state.t;
+        if !end.is_finite() || end != after && !times.is_before(after, end) {
+            let h = times.h();
+            return Err(StepError::TimeOrder { t: end, after, h });
+        }
+        while self.step < most && self.state.t != end {
+            let (state, prepared, step) = (self.state.clone(), self.prepared.clone(), self.step);
+            self.advance(1)?;
+            if times.is_before(end, self.state.t) {
+                (self.state, self.prepared, self.step) = (state, prepared, step);
+                break;
+            }
+        }
+        Ok((self.step, self.state.t == end))
+    }
+
+    /// Returns the state at a time within the next step, which a part of the step reaches. The
+    /// length of the part is a root of the time that it takes.
+    fn state_at_own_time(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
+        if self.state.t == t {
+            return Ok(self.state.clone());
+        }
+        let drawn = self.draw()?;
+        self.hold()?;
+        let end = |fraction: f64| {
+            let mut state = self.state.clone();
+            (self.within()).make(&mut state, fraction * self.h, drawn.borrow())?;
+            Ok::<_, StepError>(state)
+        };
+        let late = |fraction: f64| Ok::<_, StepError>(end(fraction)?.t - t);
+        let bracket = [(0.0, self.state.t - t), (1.0, late(1.0)?)];
+        let mut state = end(zero_between(late, bracket)?.at)?;
+        state.t = t;
+        Ok(state)
+    }
+
     /// Returns the increments over the part of the next step up to a time.
     fn increments_up_to(&mut self, t: f64) -> Result<<I::Increments as ToOwned>::Owned, StepError> {
         let from = self.times().after(self.step);
@@ -120,6 +204,32 @@ impl<I: Method, W: Halves> Steps for RefinedTrajectory<'_, I, W> {
     }
 }
 
+impl<I: OneStepMethod, W: Noise> Steps for AccurateTrajectory<'_, I, W> {
+    type System = I::System;
+    const HAS_OWN_TIME: bool = true;
+
+    fn times(&self) -> WrittenTimes {
+        let trajectory: &Trajectory<'_, I, W> = self;
+        trajectory.times()
+    }
+
+    fn steps_made(&self) -> u64 {
+        self.step()
+    }
+
+    fn reached(&self) -> &StateOf<I::System> {
+        self.state()
+    }
+
+    fn place_of(&mut self, t: f64, _: &WrittenTimes, most: u64) -> Result<(u64, bool), StepError> {
+        AccurateTrajectory::place_of(self, t, most)
+    }
+
+    fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
+        AccurateTrajectory::state_within(self, t)
+    }
+}
+
 /// A point of a trajectory.
 enum Point {
     Step(u64),
@@ -145,9 +255,11 @@ impl<T: Steps> Saved<T> {
         let Some(end) = self.end else {
             return Ok(point);
         };
-        let (last, is_whole) = self.place_of(end)?;
         let is_before_end = match point {
-            Some(Point::Step(step)) => step < last || step == last && !is_whole,
+            Some(Point::Step(step)) => {
+                let (last, is_whole) = self.path.place_of(end, &self.times, step)?;
+                step < last || step == last && !is_whole
+            }
             Some(Point::Time(t)) => self.times.is_before(t, end),
             None => false,
         };
@@ -158,12 +270,14 @@ impl<T: Steps> Saved<T> {
         Ok(Some(Point::Time(end)))
     }
 
-    /// Returns the number of states up to the end; `None` without an end.
+    /// Returns the number of states up to the end; `None` without an end, or if it depends on steps
+    /// whose sizes are not known ahead.
     ///
     /// # Errors
     /// The error of an end or an interval that does not exist, which the next state has too.
     pub(super) fn count_states(&mut self) -> Result<Option<usize>, StepError> {
-        if self.end.is_none() && matches!(self.wanted, Wanted::Steps { .. }) {
+        let counts_steps = matches!(self.wanted, Wanted::Steps { .. });
+        if counts_steps && (T::HAS_OWN_TIME || self.end.is_none()) {
             return Ok(None);
         }
         let (wanted, has_ended) = (self.wanted.clone(), self.has_ended);
@@ -176,27 +290,13 @@ impl<T: Steps> Saved<T> {
         counted.map(Some)
     }
 
-    /// Returns the number of whole steps before a time, and whether the time is the end of these
-    /// steps.
-    fn place_of(&self, t: f64) -> Result<(u64, bool), StepError> {
-        let position = self.times.position(t);
-        let step = self.path.steps_made();
-        position
-            .filter(|(steps, _)| *steps >= step)
-            .ok_or(StepError::TimeOrder {
-                t,
-                after: self.times.after(step),
-                h: self.times.h(),
-            })
-    }
-
     /// Goes to a point. Returns the state at it; `None` if a trajectory without an end has ended,
     /// for example at the end of a recorded path.
     fn go_to(&mut self, point: &Point) -> Result<Option<StateOf<T::System>>, StepError> {
         let (steps, t, is_whole) = match *point {
             Point::Step(step) => (step, self.times.after(step), true),
             Point::Time(t) => {
-                let (steps, is_whole) = self.place_of(t)?;
+                let (steps, is_whole) = self.path.place_of(t, &self.times, u64::MAX)?;
                 (steps, t, is_whole)
             }
         };
@@ -213,7 +313,9 @@ impl<T: Steps> Saved<T> {
             return self.path.state_within(t).map(Some);
         }
         let mut state = self.path.reached().clone();
-        state.t = t;
+        if !T::HAS_OWN_TIME {
+            state.t = t;
+        }
         Ok(Some(state))
     }
 

@@ -31,9 +31,7 @@ impl<T: Steps<System: System>> Saved<T> {
     /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the
     /// error of a step.
     pub fn table(mut self) -> Result<StateTable, SaveError> {
-        if matches!(self.wanted, Wanted::Steps { .. }) && self.end.is_none() {
-            return Err(SaveError::NoEnd);
-        }
+        self.check_end()?;
         let mut table = StateTable::new::<T::System>(false);
         for state in &mut self {
             table.push(None, &state?);
@@ -178,7 +176,7 @@ impl<T: Steps> Saved<T> {
     /// error of a step; errors of the file, which is complete or not written at all, and of
     /// [`Xyz::write_frame`].
     pub fn to_xyz<B, const D: usize>(
-        mut self,
+        self,
         path: impl AsRef<Path>,
         xyz: &Xyz<D>,
     ) -> Result<(), SaveError>
@@ -187,14 +185,23 @@ impl<T: Steps> Saved<T> {
         MomentumOf<T::System>: AsRef<[B]>,
         B: Site<Row = [f64; D]>,
     {
-        self.frames()?;
+        self.check_end()?;
         self.write_frames(path.as_ref(), &[], |file, state| {
             let (q, p) = (B::rows(state.q.as_ref()), B::rows(state.p.as_ref()));
             xyz.write_frame(file, state.t, q, p)
         })
     }
 
+    /// Checks that there is a last state.
+    fn check_end(&self) -> Result<(), SaveError> {
+        match (&self.wanted, self.end) {
+            (Wanted::Steps { .. }, None) => Err(SaveError::NoEnd),
+            _ => Ok(()),
+        }
+    }
+
     /// Returns the number of states that will be written.
+    #[cfg(feature = "npy")]
     fn frames(&mut self) -> Result<usize, SaveError> {
         self.count_states()?.ok_or(SaveError::NoEnd)
     }

@@ -7,7 +7,8 @@ use quote::{ToTokens, quote};
 use super::implementation::Implementation;
 use super::plan::{Cost, plan_of};
 use super::stages::StageCode;
-use super::{Context, documented};
+use super::time_scale::nodes;
+use super::{Context, attributes, documented};
 use crate::catalogue::{Rule, RuleOption};
 use crate::discretise::stages::{Form, Stages};
 use crate::explain::StepTexts;
@@ -47,6 +48,7 @@ pub(crate) fn gauss(
         ..
     } = &noise;
     let names = names(count, dof, stages.moves_position);
+    let nodes = nodes(context, rule);
     let plan = plan_of(
         context,
         (rule, weak_order),
@@ -67,14 +69,60 @@ pub(crate) fn gauss(
         types: [quote!(#private::State<[f64; #n]>), prepared, memory],
         plan,
         returns: quote!(Increment),
-        more: quote!(#stages_constant #proves_start),
+        more: quote!(#stages_constant #proves_start #nodes),
         prepare,
         start: quote!(#private::gauss::start::<#s, #n, #k>(velocity)),
         increment,
         linearise: quote!(#private::gauss::linearise(#system, state, h, #at_stages, unknowns, then)),
         increment_doc: TokenStream::new(),
     };
-    implementation.print()
+    let implementation = implementation.print();
+    let adapted = (stages.has_adapted_steps(rule, count)).then(|| adapted(context, count, stages));
+    quote!(#implementation #adapted)
+}
+
+/// Prints the steps of adapted size of a rule.
+fn adapted(context: &Context<'_>, count: usize, stages: &Stages) -> Option<TokenStream> {
+    let (private, self_ty) = (context.private, context.self_ty());
+    let dof = context.model.dof();
+    let unknowns = stages.unknowns(count, dof);
+    let sizes = [count, dof, context.model.noises.len(), unknowns];
+    let [s, n, m, k] = sizes.map(Literal::usize_unsuffixed);
+    let (coefficients, compute, attempt) = match &stages.form {
+        Form::General => return None,
+        Form::SecondOrder { .. } => (
+            quote!([[f64; #n]; #n]),
+            quote!(#private::gauss::inverse_mass(self)),
+            quote!(#private::gauss::second_order_attempt::<_, _, #s, #n, #m, #k>(self, coefficients, state, h, level, before)),
+        ),
+        Form::Partitioned { .. } => (
+            quote!(()),
+            quote!(),
+            quote!(#private::gauss::partitioned_attempt::<_, _, #s, #n, #m, #k>(self, state, h, level, before)),
+        ),
+    };
+    let attributes = attributes();
+    Some(quote! {
+        #attributes
+        impl #private::gauss::AdaptedSteps<#s, #n> for #self_ty {
+            type Coefficients = #coefficients;
+            #[inline]
+            fn coefficients(&self) -> #coefficients {
+                #compute
+            }
+            #[inline]
+            fn attempt(
+                &self,
+                coefficients: &#coefficients,
+                state: &#private::State<[f64; #n]>,
+                h: f64,
+                level: f64,
+                before: ::core::option::Option<&#private::gauss::StageSeries<#s, #n>>,
+            ) -> ::core::option::Option<#private::gauss::Attempt<#s, #n>> {
+                #attempt
+            }
+        }
+    })
 }
 
 /// The types and bodies of a step, which depend on the form of the system.

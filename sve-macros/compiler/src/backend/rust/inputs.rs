@@ -1,6 +1,6 @@
-//! A system with inputs: the type that holds their values beside the system, for which steps are
-//! derived, and its implementation of `WithInputs`. Formulas read a field of the system as
-//! `self.m`, through `Deref`.
+//! A system with inputs, or with a time scale: the type that holds the inputs, or the energy of the
+//! path, beside the system, for which steps are derived, and the implementation of `WithInputs` or
+//! `WithTimeScale`. Formulas read a field of the system as `self.m`, through `Deref`.
 
 use proc_macro2::{Group, Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
@@ -12,9 +12,10 @@ use crate::syntax::parse::{Annotated, is_f64};
 
 /// Returns the type whose steps are derived.
 pub(super) fn stepped(block: &Annotated) -> Type {
-    match &block.inputs {
-        Some(_) => held(&block.item.self_ty),
-        None => (*block.item.self_ty).clone(),
+    if block.inputs.is_some() || block.time_scale.is_some() {
+        held(&block.item.self_ty)
+    } else {
+        (*block.item.self_ty).clone()
     }
 }
 
@@ -60,65 +61,70 @@ fn each_elided(tokens: TokenStream, name: &mut impl FnMut() -> Ident) -> TokenSt
     tokens.collect()
 }
 
-/// Returns the implementations together with the type that holds inputs, if the block has any.
+/// Returns the implementations together with the type that holds inputs or an energy, if the block
+/// has any.
 pub(super) fn within(
     private: &TokenStream,
     (block, symbols): (&Annotated, &Symbols),
     output: TokenStream,
 ) -> TokenStream {
-    match &block.inputs {
-        None => output,
-        Some(input) => Holder::new(private, block, input, symbols.inputs()).print(&output),
-    }
-}
-
-/// The type that holds the values of inputs beside a system.
-pub(super) struct Holder<'a> {
-    pub(super) private: &'a TokenStream,
-    pub(super) user_ty: &'a Type,
-    /// The type of the argument `u`.
-    pub(super) input: &'a Type,
-    /// The number of numbers in it.
-    pub(super) count: TokenStream,
-    /// The numbers in the reference `u`, an array.
-    pub(super) numbers: TokenStream,
-    /// True for a scene, which has no lanes.
-    pub(super) is_scene: bool,
-}
-
-impl<'a> Holder<'a> {
-    fn new(private: &'a TokenStream, block: &'a Annotated, input: &'a Type, count: usize) -> Self {
-        let count = Literal::usize_unsuffixed(count);
-        Self {
-            private,
-            user_ty: &block.item.self_ty,
+    let holds = match (&block.inputs, &block.time_scale) {
+        (Some(input), _) => Holds::Inputs {
             input,
-            count: quote!(#count),
             numbers: if is_f64(input) {
                 quote!([*u])
             } else {
                 quote!((*u).into())
             },
             is_scene: block.is_scene(),
-        }
-    }
+        },
+        (None, Some(_)) => Holds::Energy,
+        (None, None) => return output,
+    };
+    let count = Literal::usize_unsuffixed(symbols.inputs());
+    let holder = Holder {
+        private,
+        user_ty: &block.item.self_ty,
+        count: quote!(#count),
+        holds,
+    };
+    holder.print(&output)
+}
 
+/// The type that holds numbers beside a system.
+pub(super) struct Holder<'a> {
+    pub(super) private: &'a TokenStream,
+    pub(super) user_ty: &'a Type,
+    /// How many numbers it holds.
+    pub(super) count: TokenStream,
+    pub(super) holds: Holds<'a>,
+}
+
+/// The meaning of the numbers that are held.
+pub(super) enum Holds<'a> {
+    Inputs {
+        /// The type of the argument `u`.
+        input: &'a Type,
+        /// The numbers in the reference `u`, an array.
+        numbers: TokenStream,
+        /// True for a scene, which has no lanes.
+        is_scene: bool,
+    },
+    /// The energy of a path of a system with a time scale.
+    Energy,
+}
+
+impl Holder<'_> {
     /// Returns the type with implementations for it.
     pub(super) fn print(&self, output: &TokenStream) -> TokenStream {
-        let Self {
-            private,
-            input,
-            count,
-            numbers,
-            ..
-        } = self;
+        let Self { private, count, .. } = self;
         let (user_ty, lifetimes) = named(self.user_ty, true);
-        let lanes = self.lanes(&lifetimes);
+        let held_by = self.held_by(&user_ty, &lifetimes);
         let (attributes, forward) = (attributes(), self.forward(&lifetimes));
         quote! {
             const _: () = {
-                /// A system with inputs that are held over a step. Its type is as visible as the
-                /// system's, which is an argument.
+                /// A system with inputs or an energy that are held over a step. Its type is as visible
+                /// as the system's, which is an argument.
                 pub struct __WithInputs<'a, S> {
                     __system: &'a S,
                     u: #private::HeldInputs<[f64; #count]>,
@@ -154,32 +160,71 @@ impl<'a> Holder<'a> {
                     fn target(&self) -> &#user_ty { self }
                 }
                 #attributes
-                impl<#(#lifetimes),*> #private::WithInputs for #user_ty {
-                    type Input = #input;
-                    type Numbers = [f64; #count];
-                    #lanes
-                    type Held<'a> = __Held<'a #(, #lifetimes)*> where Self: 'a;
-                    #[inline(always)]
-                    fn numbers(u: &#input) -> [f64; #count] { #numbers }
-                    #[inline(always)]
-                    fn held_numbers(&self, numbers: [f64; #count]) -> __Held<'_ #(, #lifetimes)*> {
-                        __WithInputs { __system: self, u: #private::HeldInputs::new(numbers) }
-                    }
-                    const OPEN: [f64; #count] = [f64::NAN; #count];
-                    #[inline(always)]
-                    fn inputs_of<'h>(held: &'h mut __Held<'_ #(, #lifetimes)*>) -> &'h mut #private::HeldInputs<[f64; #count]> {
-                        &mut held.u
-                    }
-                }
+                #held_by
                 #output
             };
         }
     }
 
+    /// The trait by which a system gives the type that holds its numbers.
+    fn held_by(&self, user_ty: &TokenStream, lifetimes: &[Lifetime]) -> TokenStream {
+        let Self {
+            private,
+            count,
+            holds,
+            ..
+        } = self;
+        let Holds::Inputs {
+            input,
+            numbers,
+            is_scene,
+        } = holds
+        else {
+            let attributes = attributes();
+            return quote! {
+                impl<#(#lifetimes),*> #private::WithTimeScale for #user_ty {
+                    type Held<'a> = __Held<'a #(, #lifetimes)*> where Self: 'a;
+                    #[inline(always)]
+                    fn with_energy(&self, energy: f64) -> __Held<'_ #(, #lifetimes)*> {
+                        __WithInputs { __system: self, u: #private::HeldInputs::new([energy]) }
+                    }
+                }
+                #attributes
+                impl<#(#lifetimes),*> #private::WithTimeScale for &#user_ty {
+                    type Held<'a> = __Held<'a #(, #lifetimes)*> where Self: 'a;
+                    #[inline(always)]
+                    fn with_energy(&self, energy: f64) -> __Held<'_ #(, #lifetimes)*> {
+                        #private::WithTimeScale::with_energy(*self, energy)
+                    }
+                }
+            };
+        };
+        let lanes = self.lanes(*is_scene, lifetimes);
+        quote! {
+            impl<#(#lifetimes),*> #private::WithInputs for #user_ty {
+                type Input = #input;
+                type Numbers = [f64; #count];
+                #lanes
+                type Held<'a> = __Held<'a #(, #lifetimes)*> where Self: 'a;
+                #[inline(always)]
+                fn numbers(u: &#input) -> [f64; #count] { #numbers }
+                #[inline(always)]
+                fn held_numbers(&self, numbers: [f64; #count]) -> __Held<'_ #(, #lifetimes)*> {
+                    __WithInputs { __system: self, u: #private::HeldInputs::new(numbers) }
+                }
+                const OPEN: [f64; #count] = [f64::NAN; #count];
+                #[inline(always)]
+                fn inputs_of<'h>(held: &'h mut __Held<'_ #(, #lifetimes)*>) -> &'h mut #private::HeldInputs<[f64; #count]> {
+                    &mut held.u
+                }
+            }
+        }
+    }
+
     /// How the states of lanes are read.
-    fn lanes(&self, lifetimes: &[Lifetime]) -> TokenStream {
+    fn lanes(&self, is_scene: bool, lifetimes: &[Lifetime]) -> TokenStream {
         let (private, stepped) = (self.private, longest(lifetimes));
-        let (lanes, lane) = if self.is_scene {
+        let (lanes, lane) = if is_scene {
             (quote!(()), quote!(::core::option::Option::None))
         } else {
             let sizes = quote!(<<#stepped as #private::System>::Dims as #private::Dimensions>);
@@ -202,12 +247,16 @@ impl<'a> Holder<'a> {
     /// What the system and references to it have from the type that holds its inputs.
     fn forward(&self, lifetimes: &[Lifetime]) -> TokenStream {
         let private = self.private;
+        let kind = match self.holds {
+            Holds::Inputs { .. } => quote!(#private::Inputs),
+            Holds::Energy => quote!(#private::ScaledTime),
+        };
         let stepped = longest(lifetimes);
         let held = quote!(<#stepped as #private::AnySystem>);
         quote! {
             type Configuration = #held::Configuration;
             type Stepped = #stepped;
-            type Kind = #private::Inputs;
+            type Kind = #kind;
             type StateLanes = ();
             const NAMES: #private::Names = #held::NAMES;
             const FORMULAS_HASH: u64 = #held::FORMULAS_HASH;

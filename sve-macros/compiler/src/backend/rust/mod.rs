@@ -37,6 +37,7 @@ mod start;
 mod step;
 mod system;
 mod tangents;
+mod time_scale;
 mod unstructured;
 
 use function::Formulas;
@@ -50,6 +51,8 @@ use scopes::bounded;
 use stages::stages;
 use start::start_of_step;
 use system::system;
+#[cfg(test)]
+pub(crate) use time_scale::nodes_between;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{quote, quote_spanned};

@@ -11,7 +11,7 @@ use syn::{
 
 use super::configuration::{is_vector_or_nested, stored};
 use super::implementation::Implementation;
-use super::inputs::{Holder, held};
+use super::inputs::{Holder, Holds, held};
 use crate::catalogue::Rule;
 use crate::errors::Errors;
 use crate::syntax::arguments::Arguments;
@@ -32,25 +32,22 @@ pub(crate) fn placeholders(block: &ItemImpl, attribute: &TokenStream) -> TokenSt
 
 fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) -> TokenStream {
     let (user_ty, inputs) = (&*block.self_ty, inputs_type(block));
-    let self_ty: &Type = &match inputs {
-        Some(_) => held(user_ty),
-        None => user_ty.clone(),
+    let is_scaled = inputs.is_none() && has_time_scale(block);
+    let self_ty: &Type = &if inputs.is_some() || is_scaled {
+        held(user_ty)
+    } else {
+        user_ty.clone()
     };
     let runtime = runtime(attribute);
     let private = quote!(#runtime::__private);
     let attributes = super::attributes();
-    let within = |implementations: TokenStream, is_scene: bool| match inputs {
-        Some(input) => {
-            let holder = Holder {
-                private: &private,
-                user_ty,
-                input,
-                count: quote!({ ::core::mem::size_of::<#input>() / ::core::mem::size_of::<f64>() }),
-                numbers: quote!(::core::unreachable!("the macro reported an error")),
-                is_scene,
-            };
-            holder.print(&implementations)
-        }
+    let within = |implementations: TokenStream, is_scene: bool| match holder(
+        &private,
+        (user_ty, inputs),
+        is_scaled,
+        is_scene,
+    ) {
+        Some(holder) => holder.print(&implementations),
         None => implementations,
     };
     let (generics, _, clause) = block.generics.split_for_impl();
@@ -109,7 +106,10 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
         };
         implementation.print()
     });
+    let rate =
+        is_scaled.then(|| super::time_scale::implementation(self_ty, &whole, &private, &fail));
     let implementations = quote! {
+        #rate
         #attributes
         impl #generics #private::System for #self_ty #clause {
             type Dims = #private::Dims<#n, #m #configuration>;
@@ -133,6 +133,33 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     quote!(#implementations #momenta)
 }
 
+/// The type that holds inputs or an energy beside the system, if the block has any.
+fn holder<'a>(
+    private: &'a TokenStream,
+    (user_ty, inputs): (&'a Type, Option<&'a Type>),
+    is_scaled: bool,
+    is_scene: bool,
+) -> Option<Holder<'a>> {
+    let (count, holds) = match inputs {
+        Some(input) => (
+            quote!({ ::core::mem::size_of::<#input>() / ::core::mem::size_of::<f64>() }),
+            Holds::Inputs {
+                input,
+                numbers: quote!(::core::unreachable!("the macro reported an error")),
+                is_scene,
+            },
+        ),
+        None if is_scaled => (quote!(1), Holds::Energy),
+        None => return None,
+    };
+    Some(Holder {
+        private,
+        user_ty,
+        count,
+        holds,
+    })
+}
+
 /// The type of the inputs; `None` also for a generic block, whose error is that it is generic.
 fn inputs_type(block: &ItemImpl) -> Option<&Type> {
     let others = |f: &ImplItemFn| {
@@ -142,6 +169,13 @@ fn inputs_type(block: &ItemImpl) -> Option<&Type> {
     };
     let mut functions = functions(block).filter(|_| block.generics.params.is_empty());
     functions.find_map(|f| last_input(f, others(f)?))
+}
+
+/// Returns whether a function has the attribute of a time scale, which no scene has.
+fn has_time_scale(block: &ItemImpl) -> bool {
+    let has = |f: &ImplItemFn| f.attrs.iter().any(|a| a.path().is_ident("time_scale"));
+    let is_scene = coordinates_type(block).is_some_and(|ty| entry_of_slice(ty).is_some());
+    block.generics.params.is_empty() && !is_scene && functions(block).any(has)
 }
 
 /// The type of a site of a scene: the written one, or a number if no site has that type.

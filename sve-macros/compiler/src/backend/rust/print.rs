@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 
 use super::{
     Context, bounded, gauss, inputs, momenta, private, rule, stages, start_of_step, system,
+    time_scale,
 };
 use crate::derivation::{Derivation, Nodes};
 use crate::explain;
@@ -38,6 +39,7 @@ pub(crate) fn print(derivation: &Derivation) -> TokenStream {
     let mut output = system(&context, functions);
     output.extend(start_of_step(&context, start));
     output.extend(momenta(&context));
+    output.extend(time_scale::time_scale(&context));
     output.extend(
         nodes
             .iter()

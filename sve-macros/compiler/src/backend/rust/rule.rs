@@ -13,6 +13,7 @@ use super::linearise::{linearise, multipliers};
 use super::plan::plan;
 use super::step::{self, Code};
 use super::tangents::linearise_lanes;
+use super::time_scale::nodes;
 use super::{Context, Derived, allowed, documented, unstructured, verbatim};
 use crate::algebra::{Expr, Symbol};
 use crate::explain::StepTexts;
@@ -48,6 +49,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
     let lanes = in_lanes(context, derived);
     let [proves_start, domain] = [proves_start(context, derived), domain(texts)];
     let multipliers = multipliers(context, derived);
+    let nodes = nodes(context, derived.rule);
     let [doc, increment_doc] = documentation(texts);
     let implementation = Implementation {
         private,
@@ -57,7 +59,7 @@ pub(crate) fn rule(context: &Context<'_>, derived: &Derived, texts: &StepTexts) 
         types: [quote!(#private::State<#flat>), prepared, memory(carried)],
         plan: plan(context, derived, lanes.is_some(), texts, &work),
         returns: returns(scheme.returns),
-        more: quote!(#proves_start #domain #lanes #multipliers),
+        more: quote!(#proves_start #domain #lanes #multipliers #nodes),
         prepare,
         start: start(unknowns, context.model.dof(), symbols),
         increment: quote!(#open_state #body),

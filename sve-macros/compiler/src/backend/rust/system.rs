@@ -101,7 +101,8 @@ fn used(context: &Context<'_>) -> TokenStream {
         &block.symmetries,
         &block.constraints,
     ];
-    let functions = parts.into_iter().flatten().chain([&block.lagrangian]);
+    let functions = parts.into_iter().flatten().chain(&block.time_scale);
+    let functions = functions.chain([&block.lagrangian]);
     let functions = functions.map(|part| &part.name);
     let constants = context.model.constants.iter();
     let constants = constants.map(|(path, value)| constant_check(path, *value));

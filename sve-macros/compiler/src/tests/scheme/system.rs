@@ -129,6 +129,7 @@ impl System {
             force: None,
             symmetries: Vec::new(),
             constraints: Vec::new(),
+            time_scale: None,
         }
     }
 

@@ -1,0 +1,294 @@
+//! Steps of a trajectory whose size is adapted to a tolerance.
+//!
+//! Input: a trajectory with the control of its step size. Output: the trajectory after one step, or
+//! the state at a time. Invariant: an error leaves the state unchanged; a step that ends at a given
+//! time has this time with its bits.
+
+use core::borrow::Borrow as _;
+use core::ops::RangeInclusive;
+
+use super::Trajectory;
+use crate::error::StepError;
+use crate::gauss::step_size::StepSize;
+use crate::integrator::accept::check_step_size;
+use crate::integrator::adapted::BoxedAttempts;
+use crate::method::OneStepMethod;
+use crate::noise::Noise;
+use crate::system::{AnySystem, StateOf};
+
+/// Largest number of sizes that are tried for a step. Each is at most half of the size before, so
+/// the last one is negligible beside the first.
+const MOST_ATTEMPTS: u32 = 40;
+
+/// Smallest step, in units of the rounding error of the time.
+const LEAST_STEP: f64 = 4.0;
+
+/// Smallest first step to try, in the same units. The given size is a first guess, and one that
+/// does not change the time is no step.
+const LEAST_FIRST_STEP: f64 = 64.0;
+
+/// Smallest first step to try at any time: its products with forces have all their digits.
+const NORMAL_STEP: f64 = 1e-200;
+
+/// Largest number of steps, unless another one is given.
+const MOST_STEPS: u64 = 100_000_000;
+
+/// The tolerances for which steps are adapted. Below them rounding errors of the state are larger,
+/// and above them the series of a step says nothing about its error.
+const TOLERANCES: RangeInclusive<f64> = 1e-15..=1e-2;
+
+/// A step that ends within this fraction of its size before a time ends at this time.
+const SAME_TIME: f64 = 1e-12;
+
+/// The sizes of the steps of a trajectory.
+#[derive(Debug)]
+pub(super) enum Sizes<S: AnySystem> {
+    /// One size for all steps.
+    Fixed,
+    /// Numbers of a snapshot, which continue with a tolerance.
+    Stored(Vec<f64>),
+    Adapted(Box<Adapted<S>>),
+}
+
+/// The control of a path with a tolerance.
+#[derive(Debug)]
+pub(super) struct Adapted<S: AnySystem> {
+    tolerance: f64,
+    size: StepSize,
+    attempts: BoxedAttempts<S>,
+    /// Number of attempts that were not accepted.
+    pub(super) rejected: u64,
+    /// Largest number of steps.
+    pub(super) most_steps: u64,
+    /// False if the numbers of a snapshot are those of another method.
+    has_valid_numbers: bool,
+}
+
+impl<S: AnySystem> Adapted<S> {
+    /// Returns the control of a path from a time, with the size of the first step to try.
+    pub(super) fn new(
+        tolerance: f64,
+        size: StepSize,
+        attempts: BoxedAttempts<S>,
+        stored: &[f64],
+    ) -> Self {
+        let mut adapted = Self {
+            tolerance,
+            size,
+            attempts,
+            rejected: 0,
+            most_steps: MOST_STEPS,
+            has_valid_numbers: true,
+        };
+        if let Some((&[next, before, fitted, rejected], of_step)) = stored.split_first_chunk() {
+            adapted.size.recall([next, before, fitted]);
+            #[allow(clippy::cast_sign_loss, clippy::cast_possible_truncation)] // a count
+            let rejected = rejected as u64;
+            adapted.rejected = rejected;
+            adapted.has_valid_numbers = adapted.attempts.restore(of_step);
+        } else {
+            adapted.has_valid_numbers = stored.is_empty();
+        }
+        adapted
+    }
+
+    /// Checks what the path was given.
+    fn check(&self, t: f64) -> Result<(), StepError> {
+        check_step_size(self.size.h())?;
+        let tolerance = self.tolerance;
+        if !TOLERANCES.contains(&tolerance) {
+            return Err(StepError::Tolerance { t, tolerance });
+        }
+        if !self.has_valid_numbers {
+            let (numbers, differs) = (self.numbers().len(), "versions of this library".into());
+            return Err(StepError::OtherSteps {
+                t,
+                numbers,
+                differs,
+            });
+        }
+        Ok(())
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        let mut numbers = self.size.numbers().to_vec();
+        numbers.push(self.rejected as f64);
+        self.attempts.store(&mut numbers);
+        numbers
+    }
+
+    fn copy(&self) -> Self {
+        Self {
+            attempts: self.attempts.copy(),
+            ..*self
+        }
+    }
+
+    /// Returns the state at a time within the last step, by the polynomials of its stages.
+    pub(super) fn state_at(&self, t: f64) -> Option<StateOf<S>> {
+        self.attempts.state_at(t)
+    }
+}
+
+impl<S: AnySystem> Sizes<S> {
+    /// Returns the numbers for a snapshot.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        match self {
+            Self::Fixed => Vec::new(),
+            Self::Stored(numbers) => numbers.clone(),
+            Self::Adapted(adapted) => adapted.numbers(),
+        }
+    }
+
+    /// Forgets the steps before, after a change of the state. The size of the next step stays.
+    pub(super) fn forget(&mut self) {
+        if let Self::Adapted(adapted) = self {
+            adapted.size.forget();
+            adapted.attempts.forget();
+        }
+    }
+}
+
+/// Returns the control of the step size for the first step from a time.
+pub(super) fn first_size(tolerance: f64, stages: usize, h: f64, t: f64) -> StepSize {
+    let least = (LEAST_FIRST_STEP * unit(t)).max(NORMAL_STEP);
+    let is_given = h.is_finite() && h != 0.0;
+    let h = if is_given {
+        h.abs().max(least).copysign(h)
+    } else {
+        h
+    };
+    StepSize::new(tolerance, stages, h)
+}
+
+/// Returns the distance from a time to the next number.
+fn unit(t: f64) -> f64 {
+    t.abs().next_up() - t.abs()
+}
+
+impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
+    /// Returns whether the sizes of the steps are adapted.
+    pub(super) fn is_adapted(&self) -> bool {
+        matches!(self.sizes, Sizes::Adapted(_))
+    }
+
+    /// Makes a step of the size that the tolerance allows, or to `end` if this time is nearer.
+    /// Returns whether the step ends there.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn adapted_step(&mut self, end: Option<f64>) -> Result<bool, StepError> {
+        let (Sizes::Adapted(adapted), Some(low)) = (&mut self.sizes, &mut self.low) else {
+            return Ok(false);
+        };
+        let (system, state) = (self.method.system(), &mut self.state);
+        let t = state.t;
+        adapted.check(t)?;
+        if self.step >= adapted.most_steps {
+            let (h, steps) = (self.h, self.step);
+            return Err(StepError::TooManySteps { t, h, steps });
+        }
+        let (least, before) = (LEAST_STEP * unit(t), adapted.size);
+        let (mut h, mut attempts) = (before.h(), 0);
+        while attempts < MOST_ATTEMPTS {
+            h = adapted.size.h();
+            let lands = match end.map(|end| (end - t) - low.t) {
+                Some(rest) if rest.abs() <= h.abs() * (1.0 + SAME_TIME) => {
+                    h = rest;
+                    true
+                }
+                _ => false,
+            };
+            // false for NaN
+            let is_long_enough = h.abs() > least;
+            if !lands && !is_long_enough {
+                break;
+            }
+            attempts += 1;
+            let last = adapted.size;
+            let decay = adapted.attempts.attempt(system, state, h, last.level());
+            if adapted.size.judge(h, decay) {
+                if adapted.attempts.accept(state, low) {
+                    if let Some(end) = end.filter(|_| lands) {
+                        (state.t, low.t) = (end, 0.0);
+                    }
+                    self.h = h;
+                    self.step += 1;
+                    return Ok(lands);
+                }
+                adapted.size = last;
+                adapted.size.judge(h, None);
+            }
+            adapted.rejected += 1;
+        }
+        adapted.size = before;
+        Err(self.no_size(h, least, attempts))
+    }
+
+    /// Returns the reason why no size was found for the next step: that of a short step of fixed
+    /// size, if its start or a number is the reason.
+    #[cold]
+    fn no_size(&mut self, h: f64, least: f64, attempts: u32) -> StepError {
+        let mut state = self.state.clone();
+        let t = state.t;
+        let short = (LEAST_FIRST_STEP * unit(t)).max(NORMAL_STEP).copysign(h);
+        let step = self.draw().and_then(|dw| {
+            let prepared = self.method.prepare(short)?;
+            (self.method).step_prepared(&prepared, &mut state, short, dw.borrow())
+        });
+        let [q, _] = self.state.stored();
+        match step {
+            Err(
+                error @ (StepError::NonFiniteInput { .. }
+                | StepError::NonFiniteResult { .. }
+                | StepError::OutsideDomain { .. }
+                | StepError::SingularMass { .. }
+                | StepError::Noise { .. }),
+            ) => error,
+            _ => StepError::StepTooSmall {
+                t,
+                h,
+                least,
+                attempts,
+                q,
+            },
+        }
+    }
+
+    /// Makes steps that end before a time, until there are `most` steps. Returns whether the last
+    /// one ends at this time.
+    pub(super) fn adapted_steps_before(&mut self, end: f64, most: u64) -> Result<bool, StepError> {
+        loop {
+            let (Sizes::Adapted(adapted), Some(low)) = (&self.sizes, &self.low) else {
+                return Ok(false);
+            };
+            let rest = (end - self.state.t) - low.t;
+            let h = adapted.size.h();
+            if rest * h < 0.0 || !rest.is_finite() {
+                let (t, after) = (end, self.state.t);
+                return Err(StepError::TimeOrder { t, after, h });
+            }
+            let fits = h.abs() * (1.0 + SAME_TIME) < rest.abs();
+            if rest == 0.0 || self.step >= most || !fits {
+                return Ok(rest == 0.0);
+            }
+            self.advance(1)?;
+        }
+    }
+
+    /// Returns the state at a time before the end of the next step. The path stays where it is.
+    pub(super) fn adapted_state_at(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
+        let Sizes::Adapted(adapted) = &self.sizes else {
+            return Ok(self.state.clone());
+        };
+        let copy = Sizes::Adapted(Box::new(adapted.copy()));
+        let kept = (self.state.clone(), self.low.clone(), self.h, self.step);
+        let mut reached = Ok(false);
+        while let Ok(false) = reached {
+            reached = self.adapted_step(Some(t));
+        }
+        let state = core::mem::replace(&mut self.state, kept.0);
+        (self.low, self.h, self.step) = (kept.1, kept.2, kept.3);
+        self.sizes = copy;
+        reached.map(|_| state)
+    }
+}
