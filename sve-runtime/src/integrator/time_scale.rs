@@ -14,7 +14,7 @@ use super::steps::{Prepared, Steps, walk_on};
 use crate::error::StepError;
 use crate::mechanics::time_scale::{TimeScale, WithTimeScale, is_time_scale};
 use crate::method::OneStepMethod;
-use crate::phase::configuration::{Coordinates, FlatConfiguration};
+use crate::phase::configuration::{Coordinates, FlatConfiguration, two_sum};
 use crate::phase::state::State;
 use crate::rule::{Rule, Walker};
 use crate::system::equations::StepEquations;
@@ -188,10 +188,7 @@ where
         if !is_next_time(t, to) {
             return Err(StepError::Time { t, h, end: to });
         }
-        // the error of the sum (Knuth)
-        let part = to - t;
-        *low = (t - (to - part)) + (added - part);
-        end.t = to;
+        (end.t, *low) = two_sum(t, added);
         *state = State::from_coordinates(&end);
         Ok(())
     }

@@ -5,7 +5,7 @@
 //! too, in the time τ. The quantities of L follow from those of L̃: the momenta are the same, the
 //! velocity is w/s, and the energy is K/s + E with the Hamiltonian K = s (H − E) of L̃.
 
-use core::ops::{Deref, DerefMut};
+use core::ops::Deref;
 
 use super::Mechanics;
 use crate::error::StepError;
@@ -147,8 +147,9 @@ pub(crate) fn is_time_scale(scale: f64) -> bool {
 ///
 /// It dereferences to a [`State`], so it has the fields `t`, `q` and `p`, and functions of
 /// `&State` take it. The energy is computed once, when the state is made, and steps hold it fixed:
-/// recomputed in each step, it would make the steps lose their structure. After a change of `q` or
-/// `p`, make a new state.
+/// recomputed in each step, it would make the steps lose their structure. The fields cannot be
+/// written to, since the energy would no longer be theirs: after a change of `q` or `p` make another
+/// state, by [`of`](Self::of).
 ///
 /// ```
 /// use sve_runtime::prelude::*;
@@ -178,6 +179,13 @@ pub(crate) fn is_time_scale(scale: f64) -> bool {
 /// # Ok(())
 /// # }
 /// ```
+///
+/// ```compile_fail,E0594
+/// # use sve_runtime::prelude::*;
+/// fn shift(state: &mut TimedState<[f64; 2]>) {
+///     state.q[0] += 0.1;
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -185,7 +193,7 @@ pub(crate) fn is_time_scale(scale: f64) -> bool {
     serde(bound = "Q: crate::phase::serialise::Serialised + Configuration<Momentum = P>")
 )]
 pub struct TimedState<Q: Configuration, P = <Q as Configuration>::Momentum> {
-    state: State<Q, P>,
+    pub(crate) state: State<Q, P>,
     #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
     energy: f64,
 }
@@ -252,12 +260,5 @@ impl<Q: Configuration> Deref for TimedState<Q> {
     #[inline(always)]
     fn deref(&self) -> &State<Q> {
         &self.state
-    }
-}
-
-impl<Q: Configuration> DerefMut for TimedState<Q> {
-    #[inline(always)]
-    fn deref_mut(&mut self) -> &mut State<Q> {
-        &mut self.state
     }
 }

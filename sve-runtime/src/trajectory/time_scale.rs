@@ -81,7 +81,7 @@ impl<S: WithTimeScale, R: Copy> ScaledPaths<S, R> for Integrator<S, R> {
             OneStepMethod<System = S::Held<'a>, Increments = <R as Rule<S::Held<'a>>>::Increments>,
     {
         let method = self.in_scaled_time(state.energy());
-        method.next_step(&mut method.prepare(h)?, state, h, dw)
+        method.next_step(&mut method.prepare(h)?, &mut state.state, h, dw)
     }
 
     fn trajectory<'a, W: Noise>(

@@ -102,23 +102,25 @@ fn bad_input_is_the_right_error() {
         let error = comet.step(&mut { start }, h, &[]).unwrap_err();
         assert!(matches!(error, StepError::StepSize { .. }), "{error}");
     }
-    let mut bad = start;
-    bad.q[1] = f64::NAN;
+    let changed = |change: fn(&mut State<[f64; 2]>)| {
+        let mut state = *start;
+        change(&mut state);
+        TimedState::on_path(state, start.energy())
+    };
+    let mut bad = changed(|state| state.q[1] = f64::NAN);
     let error = comet.step(&mut bad, 0.1, &[]).unwrap_err();
     assert!(
         matches!(&error, StepError::NonFiniteInput { what, .. } if what == "q[1]"),
         "{error}"
     );
-    let mut bad = start;
-    bad.t = f64::INFINITY;
+    let mut bad = changed(|state| state.t = f64::INFINITY);
     let error = comet.step(&mut bad, 0.1, &[]).unwrap_err();
     assert!(
         matches!(&error, StepError::NonFiniteInput { what, .. } if what == "t"),
         "{error}"
     );
     // a step that takes less time than the rounding error of t
-    let mut late = start;
-    late.t = 1e12;
+    let mut late = changed(|state| state.t = 1e12);
     let error = comet.step(&mut late, 1e-9, &[]).unwrap_err();
     assert!(matches!(error, StepError::Time { t: 1e12, .. }), "{error}");
     let nowhere = TimedState::on_path(*start, f64::NAN);
