@@ -191,8 +191,8 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
     /// Saves the present state of the path, and every `n`-th state after it; see
     /// [`Trajectory::every`].
     #[must_use]
-    pub fn every(self, n: u64) -> Saved<Self> {
-        Saved::every(self, n)
+    pub fn every(self, n: u64) -> Saved<Trajectory<'a, I, W>> {
+        self.trajectory.every(n)
     }
 
     /// Saves the states at these times, in the order in which the path reaches them, and ends. Each
@@ -204,15 +204,18 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
     /// assert_eq!([states[1].t, states[2].t], [0.25, 2.0]);
     #[doc = include_str!("../example_end.md")]
     #[must_use]
-    pub fn at<T: Borrow<f64>>(self, times: impl IntoIterator<Item = T>) -> Saved<Self> {
-        Saved::at(self, times)
+    pub fn at<T: Borrow<f64>>(
+        self,
+        times: impl IntoIterator<Item = T>,
+    ) -> Saved<Trajectory<'a, I, W>> {
+        self.trajectory.at(times)
     }
 
     /// Ends the path at a time, with the state at this time as its last state; before it come the
     /// states after each step.
     #[must_use]
-    pub fn until(self, t: f64) -> Saved<Self> {
-        Saved::after_each_step(self).until(t)
+    pub fn until(self, t: f64) -> Saved<Trajectory<'a, I, W>> {
+        self.trajectory.until(t)
     }
 
     /// Returns the states at the zeros of a function; see [`Trajectory::crossings`]. A state within
@@ -272,18 +275,6 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
         Self: FixedSteps,
     {
         self
-    }
-
-    /// Makes the steps that end before a time, until there are `most` of them. Returns their number
-    /// and whether the last one ends at this time.
-    pub(super) fn place_of(&mut self, t: f64, most: u64) -> Result<(u64, bool), StepError> {
-        let is_whole = self.trajectory.adapted_steps_before(t, most)?;
-        Ok((self.trajectory.step, is_whole))
-    }
-
-    /// Returns the state at a time before the end of the next step.
-    pub(super) fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
-        self.trajectory.adapted_state_at(t)
     }
 }
 

@@ -15,14 +15,16 @@ use crate::system::{AnySystem, StateOf};
 use crate::time::{WrittenTimes, is_next_time};
 use crate::trajectory::Method;
 use crate::trajectory::events::zero_between;
-use crate::trajectory::{AccurateTrajectory, RefinedTrajectory, Trajectory, is_end_of_path};
+use crate::trajectory::{RefinedTrajectory, Trajectory, is_end_of_path};
 
 /// A trajectory whose states can be saved.
 pub(crate) trait Steps: Iterator<Item = Result<StateOf<Self::System>, StepError>> {
     type System: AnySystem;
-    /// True if the times after its steps are not known ahead: they are those of the states, not
-    /// multiples of the step size.
-    const HAS_OWN_TIME: bool = false;
+    /// Returns whether the times after its steps are not known ahead: they are those of the states,
+    /// not multiples of the step size.
+    fn has_own_times(&self) -> bool {
+        false
+    }
     /// Returns the times after its steps.
     fn times(&self) -> WrittenTimes;
     /// Returns the number of steps made.
@@ -69,7 +71,10 @@ fn place_among(times: &WrittenTimes, t: f64, made: u64) -> Result<(u64, bool), S
 
 impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
     type System = I::System;
-    const HAS_OWN_TIME: bool = I::HAS_OWN_TIME;
+
+    fn has_own_times(&self) -> bool {
+        I::HAS_OWN_TIME || self.is_adapted()
+    }
 
     fn times(&self) -> WrittenTimes {
         WrittenTimes::new(self.start, self.h)
@@ -101,6 +106,10 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
         times: &WrittenTimes,
         most: u64,
     ) -> Result<(u64, bool), StepError> {
+        if self.is_adapted() {
+            let is_whole = self.adapted_steps_before(t, most)?;
+            return Ok((self.step, is_whole));
+        }
         if const { I::HAS_OWN_TIME } {
             return self.place_in_own_time(t, most);
         }
@@ -108,6 +117,9 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
     }
 
     fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
+        if self.is_adapted() {
+            return self.adapted_state_at(t);
+        }
         if const { I::HAS_OWN_TIME } {
             return self.state_at_own_time(t);
         }
@@ -204,32 +216,6 @@ impl<I: Method, W: Halves> Steps for RefinedTrajectory<'_, I, W> {
     }
 }
 
-impl<I: OneStepMethod, W: Noise> Steps for AccurateTrajectory<'_, I, W> {
-    type System = I::System;
-    const HAS_OWN_TIME: bool = true;
-
-    fn times(&self) -> WrittenTimes {
-        let trajectory: &Trajectory<'_, I, W> = self;
-        trajectory.times()
-    }
-
-    fn steps_made(&self) -> u64 {
-        self.step()
-    }
-
-    fn reached(&self) -> &StateOf<I::System> {
-        self.state()
-    }
-
-    fn place_of(&mut self, t: f64, _: &WrittenTimes, most: u64) -> Result<(u64, bool), StepError> {
-        AccurateTrajectory::place_of(self, t, most)
-    }
-
-    fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
-        AccurateTrajectory::state_within(self, t)
-    }
-}
-
 /// A point of a trajectory.
 enum Point {
     Step(u64),
@@ -277,7 +263,7 @@ impl<T: Steps> Saved<T> {
     /// The error of an end or an interval that does not exist, which the next state has too.
     pub(super) fn count_states(&mut self) -> Result<Option<usize>, StepError> {
         let counts_steps = matches!(self.wanted, Wanted::Steps { .. });
-        if counts_steps && (T::HAS_OWN_TIME || self.end.is_none()) {
+        if counts_steps && (self.path.has_own_times() || self.end.is_none()) {
             return Ok(None);
         }
         let (wanted, has_ended) = (self.wanted.clone(), self.has_ended);
@@ -313,7 +299,7 @@ impl<T: Steps> Saved<T> {
             return self.path.state_within(t).map(Some);
         }
         let mut state = self.path.reached().clone();
-        if !T::HAS_OWN_TIME {
+        if !self.path.has_own_times() {
             state.t = t;
         }
         Ok(Some(state))
