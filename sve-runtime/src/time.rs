@@ -20,6 +20,11 @@ pub(crate) fn is_next_time(t: f64, end: f64) -> bool {
     end.is_finite() && end != t
 }
 
+/// Returns the distance from a time to the next number.
+pub(crate) fn unit(t: f64) -> f64 {
+    t.abs().next_up() - t.abs()
+}
+
 /// Decimal digits with which a number prints as it was written: a decimal number of 15 digits
 /// survives the conversion to `f64` and back.
 const DIGITS: u64 = 1_000_000_000_000_000;

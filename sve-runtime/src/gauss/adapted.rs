@@ -9,12 +9,14 @@
 
 use super::convergence::Course;
 use super::fixed_point::{Partitioned, PartitionedIteration, SecondOrder, SecondOrderIteration};
-use super::legendre::{Ahead, Coefficients, Series, integral};
+use super::legendre::{Ahead, Coefficients, Series, ToStages, integral};
 use super::newton::velocity;
 use super::scaled::Scaled;
 use super::stages::{Rows, larger};
 use super::step::Step;
+use super::tableau::Tableau;
 use crate::lanes::dispatch::dispatch;
+use crate::mechanics::time_scale::is_time_scale;
 use crate::phase::configuration::VectorCoordinates;
 use crate::phase::state::State;
 use crate::system::Dims;
@@ -59,6 +61,30 @@ impl<const S: usize, const N: usize> StageSeries<S, N> {
         self.rows
             .map(|rows| rows.map(|row| integral(&row, fraction)))
     }
+
+    /// Returns the Legendre series of the time that passes within the step from `q`, with the given
+    /// rate at a position; `None` if a rate is not positive and finite.
+    pub(crate) fn times(&self, q: &[f64; N], rate: impl Fn(&[f64; N]) -> f64) -> Option<[f64; S]> {
+        let tableau = const { &Tableau::<S>::VALUES };
+        let moves = dispatch(ToStages {
+            rows: &self.rows[0],
+        });
+        let mut times = [0.0; S];
+        for i in 0..S {
+            let rate = rate(&core::array::from_fn(|n| q[n] + moves[n][i]));
+            if !is_time_scale(rate) {
+                return None;
+            }
+            times[i] = self.h * tableau.b[i] * rate;
+        }
+        let stages = &[[times]];
+        Some(dispatch(Coefficients { stages }).rows[0][0])
+    }
+}
+
+/// Returns the time from the start of a step to a fraction of it.
+pub(crate) fn time_until<const S: usize>(times: &[f64; S], fraction: f64) -> f64 {
+    integral(times, fraction)
 }
 
 /// A step that was tried.

@@ -19,7 +19,9 @@
 use super::convergence::{Course, Verdict};
 use super::newton::{Solved, displacement, moves_position, velocity};
 use super::scaled::{Scaled, SecondOrderCoefficients};
-use super::stages::{Matrix, Rows, at_stages, inverse_size, larger, product, relative_change, sum};
+use super::stages::{
+    Matrix, Rows, are_finite, at_stages, inverse_size, larger, product, relative_change, sum,
+};
 use super::step::Step;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::system::System;
@@ -197,7 +199,7 @@ where
             dq[n] = nodes[0] * start[n][0] + (rest[0] * start[n][0] + late[n][0]);
             dp[n] = sum(&impulses[n]);
         }
-        Some(((dq, dp, x), impulses))
+        are_finite(&dq, &dp).then_some(((dq, dp, x), impulses))
     }
 }
 
@@ -327,7 +329,8 @@ where
             let motion = self.step.system.displacements(&stages, &new_kicks, &masses);
             if has_converged {
                 let stages = [motion.displacements, impulses];
-                return Some((increments(&motion, &impulses), stages));
+                let solved = increments::<S, N, K>(&motion, &impulses);
+                return are_finite(&solved.0, &solved.1).then_some((solved, stages));
             }
             let new_moves = at_stages(tableau, &motion.displacements);
             if course.is_new() {

@@ -46,6 +46,7 @@ mod step;
 pub(crate) mod step_size;
 mod tableau;
 
+pub(crate) use adapted::time_until;
 pub use adapted::{AdaptedSteps, Attempt, StageSeries, partitioned_attempt, second_order_attempt};
 pub use bounds::{NodeBounds, NoiseBounds, Radii, StageBounds, Uniqueness};
 pub use fixed_point::{Masses, Motion, Partitioned, SecondOrder, StageLanes};

@@ -6,16 +6,20 @@
 //! accepted, and not before.
 
 use core::fmt;
+use core::marker::PhantomData;
 
 use super::Integrator;
 use super::accept::replace;
-use crate::gauss::{AdaptedSteps, Attempt, StageSeries};
+use super::time_scale::InScaledTime;
+use crate::gauss::{AdaptedSteps, Attempt, StageSeries, time_until};
+use crate::mechanics::time_scale::TimeScale;
 use crate::method::OneStepMethod;
 use crate::phase::configuration::{Coordinates, FlatConfiguration as _, two_sum};
 use crate::phase::state::State;
 use crate::rule::Gauss;
 use crate::system::start::StartOfStep as _;
 use crate::system::{AnySystem, Dims, StateOf, System};
+use crate::time::unit;
 
 /// A method whose step size can be adapted: an [`Integrator`] with a Gauss rule of four stages or
 /// more.
@@ -48,12 +52,18 @@ pub trait Attempts<S: AnySystem>: fmt::Debug {
     /// series; `None` if the step was not solved.
     fn attempt(&mut self, system: &S, state: &StateOf<S>, h: f64, level: f64) -> Option<f64>;
 
+    /// Returns the time that the step takes that was tried last; NaN if it was not solved.
+    fn elapsed(&self) -> f64;
+
+    /// Returns the size of a step that changes the time of a state by its rounding error.
+    fn unit(&self, system: &S, state: &StateOf<S>) -> f64;
+
     /// Moves the state with its low parts by the step that was tried last. Returns whether the
     /// result is finite and at another time; otherwise nothing changes.
     fn accept(&mut self, state: &mut StateOf<S>, low: &mut StateOf<S>) -> bool;
 
-    /// Returns the state at a time within the last step that was accepted.
-    fn state_at(&self, t: f64) -> Option<StateOf<S>>;
+    /// Returns the state at a fraction of the last step that was accepted.
+    fn within(&self, fraction: f64) -> Option<StateOf<S>>;
 
     /// Forgets the last step, after a change of the state.
     fn forget(&mut self);
@@ -78,15 +88,28 @@ where
     const STAGES: usize = K;
 
     fn attempts(&self) -> BoxedAttempts<S> {
-        Box::new(GaussAttempts::<CoefficientsOf<S, K, N>, K, N> {
-            coefficients: self.system().itself().coefficients(),
-            tried: None,
-            last: None,
-            start: None,
-        })
+        attempts::<S, SizeIsTime, Q, K, N, M>(self.system())
     }
 
     fn no_low_parts() -> StateOf<S> {
+        State::new(Q::origin(), Q::no_momentum())
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl<H, Q, const K: usize, const N: usize, const M: usize> AdaptsSteps for InScaledTime<H, Gauss<K>>
+where
+    Self: OneStepMethod<System = H>,
+    H: TimeScale<Dims = Dims<N, M, Q>, Itself: AdaptedSteps<K, N>>,
+    Q: Coordinates<N, Flat = [f64; N]>,
+{
+    const STAGES: usize = K;
+
+    fn attempts(&self) -> BoxedAttempts<H> {
+        attempts::<H, InTau, Q, K, N, M>(self.system())
+    }
+
+    fn no_low_parts() -> StateOf<H> {
         State::new(Q::origin(), Q::no_momentum())
     }
 }
@@ -95,18 +118,67 @@ where
 type CoefficientsOf<S, const K: usize, const N: usize> =
     <<S as System>::Itself as AdaptedSteps<K, N>>::Coefficients;
 
-/// Attempts at the steps of a Gauss rule. `C` is what they compute from parameters alone.
-#[derive(Clone)]
-struct GaussAttempts<C, const K: usize, const N: usize> {
-    coefficients: C,
-    tried: Option<Attempt<K, N>>,
-    /// The series of the last step that was accepted.
-    last: Option<StageSeries<K, N>>,
-    /// The start of this step, and the time at its end.
-    start: Option<(State<[f64; N]>, f64)>,
+/// What the size of a step is: a time, or a length in τ.
+trait Rate<S: System>: Clone + Send + Sync + 'static {
+    /// Whether the size is a time, so that the rate is 1.
+    const IS_ONE: bool;
+    /// Returns the time that passes in a unit of the step size.
+    fn rate(system: &S, state: &StateOf<S>) -> f64;
 }
 
-impl<C, const K: usize, const N: usize> fmt::Debug for GaussAttempts<C, K, N> {
+#[derive(Clone)]
+struct SizeIsTime;
+
+impl<S: System> Rate<S> for SizeIsTime {
+    const IS_ONE: bool = true;
+
+    fn rate(_: &S, _: &StateOf<S>) -> f64 {
+        1.0
+    }
+}
+
+#[derive(Clone)]
+struct InTau;
+
+impl<H: TimeScale> Rate<H> for InTau {
+    const IS_ONE: bool = false;
+
+    fn rate(system: &H, state: &StateOf<H>) -> f64 {
+        system.time_scale(state)
+    }
+}
+
+/// The Legendre series of the time within a step.
+type Times<const K: usize> = [f64; K];
+
+/// Attempts at the steps of a Gauss rule. `C` is what they compute from parameters alone.
+#[derive(Clone)]
+struct GaussAttempts<R, C, const K: usize, const N: usize> {
+    rate: PhantomData<R>,
+    coefficients: C,
+    tried: Option<(Attempt<K, N>, Times<K>)>,
+    /// The series of the last step that was accepted.
+    last: Option<StageSeries<K, N>>,
+    /// The start of this step, the time at its end, and the times between.
+    start: Option<(State<[f64; N]>, f64, Times<K>)>,
+}
+
+fn attempts<S, R, Q, const K: usize, const N: usize, const M: usize>(system: &S) -> BoxedAttempts<S>
+where
+    S: System<Dims = Dims<N, M, Q>, Itself: AdaptedSteps<K, N>>,
+    R: Rate<S>,
+    Q: Coordinates<N, Flat = [f64; N]>,
+{
+    Box::new(GaussAttempts::<R, CoefficientsOf<S, K, N>, K, N> {
+        rate: PhantomData,
+        coefficients: system.itself().coefficients(),
+        tried: None,
+        last: None,
+        start: None,
+    })
+}
+
+impl<R, C, const K: usize, const N: usize> fmt::Debug for GaussAttempts<R, C, K, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("GaussAttempts")
             .field("last", &self.last)
@@ -114,55 +186,77 @@ impl<C, const K: usize, const N: usize> fmt::Debug for GaussAttempts<C, K, N> {
     }
 }
 
-impl<S, Q, const K: usize, const N: usize, const M: usize> Attempts<S>
-    for GaussAttempts<CoefficientsOf<S, K, N>, K, N>
+impl<S, R, Q, const K: usize, const N: usize, const M: usize> Attempts<S>
+    for GaussAttempts<R, CoefficientsOf<S, K, N>, K, N>
 where
     S: System<Dims = Dims<N, M, Q>, Itself: AdaptedSteps<K, N>>,
+    R: Rate<S>,
     Q: Coordinates<N, Flat = [f64; N]>,
 {
     fn attempt(&mut self, system: &S, state: &State<Q>, h: f64, level: f64) -> Option<f64> {
-        let (system, state) = (system.itself(), state.to_coordinates());
+        let (itself, start) = (system.itself(), state.to_coordinates());
         self.tried = None;
-        if S::Itself::TESTS_PARAMETERS && !system.parameters_give_regular_mass()
-            || S::Itself::TESTS_STATE && !system.state_gives_regular_mass(state.t, &state.q)
+        if S::Itself::TESTS_PARAMETERS && !itself.parameters_give_regular_mass()
+            || S::Itself::TESTS_STATE && !itself.state_gives_regular_mass(start.t, &start.q)
         {
             return None;
         }
-        self.tried = system.attempt(&self.coefficients, &state, h, level, self.last.as_ref());
-        self.tried.map(|tried| tried.decay)
+        let tried = itself.attempt(&self.coefficients, &start, h, level, self.last.as_ref())?;
+        let times = if R::IS_ONE {
+            Some(core::array::from_fn(|k| if k == 0 { h } else { 0.0 }))
+        } else {
+            tried.series.times(&start.q, |q| {
+                let state = State { q: *q, ..start };
+                R::rate(system, &State::from_coordinates(&state))
+            })
+        };
+        self.tried = times.map(|times| (tried, times));
+        self.tried.map(|(tried, _)| tried.decay)
+    }
+
+    fn elapsed(&self) -> f64 {
+        self.tried.map_or(f64::NAN, |(_, times)| times[0])
+    }
+
+    fn unit(&self, system: &S, state: &State<Q>) -> f64 {
+        unit(state.t) / R::rate(system, state)
     }
 
     fn accept(&mut self, state: &mut State<Q>, low: &mut State<Q>) -> bool {
-        let Some(tried) = self.tried.take() else {
+        let Some((tried, times)) = self.tried.take() else {
             return false;
         };
-        let ([dq, dp], h) = (tried.increments, tried.series.h);
+        let [dq, dp] = tried.increments;
         let start = state.to_coordinates();
         let (mut end, mut new_low) = (start, low.to_coordinates());
         let (q, p) = <[f64; N]>::moved_with_low_parts(&start, &mut new_low, &dq, &dp);
-        if !replace(&mut end, h, &q, &p) {
+        let added = times[0] + low.t;
+        if !replace(&mut end, added, &q, &p) {
             return false;
         }
-        (end.t, new_low.t) = two_sum(start.t, h + low.t);
+        (end.t, new_low.t) = two_sum(start.t, added);
         self.last = Some(tried.series);
-        self.start = Some((start, end.t));
+        self.start = Some((start, end.t, times));
         *state = State::from_coordinates(&end);
         *low = State::from_coordinates(&new_low);
         true
     }
 
-    fn state_at(&self, t: f64) -> Option<State<Q>> {
-        let ((mut state, end), series) = (self.start?, self.last?);
-        let fraction = (t - state.t) / (end - state.t);
-        if !(0.0..=1.0).contains(&fraction) {
-            return None;
+    fn within(&self, fraction: f64) -> Option<State<Q>> {
+        let ((mut state, end, times), series) = (self.start?, self.last?);
+        if fraction == 0.0 {
+            return Some(State::from_coordinates(&state));
         }
         let [moves, kicks] = series.until(fraction);
         for n in 0..N {
             state.q[n] += moves[n];
             state.p[n] += kicks[n];
         }
-        state.t = t;
+        state.t = if fraction == 1.0 {
+            end
+        } else {
+            state.t + time_until(&times, fraction)
+        };
         Some(State::from_coordinates(&state))
     }
 

@@ -94,6 +94,10 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// [events](AccurateTrajectory::crossings) are found as in any trajectory; the steps of the path
     /// are the same with and without them. The sign of the step size is that of time.
     ///
+    /// **With a [time scale](crate::WithTimeScale)** the sizes are those of steps of τ, in which the
+    /// motion is even. `until`, `at`, events and [`state_at`](AccurateTrajectory::state_at) act on
+    /// the time t. Such a path has no structure either.
+    ///
     /// **A [snapshot](Trajectory::snapshot)** has the numbers from which the next size follows:
     /// `integrator.resume(snapshot, NoNoise)?.tolerance(1e-10)` continues with the bits of the
     /// uninterrupted path.
@@ -121,8 +125,10 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             Sizes::Stored(numbers) => numbers.as_slice(),
             Sizes::Fixed | Sizes::Adapted(_) => &[],
         };
-        let size = first_size(tolerance, I::STAGES, self.h, self.state.t);
-        let adapted = Adapted::new(tolerance, size, self.method.attempts(), stored);
+        let attempts = self.method.attempts();
+        let unit = attempts.unit(self.method.system(), &self.state);
+        let size = first_size(tolerance, I::STAGES, self.h, unit);
+        let adapted = Adapted::new(tolerance, size, attempts, stored);
         self.sizes = Sizes::Adapted(Box::new(adapted));
         self.prepared = None;
         self.low.get_or_insert_with(I::no_low_parts);

@@ -8,6 +8,7 @@ use core::borrow::Borrow as _;
 use core::ops::RangeInclusive;
 
 use super::Trajectory;
+use super::events::zero_between;
 use crate::error::StepError;
 use crate::gauss::step_size::StepSize;
 use crate::integrator::accept::check_step_size;
@@ -92,9 +93,14 @@ impl<S: AnySystem> Adapted<S> {
         adapted
     }
 
-    /// Checks what the path was given.
-    fn check(&self, t: f64) -> Result<(), StepError> {
-        check_step_size(self.size.h())?;
+    /// Checks what the path was given, and that another step may follow `step` steps.
+    fn check(&self, t: f64, step: u64) -> Result<(), StepError> {
+        let h = self.size.h();
+        check_step_size(h)?;
+        if step >= self.most_steps {
+            let steps = step;
+            return Err(StepError::TooManySteps { t, h, steps });
+        }
         let tolerance = self.tolerance;
         if !TOLERANCES.contains(&tolerance) {
             return Err(StepError::Tolerance { t, tolerance });
@@ -126,7 +132,35 @@ impl<S: AnySystem> Adapted<S> {
 
     /// Returns the state at a time within the last step, by the polynomials of its stages.
     pub(super) fn state_at(&self, t: f64) -> Option<StateOf<S>> {
-        self.attempts.state_at(t)
+        let late = |fraction: f64| Some(self.attempts.within(fraction)?.t - t);
+        let ends = [late(0.0)?, late(1.0)?];
+        // false for NaN
+        let is_within = ends[0] * ends[1] <= 0.0;
+        if !is_within {
+            return None;
+        }
+        let bracket = [(0.0, ends[0]), (1.0, ends[1])];
+        let zero = zero_between(|fraction| late(fraction).ok_or(()), bracket);
+        let mut state = self.attempts.within(zero.ok()?.at)?;
+        state.t = t;
+        Some(state)
+    }
+
+    /// Tries the part of the step that was tried last, a step of size `h`, that takes a time `rest`.
+    /// Returns the size of the part that was tried last, which is solved if all parts were.
+    fn attempt_until(&mut self, system: &S, state: &StateOf<S>, mut h: f64, rest: f64) -> f64 {
+        let (attempts, level) = (&mut self.attempts, self.size.level());
+        let (whole, bracket) = (h, [(0.0, -rest), (1.0, attempts.elapsed() - rest)]);
+        let mut late = |fraction: f64| {
+            h = fraction * whole;
+            let solved = attempts.attempt(system, state, h, level);
+            solved.map(|_| attempts.elapsed() - rest).ok_or(())
+        };
+        // the part that was tried last need not be the one next to the zero
+        zero_between(&mut late, bracket)
+            .and_then(|zero| late(zero.at))
+            .ok();
+        h
     }
 }
 
@@ -149,9 +183,10 @@ impl<S: AnySystem> Sizes<S> {
     }
 }
 
-/// Returns the control of the step size for the first step from a time.
-pub(super) fn first_size(tolerance: f64, stages: usize, h: f64, t: f64) -> StepSize {
-    let least = (LEAST_FIRST_STEP * unit(t)).max(NORMAL_STEP);
+/// Returns the control of the step size for the first step, from a time whose rounding error is
+/// that of a step of size `unit`.
+pub(super) fn first_size(tolerance: f64, stages: usize, h: f64, unit: f64) -> StepSize {
+    let least = (LEAST_FIRST_STEP * unit).max(NORMAL_STEP);
     let is_given = h.is_finite() && h != 0.0;
     let h = if is_given {
         h.abs().max(least).copysign(h)
@@ -161,9 +196,29 @@ pub(super) fn first_size(tolerance: f64, stages: usize, h: f64, t: f64) -> StepS
     StepSize::new(tolerance, stages, h)
 }
 
-/// Returns the distance from a time to the next number.
-fn unit(t: f64) -> f64 {
-    t.abs().next_up() - t.abs()
+/// Where a step has to end.
+#[derive(Clone, Copy)]
+pub(super) enum Limit {
+    None,
+    /// Before a time: a step that reaches it is not made.
+    Before(f64),
+    /// At a time, if the step reaches it.
+    At(f64),
+}
+
+impl Limit {
+    /// Returns the time that is left.
+    fn rest(self, t: f64, low: f64) -> f64 {
+        match self {
+            Self::None => f64::INFINITY,
+            Self::Before(end) | Self::At(end) => (end - t) - low,
+        }
+    }
+}
+
+/// Returns whether a step that takes some time reaches the time after `rest`.
+fn reaches(elapsed: f64, rest: f64) -> bool {
+    rest.abs() <= elapsed.abs() * (1.0 + SAME_TIME)
 }
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
@@ -172,32 +227,30 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
         matches!(self.sizes, Sizes::Adapted(_))
     }
 
-    /// Makes a step of the size that the tolerance allows, or to `end` if this time is nearer.
-    /// Returns whether the step ends there.
+    /// Makes a step of the size that the tolerance allows. Returns whether it reaches the time of
+    /// the limit.
     #[cold]
     #[inline(never)]
-    pub(super) fn adapted_step(&mut self, end: Option<f64>) -> Result<bool, StepError> {
+    pub(super) fn adapted_step(&mut self, limit: Limit) -> Result<bool, StepError> {
         let (Sizes::Adapted(adapted), Some(low)) = (&mut self.sizes, &mut self.low) else {
             return Ok(false);
         };
         let (system, state) = (self.method.system(), &mut self.state);
         let t = state.t;
-        adapted.check(t)?;
-        if self.step >= adapted.most_steps {
-            let (h, steps) = (self.h, self.step);
-            return Err(StepError::TooManySteps { t, h, steps });
-        }
-        let (least, before) = (LEAST_STEP * unit(t), adapted.size);
-        let (mut h, mut attempts) = (before.h(), 0);
+        adapted.check(t, self.step)?;
+        let (rest, stays_before) = (limit.rest(t, low.t), matches!(limit, Limit::Before(_)));
+        let least = LEAST_STEP * adapted.attempts.unit(system, state);
+        let before = (adapted.size, adapted.rejected);
+        let (mut h, mut attempts) = (adapted.size.h(), 0);
         while attempts < MOST_ATTEMPTS {
             h = adapted.size.h();
-            let lands = match end.map(|end| (end - t) - low.t) {
-                Some(rest) if rest.abs() <= h.abs() * (1.0 + SAME_TIME) => {
-                    h = rest;
-                    true
+            let mut lands = !I::HAS_OWN_TIME && reaches(h, rest);
+            if lands {
+                if stays_before {
+                    return Ok(true);
                 }
-                _ => false,
-            };
+                h = rest;
+            }
             // false for NaN
             let is_long_enough = h.abs() > least;
             if !lands && !is_long_enough {
@@ -207,8 +260,19 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
             let last = adapted.size;
             let decay = adapted.attempts.attempt(system, state, h, last.level());
             if adapted.size.judge(h, decay) {
+                // how far a step of another time goes is known when it is solved
+                if I::HAS_OWN_TIME && reaches(adapted.attempts.elapsed(), rest) {
+                    if stays_before {
+                        (adapted.size, adapted.rejected) = before;
+                        return Ok(true);
+                    }
+                    lands = true;
+                    h = adapted.attempt_until(system, state, h, rest);
+                }
                 if adapted.attempts.accept(state, low) {
-                    if let Some(end) = end.filter(|_| lands) {
+                    if let Limit::At(end) = limit
+                        && lands
+                    {
                         (state.t, low.t) = (end, 0.0);
                     }
                     self.h = h;
@@ -220,7 +284,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
             }
             adapted.rejected += 1;
         }
-        adapted.size = before;
+        adapted.size = before.0;
         Err(self.no_size(h, least, attempts))
     }
 
@@ -230,7 +294,8 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     fn no_size(&mut self, h: f64, least: f64, attempts: u32) -> StepError {
         let mut state = self.state.clone();
         let t = state.t;
-        let short = (LEAST_FIRST_STEP * unit(t)).max(NORMAL_STEP).copysign(h);
+        let short = LEAST_FIRST_STEP / LEAST_STEP * least;
+        let short = short.max(NORMAL_STEP).copysign(h);
         let step = self.draw().and_then(|dw| {
             let prepared = self.method.prepare(short)?;
             (self.method).step_prepared(&prepared, &mut state, short, dw.borrow())
@@ -242,6 +307,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
                 | StepError::NonFiniteResult { .. }
                 | StepError::OutsideDomain { .. }
                 | StepError::SingularMass { .. }
+                | StepError::TimeScale { .. }
                 | StepError::Noise { .. }),
             ) => error,
             _ => StepError::StepTooSmall {
@@ -261,17 +327,20 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
             let (Sizes::Adapted(adapted), Some(low)) = (&self.sizes, &self.low) else {
                 return Ok(false);
             };
-            let rest = (end - self.state.t) - low.t;
+            let rest = Limit::At(end).rest(self.state.t, low.t);
             let h = adapted.size.h();
             if rest * h < 0.0 || !rest.is_finite() {
                 let (t, after) = (end, self.state.t);
                 return Err(StepError::TimeOrder { t, after, h });
             }
-            let fits = h.abs() * (1.0 + SAME_TIME) < rest.abs();
-            if rest == 0.0 || self.step >= most || !fits {
+            if rest == 0.0 || self.step >= most {
                 return Ok(rest == 0.0);
             }
-            self.advance(1)?;
+            let step = self.adapted_step(Limit::Before(end));
+            self.has_ended |= step.is_err();
+            if step? {
+                return Ok(false);
+            }
         }
     }
 
@@ -284,7 +353,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
         let kept = (self.state.clone(), self.low.clone(), self.h, self.step);
         let mut reached = Ok(false);
         while let Ok(false) = reached {
-            reached = self.adapted_step(Some(t));
+            reached = self.adapted_step(Limit::At(t));
         }
         let state = core::mem::replace(&mut self.state, kept.0);
         (self.low, self.h, self.step) = (kept.1, kept.2, kept.3);

@@ -113,7 +113,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             refinements,
         } = snapshot;
         let (method, t) = (method.into(), state.t);
-        if low.is_some() && !method.has_compensated_step() {
+        if low.is_some() && adapted.is_empty() && !method.has_compensated_step() {
             return Err(StepError::Uncompensated { t });
         }
         let (mut prepared, mut sizes) = (None, Sizes::Fixed);
@@ -336,7 +336,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         if self.prepared.is_none() {
             self.prepare()?;
             if self.prepared.is_none() {
-                return self.adapted_step(None).map(|_| ());
+                return self.adapted_step(adapted::Limit::None).map(|_| ());
             }
         }
         let drawn = self.draw()?;

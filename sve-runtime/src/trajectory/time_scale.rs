@@ -63,7 +63,8 @@ pub trait ScaledPaths<S: WithTimeScale, R> {
 /// is [`energy`](Trajectory::energy).
 ///
 /// A time within a step is reached by a part of the step, whose length in τ is found by iteration.
-/// [`TimedState::on_path`] continues from one of its states. Steps that fail are not refined, and
+/// [`TimedState::on_path`] continues from one of its states, and
+/// [`tolerance`](Trajectory::tolerance) adapts the steps of τ. Steps that fail are not refined, and
 /// events do not change the state, since its energy would be another one.
 pub type ScaledTrajectory<'a, S, R, W> =
     Trajectory<'a, InScaledTime<<S as WithTimeScale>::Held<'a>, R>, W>;

@@ -6,6 +6,7 @@ mod failures;
 mod kepler;
 mod paths;
 mod structure;
+mod tolerance;
 
 use sve_runtime::Tangent;
 use sve_runtime::prelude::*;
@@ -45,7 +46,7 @@ impl Comet {
 /// A double pendulum with masses and lengths 1, whose mass matrix depends on the configuration.
 struct DoublePendulum;
 
-#[variational(midpoint, gauss(8))]
+#[variational(midpoint, gauss(4), gauss(8))]
 impl DoublePendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let mixed = v[0] * v[1] * (q[0] - q[1]).cos();

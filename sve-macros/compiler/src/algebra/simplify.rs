@@ -304,8 +304,8 @@ impl Arena {
         }
     }
 
-    /// Returns a power with a constant exponent. Integer exponents give products, half-integer
-    /// exponents square roots and products.
+    /// Returns a power with a constant exponent. Integer exponents give products; exponents of
+    /// halves and quarters give square roots and products, which cost a fraction of a power.
     pub(super) fn constant_power(&mut self, x: Expr, exponent: f64) -> Expr {
         let twice = 2.0 * exponent;
         if twice == twice.round() && twice.abs() <= 128.0 {
@@ -315,6 +315,15 @@ impl Arena {
             }
             let root = self.call(Function::Sqrt, x);
             return self.pow(root, twice);
+        }
+        if 2.0 * twice == (2.0 * twice).round() && twice.abs() <= 8.0 {
+            // the root of the root, with the whole powers apart, whose roundings are fewer
+            let whole = exponent.trunc();
+            let root = self.call(Function::Sqrt, x);
+            let root = self.call(Function::Sqrt, root);
+            let rest = self.pow(root, (4.0 * (exponent - whole)) as i32);
+            let power = self.pow(x, whole as i32);
+            return self.mul(power, rest);
         }
         self.call(Function::Powf(Bits::new(exponent)), x)
     }

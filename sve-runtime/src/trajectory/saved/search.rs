@@ -140,16 +140,15 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Makes steps up to a number of steps, as long as none ends behind a time. Returns their number,
     /// and whether the last one ends at this time.
     fn place_in_own_time(&mut self, end: f64, most: u64) -> Result<(u64, bool), StepError> {
-        let times = self.times();
-        let after = self.state.t;
-        if !end.is_finite() || end != after && !times.is_before(after, end) {
-            let h = times.h();
+        let (after, h) = (self.state.t, self.h);
+        let is_behind = |t: f64| (t - end) * h.signum() > 0.0;
+        if !end.is_finite() || is_behind(after) {
             return Err(StepError::TimeOrder { t: end, after, h });
         }
         while self.step < most && self.state.t != end {
             let (state, prepared, step) = (self.state.clone(), self.prepared.clone(), self.step);
             self.advance(1)?;
-            if times.is_before(end, self.state.t) {
+            if is_behind(self.state.t) {
                 (self.state, self.prepared, self.step) = (state, prepared, step);
                 break;
             }

@@ -51,6 +51,8 @@ f(c) folds → 0.7.exp() → equal
 x^(integer) is a product → x.powf(-3.0) → equal
 x^(half-integer) is √ and a product → x.powf(2.5) → equal
 x^(−½) is 1/√x → x.powf(-0.5) → equal
+x^(quarter) is roots and a product → x.powf(0.75) → equal
+x^(−quarter) → x.powf(-1.25) → equal
 x^c is powf → x.powf(1.3) → equal
 named results are what they are of → (x + y).named().named() + y → equal
 ";
