@@ -19,7 +19,7 @@ REPEATS = 9
 LEAST_REPEATS = 3
 PATIENCE = 0.2
 """Seconds for the repeats of one time, unless that makes fewer than the least number of them."""
-SLICE = 200e-6
+SLICE = 1e-3
 """The least time that is measured at once, in seconds."""
 
 
@@ -51,6 +51,16 @@ class Walk:
     run: Callable[[int], object]
     steps: int
     paths: int = 1
+
+    def elapsed(self, times: int) -> float:
+        """Processor time of all threads: on one core with nothing else to do, that which passes; other load does not count."""
+        begin = process_time()
+        self.run(times)
+        return process_time() - begin
+
+
+Walks = list[tuple["Record", Walk]]
+"""Lines with what is timed for them."""
 
 
 def write(path: Path, records: Sequence[Record]) -> None:
@@ -106,30 +116,23 @@ def set_invariant(record: Record, problem: Problem, times: Array, states: Array)
         record.energy_drift = float(slopes.mean())
 
 
-def set_times(walks: Sequence[tuple[Record, Walk]]) -> None:
+def set_times(walks: Walks) -> None:
     """Medians and spreads of the times of a step and of a path. All walks take turns, so that what disturbs the machine disturbs all."""
     times: list[int] = []
     seconds: list[list[float]] = []
     for _, walk in walks:
         # all that is compiled was called before
         number = 1
-        while (elapsed := _elapsed(walk, number)) < SLICE:
+        while (elapsed := walk.elapsed(number)) < SLICE:
             number *= 2
         times.append(number)
         seconds.append([elapsed / number])
     for turn in range(1, REPEATS):
         for (_, walk), number, measured in zip(walks, times, seconds, strict=True):
             if turn < LEAST_REPEATS or sum(measured) * number < PATIENCE:
-                measured.append(_elapsed(walk, number) / number)
+                measured.append(walk.elapsed(number) / number)
     for (record, walk), measured in zip(walks, seconds, strict=True):
         low, middle, high = np.percentile(np.array(measured) / walk.paths, [25, 50, 75])
         record.time_to_solution_s = float(middle)
         record.ns_per_step = float(1e9 * middle / walk.steps)
         record.ns_spread = float(1e9 * 0.5 * (high - low) / walk.steps)
-
-
-def _elapsed(walk: Walk, times: int) -> float:
-    """Processor time of all threads: on one core with nothing else to do, that which passes; other load does not count."""
-    begin = process_time()
-    walk.run(times)
-    return process_time() - begin

@@ -13,7 +13,7 @@ import equinox
 import jax
 import jax.numpy as jnp
 import numpy as np
-from common import Record, Walk, set_errors, set_invariant, set_times
+from common import Record, Walk, Walks, set_errors, set_invariant
 from problems import LANGEVIN_KT, LANGEVIN_NU, Problem
 from references import Noise, Paths, paths
 
@@ -42,7 +42,6 @@ ADAPTIVE = {
     "Kvaerno5": (diffrax.Kvaerno5, STIFF_TOLERANCES),
 }
 
-Lines = list[tuple[Record, Walk]]
 Solved = tuple[jax.Array, jax.Array, jax.Array]
 """Times (k,), states (k, 2N) and the number of steps, with those rejected; k is 1, the horizon alone, or has room for all."""
 Arrays = tuple[jax.Array, jax.Array, jax.Array]
@@ -223,16 +222,16 @@ def all_ends(problem: Problem, method: Fixed, steps: int) -> np.ndarray:
     return np.asarray(many(problem.horizon / steps, _arrays(paths(problem).coarse(steps)))[1][:, 0])
 
 
-def records(problem: Problem) -> tuple[list[Record], list[Record]]:
+def walks(problem: Problem) -> tuple[Walks, Walks]:
     """One path at a time, and many at once.
 
-    Not the solar system, which takes seconds a solution, nor Kepler, where a loose tolerance lets Dopri5 fall into the centre with steps that shrink without end.
+    Not the solar system, which takes seconds a solution, nor Kepler, where a loose tolerance lets Dopri5 fall into the centre with steps that shrink without end; nor uneven motions.
     """
-    if problem.name in ("kepler", "outer_solar_system"):
+    if problem.name in ("kepler", "outer_solar_system") or not problem.steps:
         return [], []
     reference = paths(problem)
-    single: Lines = []
-    batch: Lines = []
+    single: Walks = []
+    batch: Walks = []
     for name, method in methods(problem).items():
         if problem.processes > 0:
             _on_paths(problem, reference, name, method, single, batch)
@@ -241,12 +240,10 @@ def records(problem: Problem) -> tuple[list[Record], list[Record]]:
     if problem.processes == 0:
         for name, (solver, tolerances) in ADAPTIVE.items():
             _tolerances(problem, reference, name, solver(), tolerances, single, batch)
-    set_times(single)
-    set_times(batch)
-    return [line for line, _ in single], [line for line, _ in batch]
+    return single, batch
 
 
-def _on_paths(problem: Problem, reference: Paths, name: str, method: Fixed, single: Lines, batch: Lines) -> None:
+def _on_paths(problem: Problem, reference: Paths, name: str, method: Fixed, single: Walks, batch: Walks) -> None:
     solve = _fixed(problem, method.solver, method.build)
     # paths are the last index but one, so that a step of all of them reads neighbours in memory
     one, many = jax.jit(solve), jax.jit(jax.vmap(solve, in_axes=(None, 1)))
@@ -274,7 +271,7 @@ def _arrays(noise: Noise, length: int = 0) -> Arrays:
     return array(noise.dw), array(noise.area), array(noise.third)
 
 
-def _without_noise(problem: Problem, reference: Paths, name: str, method: Fixed, single: Lines) -> None:
+def _without_noise(problem: Problem, reference: Paths, name: str, method: Fixed, single: Walks) -> None:
     one = jax.jit(_fixed(problem, method.solver, method.build))
     all_steps = jax.jit(_fixed(problem, method.solver, method.build, all_steps=True)) if name in WATCHED else one
     for steps in problem.steps:
@@ -286,7 +283,7 @@ def _without_noise(problem: Problem, reference: Paths, name: str, method: Fixed,
             single.append((line, Walk(_calls(partial(one, h, None)), steps)))
 
 
-def _tolerances(problem: Problem, reference: Paths, name: str, solver, tolerances, single: Lines, batch: Lines) -> None:
+def _tolerances(problem: Problem, reference: Paths, name: str, solver, tolerances, single: Walks, batch: Walks) -> None:
     one = jax.jit(_adaptive(problem, solver))
     all_steps = jax.jit(_adaptive(problem, solver, all_steps=True)) if name in WATCHED else one
     many = jax.jit(jax.vmap(_adaptive(problem, solver), in_axes=(0, None)))

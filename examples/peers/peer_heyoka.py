@@ -8,17 +8,16 @@ from collections.abc import Callable
 import heyoka
 import numpy as np
 import planets
-from common import Record, Walk, set_errors, set_invariant, set_times
+from common import Record, Walk, Walks, set_errors, set_invariant
 from problems import Problem
 from references import paths
 
 SOURCE = f"heyoka {heyoka.__version__}"
 METHOD = "Taylor"
-TOLERANCES = {
-    METHOD: (1e-3, 1e-5, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-16),
-    "Taylor, compensated": (1e-12, 1e-13, 1e-14, 1e-15, 1e-16),
-}
-"""With compensated sums, heyoka's option `high_accuracy`, where rounding shows."""
+COMPENSATED = "Taylor, compensated"
+"""With compensated sums, heyoka's option `high_accuracy`."""
+ORDERS = {METHOD: range(5, 23), COMPENSATED: range(12, 23)}
+"""heyoka takes the order n from its tolerance, and the length of a step from the order: for n it takes every tolerance between e^(2 − 2n) and e^(4 − 2n)."""
 
 
 def _equations(problem: Problem) -> tuple[list, np.ndarray, np.ndarray]:
@@ -35,7 +34,7 @@ def _equations(problem: Problem) -> tuple[list, np.ndarray, np.ndarray]:
     return equations, np.arange(problem.dimension), np.ones(problem.dimension)
 
 
-def records(problem: Problem) -> tuple[list[Record], list[Record]]:
+def walks(problem: Problem) -> tuple[Walks, Walks]:
     """One path at a time, and a batch of equal ones."""
     if problem.processes > 0:
         return [], []
@@ -43,10 +42,11 @@ def records(problem: Problem) -> tuple[list[Record], list[Record]]:
     own = np.empty(problem.dimension)
     own[places] = np.array(problem.start) * factors
     lanes = heyoka.recommended_simd_size()
-    single, batch = [], []
-    for method, tolerances in TOLERANCES.items():
-        for tolerance in tolerances:
-            options = {"tol": tolerance, "high_accuracy": method != METHOD}
+    single: Walks = []
+    batch: Walks = []
+    for method, orders in ORDERS.items():
+        for order in orders:
+            options = {"tol": float(np.exp(3.0 - 2.0 * order)), "high_accuracy": method == COMPENSATED}
             one = heyoka.taylor_adaptive(equations, own.copy(), **options)
             kinds = [(single, one, own)]
             if method == METHOD and problem.dimension <= 4:
@@ -60,9 +60,7 @@ def records(problem: Problem) -> tuple[list[Record], list[Record]]:
                 set_invariant(line, problem, times, path[None])
                 width = 1 if lines is single else lanes
                 lines.append((line, Walk(_calls(integrator, start, problem.horizon), len(times) - 1, width)))
-    set_times(single)
-    set_times(batch)
-    return [line for line, _ in single], [line for line, _ in batch]
+    return single, batch
 
 
 def _restart(integrator, start: np.ndarray) -> None:

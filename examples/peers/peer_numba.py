@@ -9,7 +9,7 @@ from typing import Any
 
 import numba
 import numpy as np
-from common import Record, Walk, set_errors, set_invariant, set_times
+from common import Record, Walk, Walks, set_errors, set_invariant
 from compiled import jit, plus, rate
 from problems import (
     GRAVITY,
@@ -308,10 +308,13 @@ def methods(problem: Problem) -> dict[str, Step]:
     return chosen | {"Heun": heun(problem), "Euler–Maruyama": euler_maruyama(problem)}
 
 
-def records(problem: Problem) -> tuple[list[Record], list[Record]]:
+def walks(problem: Problem) -> tuple[Walks, Walks]:
     """One path at a time; and all paths at once, by methods without an iteration."""
+    if not problem.steps:
+        return [], []
     reference = paths(problem)
-    single, batch = [], []
+    single: Walks = []
+    batch: Walks = []
     for name, step in methods(problem).items():
         explicit = name != "midpoint" or step in (oscillator_midpoint, kubo_midpoint)
         for steps in problem.steps:
@@ -330,9 +333,7 @@ def records(problem: Problem) -> tuple[list[Record], list[Record]]:
                 turned = np.ascontiguousarray(np.moveaxis(dw, 0, 2))
                 set_errors(line, problem, together(step, problem.start, h, turned).T, reference.ends)
                 batch.append((line, Walk(_all_paths(step, problem.start, h, turned), steps, len(dw))))
-    set_times(single)
-    set_times(batch)
-    return [line for line, _ in single], [line for line, _ in batch]
+    return single, batch
 
 
 def _one_path(step: Step, start: tuple, h: float, dw: Array) -> Callable[[int], object]:

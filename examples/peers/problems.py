@@ -3,7 +3,7 @@
 A state z is the tuple (q₁ … q_N, p₁ … p_N) with the canonical momenta p = ∂L/∂v. `drift`, `kick`, `invariant` and `observable` take a namespace `f`
 with sin, cos and sqrt first (`math`, `numpy`, `jax.numpy`, `heyoka`), and return a function of z; time is in the units of the problem.
 Stochastic equations are those of Stratonovich: dz = drift(z) dt + kick(z, ∘dW). Parameters, starts, horizons and numbers of steps are those of
-`examples/examples/work_precision`.
+`examples/examples/work_precision`. `UNEVEN` has problems for methods that adapt their steps, whose starts and horizons only these scripts know.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,6 +24,8 @@ HENON_HEILES_SIGMA = 0.02
 LANGEVIN_A, LANGEVIN_NU, LANGEVIN_KT = 1.0, 1.0, 0.4
 LANGEVIN_SIGMA = sqrt(2.0 * LANGEVIN_NU * LANGEVIN_KT)
 ECCENTRICITY = 0.6
+MASSES = (3.0, 4.0, 5.0)
+"""Of the Pythagorean problem: the bodies are at rest in the corners of a triangle with the sides 3, 4 and 5, each opposite the side of its number."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,9 @@ class Problem:
     more_steps: tuple[int, ...] = ()
     """More numbers of steps, for methods of order 2 that know the areas of the noise; each is a multiple of those before."""
     extrapolations: int = 0
-    """Steps of the extrapolation that computes the end of a problem without noise; 0 where it ends at its start."""
+    """Longest steps of the extrapolation that computes the end of a problem without noise; 0 for Kepler's problem."""
+    system: str = ""
+    """The name of the problem with the same equations, where this is another one."""
 
     @property
     def dimension(self) -> int:
@@ -66,12 +70,17 @@ class Problem:
     @property
     def finest(self) -> int:
         """The largest number of steps."""
-        return (self.steps + self.more_steps)[-1]
+        return (self.steps + self.more_steps)[-1] if self.steps else 1
 
     @property
     def batch_steps(self) -> tuple[int, ...]:
         """Numbers of steps with which many paths at once are timed: with additive noise all, otherwise two, as the time of a step hardly depends on them."""
         return self.steps + self.more_steps if self.additive else self.steps[2:4]
+
+
+def has_powers(f: Any) -> bool:
+    """Whether a power takes less time than a root, a product and a division: for a Taylor series it is one operation."""
+    return hasattr(f, "taylor_adaptive")
 
 
 def powers(first: int, last: int) -> tuple[int, ...]:
@@ -119,10 +128,12 @@ def _double_pendulum_energy(f: Any) -> Callable[[State], Any]:
 
 
 def _kepler(f: Any) -> Field:
+    power = has_powers(f)
+
     def drift(z):
         x, y, px, py = z
         r2 = x * x + y * y
-        w = 1.0 / (r2 * f.sqrt(r2))
+        w = r2**-1.5 if power else 1.0 / (r2 * f.sqrt(r2))
         return px, py, -w * x, -w * y
 
     return drift
@@ -130,6 +141,42 @@ def _kepler(f: Any) -> Field:
 
 def _kepler_energy(f: Any) -> Callable[[State], Any]:
     return lambda z: 0.5 * (z[2] * z[2] + z[3] * z[3]) - 1.0 / f.sqrt(z[0] * z[0] + z[1] * z[1])
+
+
+def _three_bodies(f: Any) -> Field:
+    m0, m1, m2 = MASSES
+    power = has_powers(f)
+
+    def drift(z):
+        x0, y0, x1, y1, x2, y2, px0, py0, px1, py1, px2, py2 = z
+        r01 = (x0 - x1) * (x0 - x1) + (y0 - y1) * (y0 - y1)
+        r02 = (x0 - x2) * (x0 - x2) + (y0 - y2) * (y0 - y2)
+        r12 = (x1 - x2) * (x1 - x2) + (y1 - y2) * (y1 - y2)
+        w01 = m0 * m1 * (r01**-1.5 if power else 1.0 / (r01 * f.sqrt(r01)))
+        w02 = m0 * m2 * (r02**-1.5 if power else 1.0 / (r02 * f.sqrt(r02)))
+        w12 = m1 * m2 * (r12**-1.5 if power else 1.0 / (r12 * f.sqrt(r12)))
+        a, b = w01 * (x1 - x0), w01 * (y1 - y0)
+        c, d = w02 * (x2 - x0), w02 * (y2 - y0)
+        e, g = w12 * (x2 - x1), w12 * (y2 - y1)
+        return px0 / m0, py0 / m0, px1 / m1, py1 / m1, px2 / m2, py2 / m2, a + c, b + d, e - a, g - b, -c - e, -d - g
+
+    return drift
+
+
+def _three_bodies_energy(f: Any) -> Callable[[State], Any]:
+    def energy(z):
+        total = sum((z[6 + 2 * i] ** 2 + z[7 + 2 * i] ** 2) / (2.0 * MASSES[i]) for i in range(3))
+        for i in range(3):
+            for j in range(i):
+                x, y = z[2 * i] - z[2 * j], z[2 * i + 1] - z[2 * j + 1]
+                total = total - MASSES[i] * MASSES[j] / f.sqrt(x * x + y * y)
+        return total
+
+    return energy
+
+
+def _perihelion(eccentricity: float) -> State:
+    return 1.0 - eccentricity, 0.0, 0.0, sqrt((1.0 + eccentricity) / (1.0 - eccentricity))
 
 
 def _oscillator(_: Any) -> Field:
@@ -306,7 +353,7 @@ PROBLEMS = (
     ),
     Problem(
         "kepler",
-        start=(1.0 - ECCENTRICITY, 0.0, 0.0, sqrt((1.0 + ECCENTRICITY) / (1.0 - ECCENTRICITY))),
+        start=_perihelion(ECCENTRICITY),
         horizon=2000.0 * pi,
         steps=doublings(98_760, 3),
         drift=_kepler,
@@ -331,3 +378,44 @@ PROBLEMS = (
         extrapolations=5000,
     ),
 )
+
+
+UNEVEN = (
+    Problem("kepler_90", _perihelion(0.9), 200.0 * pi, (), _kepler, invariant=_kepler_energy, system="kepler"),
+    Problem("kepler_99", _perihelion(0.99), 200.0 * pi, (), _kepler, invariant=_kepler_energy, system="kepler"),
+    Problem(
+        "three_bodies",
+        start=(1.0, 3.0, -2.0, -1.0, 1.0, -1.0, *(0.0,) * 6),
+        horizon=20.0,
+        steps=(),
+        drift=_three_bodies,
+        invariant=_three_bodies_energy,
+        extrapolations=200,
+    ),
+    # 1e-6 slower than what reaches the top
+    Problem(
+        "separatrix",
+        start=(0.0, 2.0 * sqrt(GRAVITY) * (1.0 - 1e-6)),
+        horizon=50.0,
+        steps=(),
+        drift=_pendulum,
+        invariant=_pendulum_energy,
+        extrapolations=400,
+        system="pendulum",
+    ),
+    *(
+        Problem(
+            f"double_pendulum_{k}",
+            start=(*angles, 0.0, 0.0),
+            horizon=10.0,
+            steps=(),
+            drift=_double_pendulum,
+            invariant=_double_pendulum_energy,
+            separable=False,
+            extrapolations=400,
+            system="double_pendulum",
+        )
+        for k, angles in enumerate(((2.2, 0.5), (1.5, 2.5), (2.5, -1.0), (1.0, 2.0), (3.0, 0.1)), 2)
+    ),
+)
+"""Problems whose motion changes its pace, for methods that adapt their steps or have a time scale. With `double_pendulum` the double pendulum has six starts."""

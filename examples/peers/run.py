@@ -10,10 +10,10 @@ import os
 from pathlib import Path
 from time import perf_counter
 
-from common import Record, write
-from problems import PROBLEMS
+from common import Record, Walks, set_times, write
+from problems import PROBLEMS, UNEVEN, Problem
 
-PROGRAMS = ("numba", "diffrax", "heyoka", "scipy")
+PROGRAMS = ("numba", "diffrax", "heyoka", "scipy", "rebound")
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -34,24 +34,31 @@ def show(records: list[Record]) -> None:
 def main() -> None:
     """Reads the options and runs."""
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument("--program", choices=PROGRAMS, help="only this one")
-    options.add_argument("--only", choices=[p.name for p in PROBLEMS], help="only this problem")
+    options.add_argument("--program", choices=(*PROGRAMS, "sve"), nargs="+", default=PROGRAMS, help="these programs, in turns; sve only if it is named")
+    options.add_argument("--only", choices=[p.name for p in PROBLEMS + UNEVEN], nargs="+", help="only these problems")
     options.add_argument("--out", type=Path, default=ROOT / "target" / "work-precision" / "peers", help="folder for the files")
     options = options.parse_args()
     one_core()
     begin = perf_counter()
-    for program in [options.program] if options.program else PROGRAMS:
-        peer = importlib.import_module(f"peer_{program}")
-        for problem in PROBLEMS:
-            if options.only not in (None, problem.name):
-                continue
-            single, batch = peer.records(problem)
-            for folder, records in ((options.out, single), (options.out / "batch", batch)):
-                if records:
-                    print(f"{problem.name}, {records[0].source}, {folder.name}")
-                    show(records)
-                    write(folder / f"{program}_{problem.name}.csv", records)
-        print(f"{program}: {perf_counter() - begin:.0f} s since the beginning")
+    peers = {program: importlib.import_module(f"peer_{program}") for program in options.program}
+    for problem in PROBLEMS + UNEVEN:
+        if options.only and problem.name not in options.only:
+            continue
+        found = {program: peer.walks(problem) for program, peer in peers.items()}
+        for kind, folder in enumerate((options.out, options.out / "batch")):
+            in_turns(problem, {program: lines[kind] for program, lines in found.items()}, folder)
+        print(f"{problem.name}: {perf_counter() - begin:.0f} s since the beginning", flush=True)
+
+
+def in_turns(problem: Problem, lines: dict[str, Walks], folder: Path) -> None:
+    """Measures the times of all programs in turns, prints and writes them."""
+    set_times([line for walks in lines.values() for line in walks])
+    for program, walks in lines.items():
+        if walks:
+            records = [record for record, _ in walks]
+            print(f"{problem.name}, {records[0].source}, {folder.name}")
+            show(records)
+            write(folder / f"{program}_{problem.name}.csv", records)
 
 
 if __name__ == "__main__":

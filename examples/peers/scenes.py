@@ -9,20 +9,17 @@ are compared; status 1 where they differ. Then each turn measures the processor 
 heyoka has no such rule: its Taylor series with the tolerance 1e-9 solve the chain of 100 to the same time. This compares times, not methods.
 """
 
-import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
-from pathlib import Path
 from statistics import median
 from time import process_time
 
 import numpy as np
 from run import one_core
+from served import Served
 
-ROOT = Path(__file__).resolve().parents[2]
-SVE = ROOT / "target" / "release" / "examples" / "cost_per_coordinate"
 BETA, H = 0.7, 0.05
 SIZES = (100, 10_000, 1_000_000)
 COMPARED = 200
@@ -163,24 +160,13 @@ def jax_steps(system: str, n: int) -> Steps:
 PROGRAMS = {"numba": numba_steps, "jax": jax_steps}
 
 
-class Sve:
+class Sve(Served):
     """The steps of sve, in a process of its own."""
-
-    def __init__(self, system: str, n: int) -> None:
-        words = [str(SVE), "serve", system, str(n), str(H)]
-        self.process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def run(self, steps: int) -> tuple[float, float, float]:
         """Seconds of the processor for the steps, the energy after them, and a coordinate."""
-        self.process.stdin.write(f"{steps}\n")
-        self.process.stdin.flush()
-        seconds, *values = map(float, self.process.stdout.readline().split())
+        seconds, *values = map(float, self.ask(steps))
         return seconds, *values
-
-    def close(self) -> None:
-        """Ends the process."""
-        self.process.stdin.close()
-        self.process.wait()
 
 
 @dataclass
@@ -208,7 +194,7 @@ def enough(run: Callable[[int], float], n: int) -> int:
 
 def compare(system: str, n: int) -> bool:
     """Compares results, then measures. Prints a line for each program; false, without times, where a result is off."""
-    sve = Sve(system, n)
+    sve = Sve("cost_per_coordinate", "serve", system, n, H)
     _, expected, coordinate = sve.run(COMPARED)
     peers, good = {}, True
     for name, make in PROGRAMS.items():
@@ -255,7 +241,7 @@ def heyoka_chain(n: int = 100, until: float = 100.0) -> None:
         equations += [(q, p), (p, right - left)]
     q, p = start(n)
     series = hy.taylor_adaptive(equations, np.stack([q, p], axis=1).ravel(), tol=1e-9, compact_mode=True)
-    sve, ratios, own = Sve("chain", n), [], []
+    sve, ratios, own = Sve("cost_per_coordinate", "serve", "chain", n, H), [], []
     for turn in range(1, TURNS + 1):
         begin = process_time()
         series.propagate_until(turn * until)

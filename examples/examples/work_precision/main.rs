@@ -4,15 +4,23 @@
 //! its numbers as CSV. CSV files of the same columns from other programs, in the folder `peers`,
 //! are drawn into the same figures. `cargo run --release --example work_precision -- --help` lists
 //! options.
+//!
+//! `work_precision serve` solves paths on demand for other programs.
+#![allow(unsafe_code)]
 
 mod compensated;
 mod deterministic;
+#[path = "../../../sve-runtime/benches/scenes/measure.rs"]
+#[allow(dead_code)]
+mod measure;
 mod noisy;
 mod planets;
 mod plots;
 mod problem;
 mod report;
+mod serve;
 mod systems;
+mod timed;
 mod uncorrected;
 mod verdict;
 
@@ -22,7 +30,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::Parser;
+use clap::{Parser, Subcommand};
 use sve_examples::{machine, page, render};
 use sve_runtime::study::{Record, StudyError, read_csv, write_csv};
 
@@ -40,6 +48,14 @@ struct Options {
     /// Folder for the page, figures and data
     #[arg(long, default_value = "target/work-precision")]
     out: PathBuf,
+    #[command(subcommand)]
+    mode: Option<Mode>,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum Mode {
+    /// Solve the path of each line of the standard input: see `serve.rs`
+    Serve,
 }
 
 /// The name of a problem in file names, and the function that runs it.
@@ -63,6 +79,9 @@ const LARGEST: f64 = 0.1;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse();
+    if let Some(Mode::Serve) = options.mode {
+        return serve::serve();
+    }
     let begin = Instant::now();
     fs::create_dir_all(&options.out)?;
     // The files stored with the repository, unless there are newer files.
