@@ -511,6 +511,47 @@ def scene_peer(system: str, size: int, program: str) -> Number:
     return Number(f"scenes.{system}.{size}.{program}", f"{system} of {size}: time of {program} over that of sve, median and range", extract)
 
 
+# the comparison in turns, of `examples/peers/ratios.py`
+
+TURNS = {
+    "double_pendulum": ("sve tolerance", "sve fixed", "sve time_scale"),
+    "kepler": ("sve tolerance", "sve fixed", "sve time_scale"),
+    "kepler_90": ("sve tolerance", "sve time_scale", "rebound IAS15"),
+    "kepler_99": ("sve tolerance", "sve time_scale", "rebound IAS15"),
+    "three_bodies": ("sve tolerance", "sve time_scale", "rebound IAS15"),
+    "separatrix": ("sve tolerance", "sve fixed", "sve time_scale"),
+    "pendulum": ("sve tolerance", "sve fixed"),
+    "quiet_henon_heiles": ("sve tolerance", "sve compensated"),
+}
+TURN_PROBLEMS = " ".join([*TURNS, *(f"double_pendulum_{k}" for k in range(2, 7))])
+
+
+def turn_cell(problem: str, method: str, level: int) -> str:
+    """The cell of an error in the line of a method."""
+    return rf"^{problem} \| {method} \|.*?\| 1e-{level} " if level > 2 else rf"^{problem} \| {method} \| 1e-2 "
+
+
+def turn_ratio(problem: str, method: str, level: int) -> Number:
+    """The time of heyoka over that of a method; empty where heyoka does not reach the error."""
+
+    def extract(output: Output) -> str:
+        found = find(output, turn_cell(problem, method, level) + r"([\d.]+|–|heyoka –)").group(1)
+        return "" if found == "heyoka –" else found
+
+    name = f"turns.{problem}.{method.split()[1]}.{level}"
+    return Number(name, f"{problem}, error 1e-{level}: time of heyoka over that of {method}", extract)
+
+
+def turn_time(problem: str, level: int) -> Number:
+    """The time of heyoka to an error."""
+
+    def extract(output: Output) -> str:
+        found = find(output, turn_cell(problem, "heyoka", level) + r"(?:[\d.]+ \((\d+) µs|heyoka –)").group(1)
+        return time(1e-6 * float(found)) if found else "–"
+
+    return Number(f"turns.{problem}.heyoka.{level}", f"{problem}, error 1e-{level}: time of heyoka", extract)
+
+
 SCENE_SIZES = [100, 1000, 10_000, 100_000, 1_000_000]
 SCENES_MEASURED = {"chain": "chain", "lattice": "φ⁴ lattice", "bonds": "bonds of polymers", "atoms": "atoms with lists"}
 
@@ -611,6 +652,20 @@ COMMANDS = [
         ),
         scene_peer("chain", 100, "heyoka"),
     ]),
+    Command(
+        "turns",
+        "cargo build --release --example work_precision && target/peers/bin/python examples/peers/run.py --program heyoka rebound sve"
+        f" --only {TURN_PROBLEMS} --out target/work-precision/turns && target/peers/bin/python examples/peers/ratios.py",
+        900,
+        [
+            number
+            for problem, methods in TURNS.items()
+            for number in (
+                *(turn_time(problem, level) for level in range(2, 11)),
+                *(turn_ratio(problem, method, level) for method in methods for level in range(2, 11)),
+            )
+        ],
+    ),
 ]
 
 FILES = {

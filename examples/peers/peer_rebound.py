@@ -13,7 +13,7 @@ from problems import Problem
 from references import paths
 
 SOURCE = f"rebound {version('rebound')}"
-EPSILONS = tuple(10.0 ** (-0.5 * k) for k in range(25))
+EPSILONS = tuple(10.0 ** (-0.5 * k) for k in range(8, 21))
 """The parameter that REBOUND recommends is 1e-9."""
 
 

@@ -18,7 +18,7 @@ TOLERANCES = tuple(10.0 ** (-0.5 * k) for k in range(4, 31))
 """The largest and the least tolerance that `.tolerance` takes are 1e-2 and 1e-15."""
 FEWEST_STEPS = {"pendulum": 2100, "double_pendulum": 40, "kepler": 9000, "quiet_henon_heiles": 300, "outer_solar_system": 500, "separatrix": 40}
 """The least number of equal steps. The problems without an entry would need steps as short as the closest encounter asks for."""
-LONGEST_STEP = {"kepler": 2.2, "pendulum": 2.0, "double_pendulum": 2.0, "three_bodies": 1.0}
+LONGEST_STEP = {"kepler": 1.5, "pendulum": 2.4, "double_pendulum": 1.2, "three_bodies": 0.7}
 """The longest step in τ, by the system."""
 IN_EACH_DOUBLING = 4
 DOUBLINGS = 4
