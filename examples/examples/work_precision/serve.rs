@@ -55,7 +55,7 @@ macro_rules! in_t {
     ($task:expr, $system:expr) => {{
         let (task, method) = (&$task, Integrator::new($system, Gauss::<8>));
         let steps = (task.horizon / task.setting).round();
-        let (h, count) = (task.horizon / steps, steps as u64);
+        let (h, count) = (task.horizon / steps, whole(steps));
         let path = |h| method.trajectory(task.state(), h, NoNoise);
         match task.method {
             "fixed" => task.timed(|| Ok((count, *path(h).advance(count)?))),
@@ -126,6 +126,11 @@ fn answer(line: &str) -> Answer {
     }
 }
 
+#[allow(clippy::cast_sign_loss)] // a number of steps or of times is not negative
+fn whole(number: f64) -> u64 {
+    number.round() as u64
+}
+
 /// A path to solve so many times.
 struct Task<'a> {
     method: &'a str,
@@ -153,7 +158,7 @@ impl Task<'_> {
     ) -> Answer {
         let begin = now();
         let mut solved = solve()?;
-        for _ in 1..self.times as u64 {
+        for _ in 1..whole(self.times) {
             solved = solve()?;
         }
         let seconds = now() - begin;
