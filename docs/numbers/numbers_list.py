@@ -521,6 +521,7 @@ TURNS = {
     "three_bodies": ("sve tolerance", "sve time_scale", "rebound IAS15"),
     "separatrix": ("sve tolerance", "sve fixed", "sve time_scale"),
     "pendulum": ("sve tolerance", "sve fixed"),
+    "outer_solar_system": ("sve tolerance", "sve compensated"),
     "quiet_henon_heiles": ("sve tolerance", "sve compensated"),
 }
 TURN_PROBLEMS = " ".join([*TURNS, *(f"double_pendulum_{k}" for k in range(2, 7))])
