@@ -13,9 +13,10 @@ import numpy as np
 import peer_diffrax
 from common import Record, set_errors
 from peer_numba import methods, walk
-from problems import OSCILLATOR_SIGMA, PROBLEMS, UNEVEN, Problem
+from problems import OSCILLATOR_SIGMA, PROBLEMS, Problem
 from references import Noise, along_cubics, draw, paths
 from scipy.integrate import solve_ivp
+from uneven import UNEVEN
 
 RESULTS = Path(__file__).resolve().parents[2] / "target" / "work-precision"
 """Where the example writes."""

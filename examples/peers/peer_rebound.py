@@ -6,11 +6,11 @@ from time import process_time
 
 import numpy as np
 import planets
-import problems
 import rebound
 from common import Record, Walk, Walks, set_errors
 from problems import Problem
 from references import paths
+from uneven import MASSES
 
 SOURCE = f"rebound {version('rebound')}"
 EPSILONS = tuple(10.0 ** (-0.5 * k) for k in range(8, 21))
@@ -39,7 +39,7 @@ def bodies(problem: Problem) -> tuple[float, tuple[float, ...], int] | None:
         case "kepler":
             return 1.0, (0.0,), 2
         case "three_bodies":
-            return 1.0, problems.MASSES, 2
+            return 1.0, MASSES, 2
         case "outer_solar_system":
             return planets.GRAVITY, planets.MASSES, 3
     return None

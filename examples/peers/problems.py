@@ -3,7 +3,7 @@
 A state z is the tuple (q₁ … q_N, p₁ … p_N) with the canonical momenta p = ∂L/∂v. `drift`, `kick`, `invariant` and `observable` take a namespace `f`
 with sin, cos and sqrt first (`math`, `numpy`, `jax.numpy`, `heyoka`), and return a function of z; time is in the units of the problem.
 Stochastic equations are those of Stratonovich: dz = drift(z) dt + kick(z, ∘dW). Parameters, starts, horizons and numbers of steps are those of
-`examples/examples/work_precision`. `UNEVEN` has problems for methods that adapt their steps, whose starts and horizons only these scripts know.
+`examples/examples/work_precision`. `uneven.py` has problems for methods that adapt their steps, whose starts and horizons only these scripts know.
 """
 
 from collections.abc import Callable, Sequence
@@ -24,8 +24,6 @@ HENON_HEILES_SIGMA = 0.02
 LANGEVIN_A, LANGEVIN_NU, LANGEVIN_KT = 1.0, 1.0, 0.4
 LANGEVIN_SIGMA = sqrt(2.0 * LANGEVIN_NU * LANGEVIN_KT)
 ECCENTRICITY = 0.6
-MASSES = (3.0, 4.0, 5.0)
-"""Of the Pythagorean problem: the bodies are at rest in the corners of a triangle with the sides 3, 4 and 5, each opposite the side of its number."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +91,7 @@ def doublings(first: int, times: int) -> tuple[int, ...]:
     return tuple(first << k for k in range(times + 1))
 
 
-def _pendulum(f: Any) -> Field:
+def pendulum(f: Any) -> Field:
     def drift(z):
         q, p = z
         return p, -GRAVITY * f.sin(q)
@@ -101,11 +99,11 @@ def _pendulum(f: Any) -> Field:
     return drift
 
 
-def _pendulum_energy(f: Any) -> Callable[[State], Any]:
+def pendulum_energy(f: Any) -> Callable[[State], Any]:
     return lambda z: 0.5 * z[1] * z[1] - GRAVITY * f.cos(z[0])
 
 
-def _double_pendulum(f: Any) -> Field:
+def double_pendulum(f: Any) -> Field:
     def drift(z):
         q1, q2, p1, p2 = z
         s, c = f.sin(q1 - q2), f.cos(q1 - q2)
@@ -117,7 +115,7 @@ def _double_pendulum(f: Any) -> Field:
     return drift
 
 
-def _double_pendulum_energy(f: Any) -> Callable[[State], Any]:
+def double_pendulum_energy(f: Any) -> Callable[[State], Any]:
     def energy(z):
         q1, q2, p1, p2 = z
         c = f.cos(q1 - q2)
@@ -127,7 +125,7 @@ def _double_pendulum_energy(f: Any) -> Callable[[State], Any]:
     return energy
 
 
-def _kepler(f: Any) -> Field:
+def kepler(f: Any) -> Field:
     power = has_powers(f)
 
     def drift(z):
@@ -139,43 +137,11 @@ def _kepler(f: Any) -> Field:
     return drift
 
 
-def _kepler_energy(f: Any) -> Callable[[State], Any]:
+def kepler_energy(f: Any) -> Callable[[State], Any]:
     return lambda z: 0.5 * (z[2] * z[2] + z[3] * z[3]) - 1.0 / f.sqrt(z[0] * z[0] + z[1] * z[1])
 
 
-def _three_bodies(f: Any) -> Field:
-    m0, m1, m2 = MASSES
-    power = has_powers(f)
-
-    def drift(z):
-        x0, y0, x1, y1, x2, y2, px0, py0, px1, py1, px2, py2 = z
-        r01 = (x0 - x1) * (x0 - x1) + (y0 - y1) * (y0 - y1)
-        r02 = (x0 - x2) * (x0 - x2) + (y0 - y2) * (y0 - y2)
-        r12 = (x1 - x2) * (x1 - x2) + (y1 - y2) * (y1 - y2)
-        w01 = m0 * m1 * (r01**-1.5 if power else 1.0 / (r01 * f.sqrt(r01)))
-        w02 = m0 * m2 * (r02**-1.5 if power else 1.0 / (r02 * f.sqrt(r02)))
-        w12 = m1 * m2 * (r12**-1.5 if power else 1.0 / (r12 * f.sqrt(r12)))
-        a, b = w01 * (x1 - x0), w01 * (y1 - y0)
-        c, d = w02 * (x2 - x0), w02 * (y2 - y0)
-        e, g = w12 * (x2 - x1), w12 * (y2 - y1)
-        return px0 / m0, py0 / m0, px1 / m1, py1 / m1, px2 / m2, py2 / m2, a + c, b + d, e - a, g - b, -c - e, -d - g
-
-    return drift
-
-
-def _three_bodies_energy(f: Any) -> Callable[[State], Any]:
-    def energy(z):
-        total = sum((z[6 + 2 * i] ** 2 + z[7 + 2 * i] ** 2) / (2.0 * MASSES[i]) for i in range(3))
-        for i in range(3):
-            for j in range(i):
-                x, y = z[2 * i] - z[2 * j], z[2 * i + 1] - z[2 * j + 1]
-                total = total - MASSES[i] * MASSES[j] / f.sqrt(x * x + y * y)
-        return total
-
-    return energy
-
-
-def _perihelion(eccentricity: float) -> State:
+def perihelion(eccentricity: float) -> State:
     return 1.0 - eccentricity, 0.0, 0.0, sqrt((1.0 + eccentricity) / (1.0 - eccentricity))
 
 
@@ -337,8 +303,8 @@ PROBLEMS = (
         start=(2.0, 0.0),
         horizon=2000.0,
         steps=doublings(24_000, 5),
-        drift=_pendulum,
-        invariant=_pendulum_energy,
+        drift=pendulum,
+        invariant=pendulum_energy,
         extrapolations=24_000,
     ),
     Problem(
@@ -346,18 +312,18 @@ PROBLEMS = (
         start=(2.0, 1.0, 0.0, 0.0),
         horizon=10.0,
         steps=doublings(544, 5),
-        drift=_double_pendulum,
-        invariant=_double_pendulum_energy,
+        drift=double_pendulum,
+        invariant=double_pendulum_energy,
         separable=False,
         extrapolations=400,
     ),
     Problem(
         "kepler",
-        start=_perihelion(ECCENTRICITY),
+        start=perihelion(ECCENTRICITY),
         horizon=2000.0 * pi,
         steps=doublings(98_760, 3),
-        drift=_kepler,
-        invariant=_kepler_energy,
+        drift=kepler,
+        invariant=kepler_energy,
     ),
     Problem(
         "quiet_henon_heiles",
@@ -378,44 +344,3 @@ PROBLEMS = (
         extrapolations=5000,
     ),
 )
-
-
-UNEVEN = (
-    Problem("kepler_90", _perihelion(0.9), 200.0 * pi, (), _kepler, invariant=_kepler_energy, system="kepler"),
-    Problem("kepler_99", _perihelion(0.99), 200.0 * pi, (), _kepler, invariant=_kepler_energy, system="kepler"),
-    Problem(
-        "three_bodies",
-        start=(1.0, 3.0, -2.0, -1.0, 1.0, -1.0, *(0.0,) * 6),
-        horizon=20.0,
-        steps=(),
-        drift=_three_bodies,
-        invariant=_three_bodies_energy,
-        extrapolations=200,
-    ),
-    # 1e-6 slower than what reaches the top
-    Problem(
-        "separatrix",
-        start=(0.0, 2.0 * sqrt(GRAVITY) * (1.0 - 1e-6)),
-        horizon=50.0,
-        steps=(),
-        drift=_pendulum,
-        invariant=_pendulum_energy,
-        extrapolations=400,
-        system="pendulum",
-    ),
-    *(
-        Problem(
-            f"double_pendulum_{k}",
-            start=(*angles, 0.0, 0.0),
-            horizon=10.0,
-            steps=(),
-            drift=_double_pendulum,
-            invariant=_double_pendulum_energy,
-            separable=False,
-            extrapolations=400,
-            system="double_pendulum",
-        )
-        for k, angles in enumerate(((2.2, 0.5), (1.5, 2.5), (2.5, -1.0), (1.0, 2.0), (3.0, 0.1)), 2)
-    ),
-)
-"""Problems whose motion changes its pace, for methods that adapt their steps or have a time scale. With `double_pendulum` the double pendulum has six starts."""

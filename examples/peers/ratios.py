@@ -12,8 +12,9 @@ from itertools import pairwise
 from math import exp, log
 from pathlib import Path
 
-from problems import PROBLEMS, UNEVEN, Problem
+from problems import PROBLEMS, Problem
 from run import ROOT
+from uneven import UNEVEN
 
 LEVELS = tuple(range(2, 11))
 """Errors are powers of ten with these exponents, below 1."""

@@ -11,7 +11,8 @@ from pathlib import Path
 from time import perf_counter
 
 from common import Record, Walks, set_times, write
-from problems import PROBLEMS, UNEVEN, Problem
+from problems import PROBLEMS, Problem
+from uneven import UNEVEN
 
 PROGRAMS = ("numba", "diffrax", "heyoka", "scipy", "rebound")
 ROOT = Path(__file__).resolve().parents[2]
