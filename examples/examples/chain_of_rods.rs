@@ -12,6 +12,7 @@ use std::process::ExitCode;
 
 use sve_examples::check::{self, Check};
 use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen, Row};
+use sve_examples::shades::shade;
 use sve_examples::{palette, render};
 use sve_runtime::plan::BlockKind;
 use sve_runtime::prelude::*;
@@ -232,37 +233,42 @@ fn energy() -> Result<Check, StepError> {
     )
 }
 
-/// Returns a colour for a tension relative to the weight of the chain: blue for zero, red for the
-/// weight.
-fn color(tension: f64) -> palette::Color {
-    let stops = [
-        (0.0, (49, 54, 149)),
-        (0.33, (116, 173, 209)),
-        (0.66, (253, 174, 97)),
-        (1.0, (165, 0, 38)),
-    ];
-    let x = tension.clamp(0.0, 1.0);
-    let at = stops
-        .windows(2)
-        .find(|w| x <= w[1].0)
-        .unwrap_or(&stops[2..]);
-    let part = (x - at[0].0) / (at[1].0 - at[0].0);
-    #[allow(clippy::cast_sign_loss, clippy::cast_possible_truncation)] // between two colours
-    let mix = |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))) as u8;
-    let (a, b) = (at[0].1, at[1].1);
-    (mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+/// Draws the colours of tensions above the chains.
+fn with_scale(mut panel: Panel) -> Panel {
+    let (left, width, height) = (0.75, 1.6, 0.35);
+    for k in 0..40 {
+        let ends = [k, k + 1].map(|k| (left + width * f64::from(k) / 40.0, height));
+        let pen = Pen::line(shade((f64::from(k) + 0.5) / 40.0), 8.0);
+        panel = panel.with(Layer::new("scale", ends.to_vec(), pen).unlisted());
+    }
+    panel
+        .note((0.0, height), "tension: none", palette::BLACK)
+        .note(
+            (left + width + 0.1, height),
+            "the weight of the chain",
+            palette::BLACK,
+        )
 }
 
 fn figure(run: &Run) -> Figure {
     let weight = CHAIN.m * CHAIN.g * RODS as f64;
     let mut chain = Panel::new(
-        "the chain each 1.25 s, coloured by tension from none (blue) to the weight of the chain (red)",
-        Axis::new("x, snapshots side by side", -0.4..5.4),
-        Axis::new("y", -1.12..0.12),
+        "The chain each 1.25 s, coloured by its tension",
+        Axis {
+            labels: 0,
+            ..Axis::new(
+                "x, in the scale of y; snapshots are side by side",
+                -0.4..5.4,
+            )
+        },
+        Axis::new("y (m)", -1.12..0.5),
     )
     .equal();
+    chain = with_scale(chain);
     for (number, (state, tensions)) in run.snapshots.iter().enumerate() {
         let shift = Vector2::new(0.72 * number as f64, 0.0);
+        let time = format!("t = {:.2} s", state.t);
+        chain = chain.note((shift.x - 0.15, 0.1), time, palette::BLACK);
         for k in 0..RODS {
             let upper = if k == 0 {
                 Vector2::zeros()
@@ -270,7 +276,7 @@ fn figure(run: &Run) -> Figure {
                 state.q[k - 1]
             };
             let ends = [upper + shift, state.q[k] + shift].map(|q| (q.x, q.y));
-            let pen = Pen::line(color(tensions[k] / weight), 4.0);
+            let pen = Pen::line(shade(tensions[k] / weight), 4.0);
             chain = chain.with(Layer::new("rod", ends.to_vec(), pen).unlisted());
         }
     }
@@ -281,8 +287,8 @@ fn figure(run: &Run) -> Figure {
         .collect();
     let line = vec![(0.0, 1.0), (10.0, 1.0)];
     let force = Panel::new(
-        "upward force at the pivot over the weight, means of 0.025 s, cut at 2",
-        Axis::new("t", 0.0..10.0),
+        "Upward force at the pivot over the weight of the chain, means of 0.025 s; the axis ends at 2",
+        Axis::new("time t (s)", 0.0..10.0),
         Axis::new("force/weight", 0.0..2.0),
     )
     .with(Layer::new("force", pivot, Pen::line(palette::BLUE, 1.0)).unlisted())
@@ -292,7 +298,7 @@ fn figure(run: &Run) -> Figure {
         width: 1100,
         rows: vec![
             Row {
-                height: 330,
+                height: 390,
                 panels: vec![chain],
             },
             Row {

@@ -205,7 +205,7 @@ fn figure(midpoint: &Integrator<Kepler, Midpoint>) -> Result<Figure, StepError> 
     let momentum = Panel::new(
         format!("Change of the angular momentum on one path, h = {H}"),
         Axis::new("time t", 0.0..H * STEPS as f64),
-        Axis::powers("largest in each 1/200 of the time", -17.0..0.0),
+        Axis::powers("largest |L − L₀| in each 1/200 of the time", -17.0..0.0),
     )
     .with(Layer::new(
         "Heun",

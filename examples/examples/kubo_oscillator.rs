@@ -32,6 +32,8 @@ impl Kubo {
 }
 
 const H: f64 = 0.01;
+/// Smallest error that is drawn.
+const LEAST: f64 = 1e-17;
 
 /// Returns the radius at the end of `steps` steps.
 fn radius<I: Method<System = Kubo>>(method: &I, steps: usize) -> Result<f64, StepError> {
@@ -43,13 +45,15 @@ fn radius<I: Method<System = Kubo>>(method: &I, steps: usize) -> Result<f64, Ste
     Ok(state.q[0].hypot(state.p[0]))
 }
 
-/// Returns the radius less 1 along the path, at 400 times.
+/// Returns |radius − 1| along the path, at 400 times, as powers of ten.
 fn radii<I: Method<System = Kubo>>(method: &I, steps: usize) -> Result<Vec<(f64, f64)>, StepError> {
     let every = steps / 400;
     let trajectory = method.trajectory(State::new([1.0], [0.0]), H, Wiener::new(42));
     let point = |state: Result<State<[f64; 1]>, StepError>| {
         let state = state?;
-        Ok((state.t, state.q[0].hypot(state.p[0]) - 1.0))
+        let error = (state.q[0].hypot(state.p[0]) - 1.0).abs();
+        // A radius of exactly 1 is drawn at the bottom.
+        Ok((state.t, error.max(LEAST).log10()))
     };
     trajectory
         .skip(every - 1)
@@ -65,9 +69,9 @@ fn figure(
 ) -> Result<Figure, StepError> {
     let steps = 10_000;
     let panel = Panel::new(
-        format!("Kubo oscillator: radius less 1 on one path, h = {H}"),
+        format!("Kubo oscillator: error of the radius on one path, h = {H}"),
         Axis::new("time t", 0.0..100.0),
-        Axis::new("radius − 1", -1.0..1.0),
+        Axis::powers("|radius − 1|", -17.0..7.0),
     )
     .with(Layer::new(
         "midpoint rule",
@@ -77,15 +81,15 @@ fn figure(
     .with(Layer::new(
         "Euler–Maruyama",
         radii(euler, steps)?,
-        Pen::line(palette::ORANGE, 1.4).symbols(Shape::Square, 10),
+        Pen::line(palette::ORANGE, 1.4).symbols(Shape::Triangle, 10),
     ))
     .with(Layer::new(
         "Euler–Maruyama without the Itô correction",
         radii(&euler.uncorrected(), steps)?,
-        Pen::dashed(palette::VERMILION, 1.4, (6.0, 3.0)).symbols(Shape::Triangle, 10),
+        Pen::dashed(palette::VERMILION, 1.4, (6.0, 3.0)),
     ))
-    .legend(Corner::BottomLeft);
-    Ok(one_row("kubo_oscillator", [760, 400], vec![panel]))
+    .legend(Corner::Below);
+    Ok(one_row("kubo_oscillator", [760, 440], vec![panel]))
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {

@@ -85,6 +85,18 @@ fn middle(bin: usize) -> f64 {
     -RANGE + (bin as f64 + 0.5) * WIDTH
 }
 
+/// Returns the density exp(−V/kT)/Z along the picture. Beyond three times the range it is
+/// negligible.
+fn curve(system: &Langevin) -> Vec<(f64, f64)> {
+    let weight = |k: i32| (-system.potential(0.01 * f64::from(k)) / system.kt).exp();
+    let reach = |range: f64| (100.0 * range) as i32;
+    let all: f64 = (-reach(3.0 * RANGE)..=reach(3.0 * RANGE)).map(weight).sum();
+    let points = -reach(RANGE)..=reach(RANGE);
+    points
+        .map(|k| (0.01 * f64::from(k), 100.0 * weight(k) / all))
+        .collect()
+}
+
 /// Returns the part of the density exp(−V/kT)/Z in each bin, by Simpson's rule, divided by the
 /// width.
 fn density(system: &Langevin) -> Vec<f64> {
@@ -177,14 +189,14 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let caption = "Time averages over the particles against the density of the canonical ensemble.";
     report(
         "Langevin dynamics",
-        &figure(&histogram, &exact),
+        &figure(&histogram, curve(&system)),
         caption,
         &checks,
     )
 }
 
 /// Draws the histogram as steps, and the density as a line.
-fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
+fn figure(histogram: &[Sample], exact: Vec<(f64, f64)>) -> Figure {
     let steps = histogram.iter().enumerate().flat_map(|(at, sample)| {
         let (middle, mean) = (middle(at), sample.mean());
         [(middle - 0.5 * WIDTH, mean), (middle + 0.5 * WIDTH, mean)]
@@ -199,10 +211,9 @@ fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
         (mean - error, mean + error)
     });
     let bars = bars.collect();
-    let line = exact.iter().enumerate().map(|(at, &e)| (middle(at), e));
     let panel = Panel::new(
         "Langevin dynamics in a double well",
-        Axis::new("q", -RANGE..RANGE),
+        Axis::new("position q", -RANGE..RANGE),
         Axis::new("probability density", 0.0..1.0),
     )
     .legend(Corner::TopRight)
@@ -221,8 +232,8 @@ fn figure(histogram: &[Sample], exact: &[f64]) -> Figure {
     )
     .with(Layer::new(
         "exp(−V/kT)/Z",
-        line.collect(),
-        Pen::dots(palette::VERMILION, 2.5),
+        exact,
+        Pen::line(palette::VERMILION, 1.8),
     ));
     one_row("langevin", [560, 360], vec![panel])
 }

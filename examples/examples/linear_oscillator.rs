@@ -63,15 +63,15 @@ where
 }
 
 fn figure(times: &[f64], methods: [(&str, &[(f64, f64)]); 3]) -> Figure {
-    let exact = [0.0, 100.0].map(|t| (t, 0.5 + 0.5 * t));
+    let exact = (0..=104).map(|t| (f64::from(t), (0.5 + 0.5 * f64::from(t)).log10()));
     let panel = Panel::new(
         format!("Stochastic linear oscillator: mean energy of {PATHS} paths, h = {H}"),
         Axis::new("time t", 0.0..104.0),
-        Axis::new("mean energy", 0.0..90.0),
+        Axis::powers("mean energy", -1.0..6.0),
     )
     .with(Layer::new(
         "exact: H₀ + σ²t/2",
-        exact.to_vec(),
+        exact.collect(),
         Pen::line(palette::BLACK, 1.0),
     ))
     .legend(Corner::TopLeft);
@@ -79,12 +79,17 @@ fn figure(times: &[f64], methods: [(&str, &[(f64, f64)]); 3]) -> Figure {
         .iter()
         .enumerate()
         .fold(panel, |panel, (k, (name, means))| {
-            let points = times.iter().zip(*means).map(|(&t, &(mean, _))| (t, mean));
+            let points = times.iter().zip(*means);
+            let points = points.map(|(&t, &(mean, _))| (t, mean.log10()));
             let bars = means
                 .iter()
-                .map(|(mean, error)| (mean - 2.0 * error, mean + 2.0 * error));
-            let mut pen = Pen::series(k);
-            pen.line = None;
+                .map(|(mean, error)| ((mean - 2.0 * error).log10(), (mean + 2.0 * error).log10()));
+            let color = [palette::BLUE, palette::VERMILION, palette::ORANGE][k];
+            let pen = Pen {
+                color,
+                line: None,
+                ..Pen::series(k)
+            };
             panel.with(Layer::new(*name, points.collect(), pen).bars(bars.collect()))
         });
     one_row("linear_oscillator", [760, 420], vec![panel])
@@ -133,7 +138,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         ("forward Euler–Maruyama", &forward),
         ("backward Euler–Maruyama", &backward),
     ];
-    let caption = "Bars: two standard errors on either side. Forward Euler–Maruyama leaves the picture after t = 10, where its mean energy grows like e^{ht}; the backward method’s stays at a level.";
+    let caption = "Bars: two standard errors on either side. The mean energy of forward Euler–Maruyama grows like e^{ht}; that of the backward method stays at a level.";
     report(
         "Stochastic linear oscillator",
         &figure(&times, methods),

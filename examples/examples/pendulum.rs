@@ -58,6 +58,11 @@ fn portrait(midpoint: &Integrator<Pendulum, Midpoint>) -> Result<Panel, StepErro
     );
     for energy in [-0.9, -0.5, 0.0, 0.5, 0.9, 1.0, 1.2, 2.0, 3.0] {
         for side in [1.0, -1.0] {
+            if energy == 1.0 {
+                let layer = Layer::new("", separatrix(g, side), Pen::line(palette::BLACK, 2.0));
+                panel = panel.with(layer);
+                continue;
+            }
             let start = State::new([0.0], [side * (2.0 * g * (energy + 1.0)).sqrt()]);
             let mut points = Vec::new();
             for state in midpoint.trajectory(start, 0.02, NoNoise).take(400) {
@@ -73,15 +78,18 @@ fn portrait(midpoint: &Integrator<Pendulum, Midpoint>) -> Result<Panel, StepErro
                 }
                 points.push(point);
             }
-            let pen = if energy == 1.0 {
-                Pen::line(palette::BLACK, 2.0)
-            } else {
-                Pen::line(palette::BLUE, 1.0)
-            };
-            panel = panel.with(Layer::new("", points, pen));
+            panel = panel.with(Layer::new("", points, Pen::line(palette::BLUE, 1.0)));
         }
     }
     Ok(panel.note((-0.35, 8.3), "thick: separatrix", palette::BLACK))
+}
+
+/// Returns one side of the separatrix, on which a motion takes for ever to reach ±π.
+fn separatrix(g: f64, side: f64) -> Vec<(f64, f64)> {
+    let angles = (0..=200).map(|k| PI * (f64::from(k) / 100.0 - 1.0));
+    angles
+        .map(|q| (q, side * 2.0 * g.sqrt() * (0.5 * q).cos()))
+        .collect()
 }
 
 /// Returns the largest energy error in each two-hundredth of the time.

@@ -173,10 +173,10 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
     };
     let spin = Panel::new(
         "Rigid body: spin about the middle axis",
-        Axis::new("t", 0.0..DRAWN as f64 * H),
-        Axis::new("Π₂", -1.2 * radius..2.2 * radius),
+        Axis::new("time t", 0.0..DRAWN as f64 * H),
+        Axis::new("momentum Π₂", -1.1 * radius..1.1 * radius),
     )
-    .legend(Corner::TopRight)
+    .legend(Corner::Below)
     .with(Layer::new(
         "without noise",
         time(quiet),
@@ -211,7 +211,7 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
                 ],
             },
             Row {
-                height: 260,
+                height: 300,
                 panels: vec![spin],
             },
         ],

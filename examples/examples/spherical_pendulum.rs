@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use sve_examples::check::{self, Check};
-use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen};
+use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Row};
 use sve_examples::report::one_row;
 use sve_examples::{palette, render};
 use sve_runtime::prelude::*;
@@ -243,7 +243,7 @@ fn sphere(title: &str, path: &Path3, color: palette::Color) -> Panel {
     let mut panel = Panel::new(
         title,
         Axis::new("x", -1.1..1.1),
-        Axis::new("height", -1.1..1.1),
+        Axis::new("height, seen from 20° above", -1.1..1.1),
     );
     panel = panel
         .equal()
@@ -270,6 +270,33 @@ fn sphere(title: &str, path: &Path3, color: palette::Color) -> Panel {
     panel
         .with(Layer::new("behind", back, Pen::line(faint, 0.8)).unlisted())
         .with(Layer::new("path", front, Pen::line(color, 1.2)).unlisted())
+}
+
+/// Draws the swing over the upper pole, and its difference from the pendulum in an angle.
+fn swings([cartesian, angle]: [Vec<(f64, f64)>; 2]) -> [Panel; 2] {
+    let differences = cartesian.iter().zip(&angle).map(|(a, b)| (a.0, a.1 - b.1));
+    let differences: Vec<(f64, f64)> = differences.collect();
+    let largest = differences
+        .iter()
+        .fold(0.0, |most: f64, x| most.max(x.1.abs()));
+    let time = || Axis::new("time t", 0.0..20.0);
+    let pen = Pen::line(palette::BLUE, 1.2);
+    let height = Axis::new("height", -1.1..1.1);
+    let difference = Axis::new("difference of heights", -1.1 * largest..1.1 * largest);
+    [
+        Panel::new(
+            "Over the upper pole, in Cartesian coordinates",
+            time(),
+            height,
+        )
+        .with(Layer::new("Cartesian", cartesian, pen)),
+        Panel::new(
+            "Its height less that of the pendulum in an angle",
+            time(),
+            difference,
+        )
+        .with(Layer::new("difference", differences, pen)),
+    ]
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -306,35 +333,22 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     checks.extend(bath()?);
     print!("{}", check::table("spherical pendulum", &checks));
 
-    let panel = Panel::new(
-        "over the upper pole",
-        Axis::new("t", 0.0..20.0),
-        Axis::new("height", -1.1..1.45),
-    )
-    .legend(Corner::TopRight)
-    .with(Layer::new(
-        "in an angle",
-        swing[1].clone(),
-        Pen::line(palette::ORANGE, 3.0),
-    ))
-    .with(Layer::new(
-        "Cartesian",
-        swing[0].clone(),
-        Pen::line(palette::BLUE, 1.2),
-    ));
-    let figure = one_row(
+    let mut figure = one_row(
         "spherical_pendulum",
-        [1000, 360],
+        [1000, 500],
         vec![
-            sphere("without noise", &quiet[..3000].to_vec(), palette::BLUE),
+            sphere("Without noise", &quiet[..3000].to_vec(), palette::BLUE),
             sphere(
-                "with noise along the vertical",
+                "With noise along the vertical",
                 &noisy[..3000].to_vec(),
                 palette::VERMILION,
             ),
-            panel,
         ],
     );
+    figure.rows.push(Row {
+        height: 320,
+        panels: swings(swing).into(),
+    });
     let folder = Path::new("target").join(figure.name);
     std::fs::create_dir_all(&folder)?;
     std::fs::write(folder.join("spherical_pendulum.svg"), render::svg(&figure)?)?;

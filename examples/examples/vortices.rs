@@ -10,8 +10,9 @@ use std::error::Error;
 use std::process::ExitCode;
 
 use sve_examples::check::Check;
+use sve_examples::envelope::range_of;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE};
+use sve_examples::palette::{BLACK, BLUE, ORANGE, PURPLE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::prelude::*;
 
@@ -128,9 +129,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let [x, y] = still.centre(&state.q);
         centre = centre.max(x.abs()).max(y.abs());
         moment = moment.max((still.moment(&state.q) - still.moment(&first.q)).abs());
-        if at % 100 == 0 {
-            errors.push((state.t, 1e5 * error));
-        }
+        errors.push((state.t, error));
     }
 
     let shaken = Integrator::new(noisy, Midpoint);
@@ -173,7 +172,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             .reported("how far neighbours are apart"),
     ];
     let figure = figure(&midpoint, &shaken, &errors)?;
-    let caption = "Left: four vortices for 20 units of time; dots mark their starts. Middle: the same start in a strain that fluctuates. Right: the energy error without noise, which does not drift.";
+    let caption = "Left: four vortices for 20 units of time; dots mark their starts. Middle: the same start in a strain that fluctuates. Right: the range of the energy error in each hundredth of the time, without noise; it does not drift.";
     report("Four point vortices", &figure, caption, &checks)
 }
 
@@ -203,18 +202,14 @@ fn figure(
     noisy: &Integrator<Vortices, Midpoint>,
     errors: &[(f64, f64)],
 ) -> Result<Figure, StepError> {
-    let left = paths(still, "Four vortices: no noise")?.legend(Corner::TopRight);
-    let middle = paths(noisy, "Four vortices: fluctuating strain")?;
+    let left = paths(still, "Without noise")?.legend(Corner::TopRight);
+    let middle = paths(noisy, "In a fluctuating strain")?;
     let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
     let right = Panel::new(
-        "Four vortices: energy error, h = 0.05",
-        Axis::new("t", 0.0..H * STEPS as f64),
-        Axis::new("10⁵ ΔH", -1.2 * largest..1.2 * largest),
+        format!("Range of the energy error, h = {H}"),
+        Axis::new("time t", 0.0..H * STEPS as f64),
+        Axis::new("energy error H − H₀", -1.2 * largest..1.2 * largest),
     )
-    .with(Layer::new(
-        "midpoint",
-        errors.to_vec(),
-        Pen::line(GREY, 0.6),
-    ));
+    .with(range_of("midpoint", errors, 100, BLUE));
     Ok(one_row("vortices", [1140, 400], vec![left, middle, right]))
 }

@@ -86,8 +86,10 @@ impl Check {
         }
     }
 
-    /// Returns the cells of the row: quantity, measured, expected, allowed, verdict, reason.
-    pub fn cells(&self) -> [String; 6] {
+    /// Returns the cells of the row: quantity, measured, expected, allowed, verdict, reason. A
+    /// function writes numbers with so many significant digits.
+    pub fn cells(&self, digits: fn(f64, usize) -> String) -> [String; 6] {
+        let number = |x| digits(x, DIGITS);
         let what = self.what.clone();
         match &self.verdict {
             Verdict::Compared {
@@ -98,7 +100,7 @@ impl Check {
                 what,
                 number(self.measured),
                 number(*expected),
-                format!("± {}", short(*tolerance)),
+                format!("± {}", digits(*tolerance, 2)),
                 if self.failed() { "OFF" } else { "ok" }.to_owned(),
                 reason.clone(),
             ],
@@ -121,6 +123,9 @@ impl Check {
     }
 }
 
+/// Significant digits of a number in a table.
+const DIGITS: usize = 6;
+
 /// Names of the columns of [`Check::cells`].
 pub const COLUMNS: [&str; 6] = [
     "quantity", "measured", "expected", "allowed", "verdict", "reason",
@@ -128,11 +133,7 @@ pub const COLUMNS: [&str; 6] = [
 
 /// Returns a number as a table shows it, with six significant digits.
 pub fn number(x: f64) -> String {
-    digits(x, 6)
-}
-
-fn short(x: f64) -> String {
-    digits(x, 2)
+    digits(x, DIGITS)
 }
 
 fn digits(x: f64, significant: usize) -> String {
@@ -157,7 +158,7 @@ fn digits(x: f64, significant: usize) -> String {
 /// to fit a terminal.
 pub fn table(title: &str, checks: &[Check]) -> String {
     let row = |check: &Check| {
-        let mut cells = check.cells();
+        let mut cells = check.cells(digits);
         if !check.failed() && matches!(check.verdict, Verdict::Compared { .. }) {
             cells[5].clear();
         }
@@ -214,6 +215,6 @@ mod tests {
         assert_eq!(number(1000.5), "1000.5");
         assert_eq!(number(-5.294_962_7), "-5.29496");
         assert_eq!(number(1.471_76e87), "1.47176e87");
-        assert_eq!(short(0.000_05), "5.0e-5");
+        assert_eq!(digits(0.000_05, 2), "5.0e-5");
     }
 }

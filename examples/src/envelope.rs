@@ -1,4 +1,8 @@
-//! The course of an error along a long path: its largest value in each part of the time.
+//! The course of a quantity along a long path: its largest value, or its range, in each part of the
+//! time.
+
+use crate::figure::{Layer, Pen};
+use crate::palette::Color;
 
 /// Returns the decimal logarithm of the largest |error| in each part of a path, at the end of the
 /// part.
@@ -33,9 +37,44 @@ pub fn envelope<E>(
     Ok(points)
 }
 
+/// Returns a layer with the range of a series in each of `parts` parts. A line through all points of
+/// a fast oscillation would be a block.
+pub fn range_of(label: &str, points: &[(f64, f64)], parts: usize, color: Color) -> Layer {
+    let (middles, ends) = ranges(points, parts);
+    let pen = Pen {
+        color,
+        line: None,
+        symbol: None,
+    };
+    Layer::new(label, middles, pen).band(ends)
+}
+
+/// Returns the middle of each part, and the least and the greatest value in it.
+fn ranges(points: &[(f64, f64)], parts: usize) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+    let length = points.len().div_ceil(parts.max(1)).max(1);
+    let of = |part: &[(f64, f64)]| {
+        let values = part.iter().map(|point| point.1);
+        let (least, greatest) = (
+            values.clone().fold(f64::INFINITY, f64::min),
+            values.fold(f64::NEG_INFINITY, f64::max),
+        );
+        let middle = f64::midpoint(part[0].0, part[part.len() - 1].0);
+        ((middle, f64::midpoint(least, greatest)), (least, greatest))
+    };
+    points.chunks(length).map(of).unzip()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_contains_all_values() {
+        let points = [(0.0, 1.0), (1.0, -2.0), (2.0, 5.0), (3.0, 6.0)];
+        let (middles, ends) = ranges(&points, 2);
+        assert_eq!(middles, [(0.5, -0.5), (2.5, 5.5)]);
+        assert_eq!(ends, [(-2.0, 1.0), (5.0, 6.0)]);
+    }
 
     #[test]
     fn each_part_has_its_largest_error() {

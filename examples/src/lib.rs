@@ -12,6 +12,7 @@ pub mod machine;
 pub mod page;
 pub mod render;
 pub mod report;
+pub mod shades;
 
 pub use sve_runtime::plot::{figure, palette};
 

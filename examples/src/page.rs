@@ -7,12 +7,16 @@ pub use sve_runtime::plot::page::{document, escape};
 
 use crate::check::{COLUMNS, Check};
 
+/// The column of the reasons, and the length of a reason that may stand in many rows.
+const REASON: usize = 5;
+const SHORT: usize = 30;
+
 /// A figure on the page.
 #[derive(Clone, Debug)]
 pub struct Section<'a> {
     /// Heading.
     pub title: &'a str,
-    /// SVG document of the figure.
+    /// SVG document of the figure, or the documents of its panels in markup.
     pub svg: &'a str,
     /// Text under the figure; may contain markup.
     pub caption: &'a str,
@@ -43,11 +47,49 @@ pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> St
     document(title, &body)
 }
 
+/// Returns the table of the numbers. A reason of several rows stands below the table, once.
 fn table(checks: &[Check]) -> String {
     let class = |check: &Check| if check.failed() { "off" } else { "" };
-    let rows: Vec<_> = checks
-        .iter()
-        .map(|check| (class(check), check.cells().to_vec()))
+    let rows = checks.iter();
+    let mut rows: Vec<_> = rows
+        .map(|check| (class(check), check.cells(plot::number)))
         .collect();
-    plot::table(&COLUMNS, &rows)
+    let mut shared: Vec<String> = Vec::new();
+    for (_, cells) in &rows {
+        let reason = &cells[REASON];
+        let count = rows.iter().filter(|row| row.1[REASON] == *reason).count();
+        if count > 2 && reason.len() > SHORT && !shared.contains(reason) {
+            shared.push(reason.clone());
+        }
+    }
+    for (_, cells) in &mut rows {
+        if let Some(k) = shared.iter().position(|reason| *reason == cells[REASON]) {
+            cells[REASON] = format!("[{}]", k + 1);
+        }
+    }
+    let rows: Vec<_> = rows
+        .into_iter()
+        .map(|(class, cells)| (class, cells.to_vec()))
+        .collect();
+    let notes = shared.iter().enumerate();
+    let notes: String = notes
+        .map(|(k, reason)| format!("<p>[{}] {}</p>\n", k + 1, escape(reason)))
+        .collect();
+    plot::table(&COLUMNS, &rows) + &notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reason_of_many_rows_stands_below_the_table_once() {
+        let why = "moment recursion; 4.1 standard errors allowed";
+        let checks = [-1.5, 2.0, 3e-9].map(|x| Check::new("x", x).near(x, 1e-7, why));
+        let text = table(&checks);
+        assert_eq!(text.matches(why).count(), 1, "{text}");
+        assert_eq!(text.matches("[1]").count(), 4, "{text}");
+        assert!(text.contains("−1.5") && text.contains("3·10⁻⁹"), "{text}");
+        assert_eq!(table(&checks[..2]).matches(why).count(), 2);
+    }
 }

@@ -29,16 +29,16 @@ pub fn report(
 ) -> Result<ExitCode, Box<dyn Error>> {
     let folder = Path::new("target").join(figure.name);
     std::fs::create_dir_all(&folder)?;
-    let svg = render::svg(figure)?;
     let section = Section {
         title,
-        svg: &svg,
+        svg: &render::panels(figure)?,
         caption,
         checks,
     };
     let page = folder.join("index.html");
     std::fs::write(&page, page::html(title, "", &[section], ""))?;
-    std::fs::write(folder.join(format!("{}.svg", figure.name)), &svg)?;
+    let svg = folder.join(format!("{}.svg", figure.name));
+    std::fs::write(svg, render::svg(figure)?)?;
     std::fs::write(
         folder.join(format!("{}.png", figure.name)),
         render::png(figure)?,

@@ -157,14 +157,13 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(|e| format!("cannot write {}: {e}", path.display()))
 }
 
-/// Writes a figure and returns its SVG.
+/// Writes a figure and returns its panels for the page.
 fn draw(folder: &Path, figure: &Figure) -> Result<String, Box<dyn Error>> {
-    let svg = render::svg(figure)?;
     write(
         &folder.join(figure.name).with_extension("svg"),
-        svg.as_bytes(),
+        render::svg(figure)?.as_bytes(),
     )?;
-    Ok(svg)
+    Ok(render::panels(figure)?)
 }
 
 fn html(options: &Options, reports: &[Report], drawings: &[String], failed: usize) -> String {

@@ -161,9 +161,11 @@ fn name((q, p): (f64, f64)) -> String {
 
 fn draw(runs: &[(Run, Run)]) -> Figure {
     let axes = |title: &str, p: f64| {
-        let mut q = Axis::new("angle q (rad)", -PI..PI);
-        q.labels = 7;
-        Panel::new(title, q, Axis::new("momentum p", -p..p))
+        Panel::new(
+            title,
+            Axis::angle("angle q", -PI..PI),
+            Axis::new("momentum p", -p..p),
+        )
     };
     let energy = |(q, p): (f64, f64)| 0.5 * p * p - PENDULUM.g * q.cos();
     let mut exact = axes("Exact level sets", 9.0);
@@ -190,6 +192,8 @@ fn draw(runs: &[(Run, Run)]) -> Figure {
             exact = exact.with(Layer::new(name(start), level(energy(start), *sign), pen));
         }
     }
+    let meaning = "numbers: q of a start at rest";
+    exact = exact.note((-3.0, -8.4), meaning, palette::BLACK);
     for sign in [1.0, -1.0] {
         let pen = Pen::dashed(palette::GREY, 1.0, (5.0, 4.0));
         exact = exact.with(Layer::new("separatrix", level(PENDULUM.g, sign), pen));

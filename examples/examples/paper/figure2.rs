@@ -16,6 +16,9 @@ use crate::settings::{H, Options};
 /// A χ²₂ variable exceeds this value with probability 1e-4.
 const SURPRISE: f64 = 18.42;
 
+/// Length of the time on which energies are compared with the exact one.
+const LAST: f64 = 30.0;
+
 /// Indices of the entries of [`oscillator::entries`] by their expected behaviour.
 const FORWARD: usize = 0;
 const BACKWARD: usize = 1;
@@ -68,10 +71,12 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         title: "Figure 2. Stochastic linear oscillator, one path",
         figure: draw(options, &entries, &runs, &solution, &picture)?,
         caption: format!(
-            "σ = 1, start (1, 0), h = {H}, T = {}, the same Wiener path everywhere, all phase plots on the same scale. \
+            "σ = 1, start (1, 0), h = {H}, T = {}, the same Wiener path everywhere. All phase plots have the same scale, \
+             except that of backward Euler–Maruyama. \
              Forward Euler–Maruyama {left}; backward Euler–Maruyama, which the text prints as “symplectic \
              Euler–Maruyama”, dissipates. The endpoint and initial-point rules are the symplectic methods; the exact \
-             solution is drawn jointly with the increments of the path.",
+             solution is drawn jointly with the increments of the path. Below: the energies of the symplectic rules \
+             oscillate about the exact one, the endpoint and the initial-point rule in opposite phases.",
             options.horizon
         ),
         checks,
@@ -84,6 +89,8 @@ struct Picture {
     energy: f64,
     /// Largest |q| and |p|.
     size: f64,
+    /// Largest |q| and |p| of backward Euler–Maruyama.
+    backward: f64,
     /// Time at which forward Euler–Maruyama leaves this range.
     left: Option<f64>,
 }
@@ -102,10 +109,15 @@ impl Picture {
         let size = (2.4 * highest).sqrt();
         let inside = runs[FORWARD].inside(size);
         let leaves = inside.len() < runs[FORWARD].states.len();
+        let backward = runs[BACKWARD].states.iter();
+        let backward = backward.fold(0.0, |largest: f64, z| {
+            largest.max(z.q[0].abs()).max(z.p[0].abs())
+        });
         Ok(Self {
             // Leaves room for the legend.
-            energy: 1.9 * highest,
+            energy: 1.6 * highest,
             size,
+            backward: 1.1 * backward,
             left: inside.last().filter(|_| leaves).map(|z| z.t),
         })
     }
@@ -248,8 +260,8 @@ fn draw(
     solution: &Run,
     picture: &Picture,
 ) -> Result<Figure, StepError> {
-    let phase = |title: &str, states: &[State<[f64; 1]>], color| {
-        let axis = |name| Axis::new(name, -picture.size..picture.size);
+    let phase = |title: &str, size: f64, states: &[State<[f64; 1]>], color| {
+        let axis = |name| Axis::new(name, -size..size);
         let orbit = states.iter().map(|z| (z.q[0], z.p[0])).collect();
         Panel::new(title, axis("q"), axis("p"))
             .equal()
@@ -261,21 +273,12 @@ fn draw(
         format!("{}{rest}{what}", first.to_uppercase())
     };
     let color = |index: usize| entries[index].pen.color;
-    let of =
-        |index: usize, what: &str| phase(&title(index, what), &runs[index].states, color(index));
-    let mut forward = phase(
-        &title(FORWARD, ""),
-        runs[FORWARD].inside(picture.size),
-        color(FORWARD),
-    );
-    if let Some(t) = picture.left {
-        let text = format!("leaves the picture at t = {t:.1}");
-        forward = forward.note(
-            (-0.95 * picture.size, -0.93 * picture.size),
-            text,
-            palette::BLACK,
-        );
-    }
+    let of = |index: usize, what: &str, size: f64| {
+        let states = runs[index].inside(size);
+        phase(&title(index, what), size, states, color(index))
+    };
+    let until = picture.left.map(|t| format!(" up to t = {t:.1}"));
+    let size = picture.size;
     Ok(Figure {
         name: "figure2",
         width: 1110,
@@ -283,25 +286,61 @@ fn draw(
             Row {
                 height: 370,
                 panels: vec![
-                    forward,
-                    of(BACKWARD, ""),
+                    of(FORWARD, &until.unwrap_or_default(), size),
+                    of(BACKWARD, ", enlarged", picture.backward),
                     energies(options, entries, runs, solution, picture)?,
                 ],
             },
             Row {
                 height: 370,
                 panels: vec![
-                    of(ENDPOINT, " (symplectic)"),
-                    of(INITIAL_POINT, " (symplectic)"),
+                    of(ENDPOINT, " (symplectic)", size),
+                    of(INITIAL_POINT, " (symplectic)", size),
                     phase(
                         "Exact solution, same path",
+                        size,
                         &solution.states,
                         palette::BLACK,
                     ),
                 ],
             },
+            Row {
+                height: 320,
+                panels: vec![differences(options, entries, runs, solution)?],
+            },
         ],
     })
+}
+
+/// Draws the energies of the symplectic rules less that of the exact solution, on the last part of
+/// the path.
+fn differences(
+    options: &Options,
+    entries: &[Entry],
+    runs: &[Run],
+    solution: &Run,
+) -> Result<Panel, StepError> {
+    let from = (options.horizon - LAST).max(0.0);
+    let mut largest = 0.0_f64;
+    let mut layers = Vec::new();
+    for index in [MIDPOINT, INITIAL_POINT, ENDPOINT] {
+        let mut points = Vec::new();
+        let pairs = runs[index].states.iter().zip(&solution.states);
+        for (ours, exact) in pairs.filter(|(z, _)| z.t >= from) {
+            let difference = energy(ours)? - energy(exact)?;
+            largest = largest.max(difference.abs());
+            points.push((ours.t, difference));
+        }
+        layers.push(Layer::new(entries[index].name, points, entries[index].pen));
+    }
+    // The upper part is for the legend.
+    let panel = Panel::new(
+        format!("Energy less that of the exact solution, the last {LAST} of the time"),
+        Axis::new("time t", from..options.horizon),
+        Axis::new("difference of energies", -1.1 * largest..2.0 * largest),
+    );
+    let panel = layers.into_iter().fold(panel, Panel::with);
+    Ok(panel.legend(Corner::TopRight))
 }
 
 fn energies(
@@ -338,7 +377,7 @@ fn energies(
             curve(solution, every)?,
             Pen::line(palette::BLACK, 2.2),
         ));
-    for index in [FORWARD, BACKWARD, INITIAL_POINT, ENDPOINT] {
+    for index in [FORWARD, BACKWARD] {
         // Forward Euler–Maruyama crosses the picture within a few points.
         let points = curve(&runs[index], if index == FORWARD { 1 } else { every })?;
         panel = panel.with(Layer::new(entries[index].name, points, entries[index].pen));

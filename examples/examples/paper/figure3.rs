@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use sve_examples::check::{Check, number};
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use sve_examples::gaussian::{Matrix, Scheme, standard_errors};
 use sve_examples::palette;
 use sve_examples::report::one_row;
@@ -125,9 +125,10 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
         title: "Figure 3. Stochastic linear oscillator, mean energy",
         figure: draw(options, &entries, &schemes, &sums),
         caption: format!(
-            "Mean energy over {} paths, h = {H}, T = {}, σ = 1, start (1, 0). The exact mean is H₀ + σ²t/2; the dotted lines \
-             are one standard error of the mean of so many exact energies. Right: the first part, with the expectation of each \
-             scheme by the moment recursion M₁ = A M₀ Aᵀ + σ²h b bᵀ, A and b read off its own step.",
+            "Mean energy over {} paths, h = {H}, T = {}, σ = 1, start (1, 0). The exact mean is H₀ + σ²t/2; the band \
+             is one standard error of the mean of so many exact energies on either side. Right: the first part, with the \
+             expectation of Euler's methods by the moment recursion M₁ = A M₀ Aᵀ + σ²h b bᵀ, A and b read off their own steps. \
+             Below: the symplectic rules, whose means are not distinguishable from that of the exact solution above.",
             options.paths, options.horizon
         ),
         checks,
@@ -259,17 +260,45 @@ fn draw(options: &Options, entries: &[Entry], schemes: &[Scheme<2>], sums: &[Sum
         Axis::new("time t", 0.0..early),
         Axis::new("mean energy", 0.0..0.95 * early),
     );
-    one_row(
+    let mut figure = one_row(
         "figure3",
         [1110, 460],
         vec![
             curves(whole, options, entries, schemes, sums, horizon),
             curves(part, options, entries, schemes, sums, early),
         ],
-    )
+    );
+    figure.rows.push(Row {
+        height: 320,
+        panels: vec![differences(options, entries, sums, early)],
+    });
+    figure
 }
 
-/// Draws means, the exact mean with its standard error, and expectations, up to time `end`.
+/// Draws the mean energies of the symplectic rules less that of the exact solution on the same
+/// paths, up to time `end`.
+fn differences(options: &Options, entries: &[Entry], sums: &[Sums], end: f64) -> Panel {
+    let steps = step_of(end).min(options.steps());
+    let exact = &sums[5];
+    let layers = entries.iter().zip(sums).skip(2).map(|(entry, sums)| {
+        let last = sums.energy.len().min(exact.energy.len()).min(steps + 1);
+        let points = (0..last).map(|k| (k as f64 * H, sums.mean(k) - exact.mean(k)));
+        Layer::new(entry.name, points.collect(), entry.pen)
+    });
+    let layers: Vec<Layer> = layers.collect();
+    let points = layers.iter().flat_map(|layer| &layer.points);
+    let largest = points.fold(1e-3, |largest: f64, point| largest.max(point.1.abs()));
+    let panel = Panel::new(
+        "Mean energy less that of the exact solution on the same paths",
+        Axis::new("time t", 0.0..end),
+        Axis::new("difference of means", -1.1 * largest..2.0 * largest),
+    );
+    let panel = layers.into_iter().fold(panel, Panel::with);
+    panel.legend(Corner::TopLeft)
+}
+
+/// Draws the means of Euler's methods and of the exact solution, the exact mean with its standard
+/// error, and expectations, up to time `end`.
 fn curves(
     mut panel: Panel,
     options: &Options,
@@ -281,23 +310,20 @@ fn curves(
     let steps = step_of(end).min(options.steps());
     let every = steps.div_ceil(1000).max(1);
     let time = |k: usize| k as f64 * H;
-    let line = vec![(0.0, 0.5), (end, 0.5 + 0.5 * end)];
     let laws: Vec<_> = schemes[5].distributions(START).take(steps + 1).collect();
-    for sign in [-1.0, 1.0] {
-        let edge = (0..=steps).step_by(every).map(|k| {
-            let (mean, variance) = laws[k].quadratic(&ENERGY);
-            (
-                time(k),
-                mean + sign * (variance / f64::from(options.paths)).sqrt(),
-            )
-        });
-        let layer = Layer::new(
-            "± one standard error of H₀ + σ²t/2",
-            edge.collect(),
-            Pen::dashed(palette::BLACK, 1.0, (1.5, 3.0)),
-        );
-        panel = panel.with(if sign < 0.0 { layer } else { layer.unlisted() });
+    let (mut line, mut band) = (Vec::new(), Vec::new());
+    for k in (0..=steps).step_by(every) {
+        let (mean, variance) = laws[k].quadratic(&ENERGY);
+        let error = (variance / f64::from(options.paths)).sqrt();
+        line.push((time(k), mean));
+        band.push((mean - error, mean + error));
     }
+    let exact = Layer::new(
+        "H₀ + σ²t/2 ± one standard error",
+        line,
+        Pen::line(palette::BLACK, 1.6),
+    );
+    panel = panel.with(exact.band(band));
     let means = |sums: &Sums, every: usize| -> Vec<(f64, f64)> {
         let last = sums.energy.len().min(steps + 1);
         (0..last)
@@ -305,12 +331,12 @@ fn curves(
             .map(|k| (time(k), sums.mean(k)))
             .collect()
     };
-    for (index, (entry, sums)) in entries.iter().zip(sums).enumerate() {
+    for (index, (entry, sums)) in entries.iter().zip(sums).enumerate().take(2) {
         // Forward Euler–Maruyama, the first entry, crosses the picture within a few points.
         let every = if index == 0 { 1 } else { every };
         panel = panel.with(Layer::new(entry.name, means(sums, every), entry.pen));
     }
-    let same = Pen::line(palette::SKY, 1.2).symbols(Shape::Disc, 6);
+    let same = Pen::line(palette::SKY, 1.2);
     panel = panel.with(Layer::new(
         "exact solution, same paths",
         means(&sums[5], every),
@@ -323,18 +349,12 @@ fn curves(
                 .enumerate()
                 .map(|(k, e)| (time(k), e));
             let layer = Layer::new(
-                "expectation by recursion",
+                "expectation of Euler–Maruyama by recursion",
                 points.collect(),
                 Pen::dashed(palette::BLACK, 1.0, (3.0, 3.0)),
             );
             panel = panel.with(if k == 0 { layer } else { layer.unlisted() });
         }
     }
-    panel
-        .with(Layer::new(
-            "H₀ + σ²t/2",
-            line,
-            Pen::line(palette::BLACK, 1.6),
-        ))
-        .legend(Corner::TopRight)
+    panel.legend(Corner::TopRight)
 }

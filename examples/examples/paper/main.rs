@@ -107,14 +107,13 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(|e| format!("cannot write {}: {e}", path.display()))
 }
 
-/// Writes the files of a figure and returns its SVG.
+/// Writes the files of a figure and returns its panels for the page.
 fn write_figure(folder: &Path, figure: &Figure) -> Result<String, Box<dyn Error>> {
-    let svg = render::svg(figure)?;
     let file = |extension| folder.join(figure.name).with_extension(extension);
-    write(&file("svg"), svg.as_bytes())?;
+    write(&file("svg"), render::svg(figure)?.as_bytes())?;
     write(&file("png"), &render::png(figure)?)?;
     write(&file("csv"), figure.csv().as_bytes())?;
-    Ok(svg)
+    Ok(render::panels(figure)?)
 }
 
 fn html(options: &Options, reports: &[Report], drawings: &[String]) -> String {

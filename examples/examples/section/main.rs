@@ -17,7 +17,8 @@ use std::process::ExitCode;
 use sve_examples::check::{self, Check};
 use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen, Row};
 use sve_examples::page::{self, Section};
-use sve_examples::{palette, render};
+use sve_examples::render;
+use sve_examples::shades::shade;
 use sve_runtime::prelude::*;
 
 /// A star in a galaxy (Hénon and Heiles 1964), pushed at random.
@@ -58,7 +59,8 @@ fn starts(energy: f64) -> Vec<Point> {
         (rest > 0.0).then(|| State::new([0.0, y], [rest.sqrt(), p]))
     };
     let on_axis = (-12..=16).filter_map(|k| start(0.04 * f64::from(k), 0.0));
-    let off_axis = (1..=6).filter_map(|k| start(0.05, 0.065 * f64::from(k)));
+    let both = (-6..=6).filter(|k| *k != 0);
+    let off_axis = both.filter_map(|k| start(0.05, 0.065 * f64::from(k)));
     on_axis.chain(off_axis).collect()
 }
 
@@ -96,12 +98,14 @@ fn panel(
     let title = format!("E = {name}, {noise}");
     let size = if energy < 0.1 { 0.45 } else { 0.6 };
     let y = Axis::new("y", -size + 0.05..size + 0.1);
-    let mut panel = Panel::new(&title, y, Axis::new("p_y", -size..size));
+    let mut panel = Panel::new(&title, y, Axis::new("momentum along y", -size..size));
     let mut largest = 0.0_f64;
-    for (number, start) in starts(energy).into_iter().enumerate() {
+    let starts = starts(energy);
+    let last = (starts.len() - 1) as f64;
+    for (number, start) in starts.into_iter().enumerate() {
         let (points, drift) = section(sigma, start, number as u64)?;
         largest = largest.max(drift);
-        let color = palette::CYCLE[number % palette::CYCLE.len()];
+        let color = shade(number as f64 / last);
         panel = panel.with(Layer::new(
             format!("start {number}"),
             points,
@@ -142,14 +146,13 @@ fn run() -> Result<bool, Box<dyn Error>> {
         rows,
     };
     println!("{}", check::table("Sections of Hénon and Heiles", &checks));
-    let svg = render::svg(&figure)?;
-    fs::write(folder.join("section.svg"), &svg)?;
+    fs::write(folder.join("section.svg"), render::svg(&figure)?)?;
     fs::write(folder.join("section.png"), render::png(&figure)?)?;
     fs::write(folder.join("section.csv"), figure.csv())?;
-    let caption = "Crossings of x = 0 with a positive velocity: position and momentum along y. Each colour is one start.";
+    let caption = "Crossings of x = 0 with a positive velocity: position and momentum along y. Each colour is one start; colours go from blue to red along the starts with increasing y, then along those with increasing momentum.";
     let sections = [Section {
         title: "Poincaré sections",
-        svg: &svg,
+        svg: &render::panels(&figure)?,
         caption,
         checks: &checks,
     }];

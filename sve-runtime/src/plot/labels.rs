@@ -23,9 +23,6 @@ const MOST_DIGITS: i32 = 6;
 /// Smallest power of ten that has all digits of an `f64`.
 const SUBNORMAL: i32 = -307;
 
-/// Lengths, in decades, below which an axis of powers has three, or two, labels for each decade.
-const ONE_DECADE: f64 = 1.5;
-const FEW_DECADES: f64 = 3.0;
 /// Length, in decades, above which an axis of powers has no ticks between labels.
 const MANY_DECADES: f64 = 6.0;
 
@@ -183,29 +180,43 @@ fn numbers(range: &Range<f64>, count: usize) -> Labels {
     labels
 }
 
-/// Returns powers of ten whose logarithms are in the range; multiples of powers on short axes.
+/// Returns powers of ten whose logarithms are in the range. If there is one power at most, returns
+/// round numbers between powers, none of them as a power beside a multiple of a power.
 fn powers(range: &Range<f64>, count: usize) -> Labels {
     let decades = length(range);
-    let of = |logarithms: Vec<f64>| Labels::new(logarithms.into_iter().map(|x| (x, power(x))));
-    if decades < FEW_DECADES {
-        let multiples: &[f64] = if decades < ONE_DECADE {
-            &[1.0, 2.0, 5.0]
-        } else {
-            &[1.0, 3.0]
-        };
-        let labels = of(within_decades(range, multiples));
-        if labels.marks.len() > 1 {
-            return labels;
-        }
-        return within_one_decade(range, count);
-    }
     // Exponents are integers, so there is at most one label for each decade.
-    let count = (1..count.min(MOST_LABELS))
-        .take_while(|k| *k as f64 <= decades)
-        .count();
-    let mut exponents = Round::of(range, count).floats();
+    let powers = (1..=count.min(MOST_LABELS)).take_while(|k| *k as f64 <= decades + 1.0);
+    let mut exponents = Round::of(range, powers.count()).floats();
     exponents.retain(|x| x.fract() == 0.0);
-    of(exponents)
+    if exponents.len() > 1 || decades > 2.0 {
+        return Labels::new(exponents.into_iter().map(|x| (x, power(x))));
+    }
+    let multiples = multiples_of_powers(range);
+    if multiples.marks.len() > 1 {
+        return multiples;
+    }
+    within_one_decade(range, count)
+}
+
+/// Returns 1, 2 and 5 times the powers of ten in a range, all with the same power.
+fn multiples_of_powers(range: &Range<f64>) -> Labels {
+    let decade = range.start.floor();
+    let factors: [(f64, i128); 6] = [
+        (0.0, 1),
+        (2_f64.log10(), 2),
+        (5_f64.log10(), 5),
+        (1.0, 10),
+        (1.0 + 2_f64.log10(), 20),
+        (1.0 + 5_f64.log10(), 50),
+    ];
+    let inside: Vec<_> = factors
+        .into_iter()
+        .map(|(x, factor)| (decade + x, factor))
+        .filter(|(x, _)| range.contains(x))
+        .collect();
+    let factors: Vec<i128> = inside.iter().map(|&(_, factor)| factor).collect();
+    let texts = series(&factors, decade as i32);
+    Labels::new(inside.into_iter().map(|(x, _)| x).zip(texts))
 }
 
 /// Returns round numbers whose logarithms are in a range.
@@ -284,15 +295,9 @@ fn angle(eighths: i64) -> String {
     }
 }
 
-/// Returns a power of ten, or a multiple of a power, with this logarithm.
-fn power(logarithm: f64) -> String {
-    let exponent = (logarithm + 1e-9).floor();
-    let multiple = 10_f64.powf(logarithm - exponent).round() as i64;
-    let power = format!("10{}", superscript(exponent as i64));
-    match multiple {
-        1 => power,
-        multiple => format!("{multiple}·{power}"),
-    }
+/// Returns the power of ten with this exponent.
+fn power(exponent: f64) -> String {
+    format!("10{}", superscript(exponent as i64))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use plotters_backend::{
 use super::draw;
 use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use super::render::SCALE;
-use super::text::prepare_font;
+use super::text::{LINE, prepare_font, width};
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
@@ -59,8 +59,11 @@ impl DrawingBackend for Texts<'_> {
         style: &S,
         (x, y): BackendCoord,
     ) -> Drawn {
-        let ((left, top), (right, bottom)) = style.layout_box(text).unwrap();
-        let (width, height) = (right - left, bottom - top);
+        let em = style.size() / LINE;
+        let (width, height) = (
+            (width(text, em / f64::from(SCALE)) * f64::from(SCALE)) as i32,
+            em as i32,
+        );
         let from_x = match style.anchor().h_pos {
             HPos::Left => 0,
             HPos::Center => -width / 2,

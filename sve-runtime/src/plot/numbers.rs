@@ -212,18 +212,34 @@ pub(super) fn with_power(mantissa: i128, exponent: i32, power: i32) -> String {
     }
 }
 
+/// Characters of exponents, with the characters that they stand for.
+const EXPONENTS: [(char, char); 11] = [
+    ('⁻', '−'),
+    ('⁰', '0'),
+    ('¹', '1'),
+    ('²', '2'),
+    ('³', '3'),
+    ('⁴', '4'),
+    ('⁵', '5'),
+    ('⁶', '6'),
+    ('⁷', '7'),
+    ('⁸', '8'),
+    ('⁹', '9'),
+];
+
+/// Returns the digit or the minus that a superscript stands for.
+pub(super) fn exponent_digit(character: char) -> Option<char> {
+    let found = EXPONENTS.iter().find(|(raised, _)| *raised == character);
+    found.map(|&(_, digit)| digit)
+}
+
 pub(super) fn superscript(exponent: i64) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        digit => digit
-            .to_digit(10)
-            .and_then(|d| char::from_u32(0x2070 + d))
-            .unwrap_or(digit),
+    let raised = |digit: char| {
+        let found = EXPONENTS.iter().find(|(_, plain)| *plain == digit);
+        found.map_or(digit, |&(raised, _)| raised)
     };
-    exponent.to_string().chars().map(raised).collect()
+    let text = exponent.to_string().replace('-', "−");
+    text.chars().map(raised).collect()
 }
 
 /// Returns whether a text is a number, or several with signs between them: `1.5·10⁻⁶`, `± 2`,
@@ -232,7 +248,7 @@ pub(super) fn is_number(text: &str) -> bool {
     let is_part = |part: &str| {
         let text = part.replace('−', "-");
         let (factor, power) = text.rsplit_once("10").unwrap_or((&text, ""));
-        let is_power = !power.is_empty() && power.chars().all(|c| "⁻⁰¹²³⁴⁵⁶⁷⁸⁹".contains(c));
+        let is_power = !power.is_empty() && power.chars().all(|c| exponent_digit(c).is_some());
         let factor = if is_power {
             factor.trim_end_matches('·')
         } else {

@@ -11,6 +11,9 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
+use super::render::SCALE;
+use super::text;
+
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
 /// Pixels, three bytes each, rows from the top.
@@ -116,25 +119,40 @@ impl DrawingBackend for Raster<'_> {
         (x0, y0): BackendCoord,
     ) -> Drawn {
         let failed = |e| DrawingErrorKind::FontError(Box::new(e));
-        let ((left, top), (right, bottom)) = style.layout_box(text).map_err(failed)?;
-        let (width, height) = (right - left, bottom - top);
-        let dx = match style.anchor().h_pos {
+        let em = style.size() / text::LINE;
+        let size = em / f64::from(SCALE);
+        let width = (text::width(text, size) * f64::from(SCALE)).round() as i32;
+        let mut dx = match style.anchor().h_pos {
             HPos::Left => 0,
             HPos::Right => -width,
             HPos::Center => -width / 2,
         };
+        let height = em as i32;
         let dy = match style.anchor().v_pos {
             VPos::Top => 0,
             // The box has room for descenders, which most labels lack.
             VPos::Center => (SINK * style.size()).round() as i32 - height / 2,
             VPos::Bottom => -height,
         };
-        let transform = style.transform();
-        let drawn = style.draw(text, (0, 0), |x, y, color| {
-            let (x, y) = transform.transform(x + dx - left, y + dy - top);
-            self.draw_pixel((x0 + x, y0 + y), color)
-        });
-        drawn.map_err(failed)?
+        let (transform, BackendColor { alpha, rgb }) = (style.transform(), style.color());
+        for part in text::parts(text) {
+            let (font, text) = (text::font_of(&part, size), &part.1);
+            let ((left, top), (right, _)) = font.layout_box(text).map_err(failed)?;
+            let raise = if part.0 {
+                // plotters draws the baseline half the size of a font below a point.
+                (text::RAISED * em - 0.5 * (style.size() - font.get_size())).round() as i32
+            } else {
+                0
+            };
+            let drawn = font.draw(text, (0, 0), |x, y, opacity| {
+                let (x, y) = transform.transform(x + dx - left, y + dy - top - raise);
+                let alpha = alpha * f64::from(opacity);
+                self.draw_pixel((x0 + x, y0 + y), BackendColor { alpha, rgb })
+            });
+            drawn.map_err(failed)??;
+            dx += right - left;
+        }
+        Ok(())
     }
 
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(

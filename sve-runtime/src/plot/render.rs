@@ -4,6 +4,8 @@
 //! coordinates, and whole CSS pixels would make curves jagged. The font is embedded in the program;
 //! SVG names the generic family.
 
+use std::fmt::Write as _;
+
 use plotters::backend::SVGBackend;
 use plotters::drawing::IntoDrawingArea;
 
@@ -11,7 +13,7 @@ use super::PlotError;
 use super::draw;
 use super::figure::Figure;
 use super::raster::{self, Raster};
-use super::text::prepare_font;
+use super::text::{self, prepare_font};
 
 /// Number of device units in a CSS pixel.
 pub(crate) const SCALE: u32 = 4;
@@ -39,7 +41,7 @@ pub fn svg(figure: &Figure) -> Result<String, PlotError> {
     }
     let (width, height) = figure.size();
     // Attributes with their default values would double the size of a dot.
-    Ok(text
+    Ok(raise_exponents(&text)
         .replacen(
             &format!("width=\"{}\" height=\"{}\"", device.0, device.1),
             &format!("width=\"{width}\" height=\"{height}\""),
@@ -47,6 +49,41 @@ pub fn svg(figure: &Figure) -> Result<String, PlotError> {
         )
         .replace(" opacity=\"1\"", "")
         .replace(" stroke=\"none\" stroke-width=\"1\"", ""))
+}
+
+/// Returns an SVG document whose exponents are raised digits; only texts have characters of
+/// exponents. Lengths are numbers, since not all programs know units relative to the font.
+fn raise_exponents(svg: &str) -> String {
+    let mut raised = String::with_capacity(svg.len());
+    let (mut size, mut is_raised) = (0.0, false);
+    for (is_exponent, part) in text::parts(svg) {
+        // Writing into a String cannot fail.
+        if is_exponent {
+            let (rise, size) = (text::RAISED * size, text::EXPONENT * size);
+            let _ = write!(
+                raised,
+                "<tspan dy=\"-{rise:.1}\" font-size=\"{size:.1}\">{part}</tspan>"
+            );
+        } else {
+            // The next characters of the same text return to its line.
+            let (rest, after) = part.split_at(part.find('<').filter(|_| is_raised).unwrap_or(0));
+            if rest.trim().is_empty() {
+                raised.push_str(&part);
+            } else {
+                let fall = text::RAISED * size;
+                let _ = write!(raised, "<tspan dy=\"{fall:.1}\">{rest}</tspan>{after}");
+            }
+            size = last_font_size(&part).unwrap_or(size);
+        }
+        is_raised = is_exponent;
+    }
+    raised
+}
+
+/// Returns the last font size of a part of a document.
+fn last_font_size(svg: &str) -> Option<f64> {
+    let (_, rest) = svg.rsplit_once("font-size=\"")?;
+    rest.split_once('"')?.0.parse().ok()
 }
 
 /// Returns the figure as a PNG file.
@@ -63,4 +100,21 @@ pub fn png(figure: &Figure) -> Result<Vec<u8>, PlotError> {
         area.present().map_err(PlotError::drawing)?;
     }
     raster::png(&pixels, device, SMOOTHING).map_err(PlotError::drawing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exponents_are_raised() {
+        let svg = "<text font-size=\"40\">\n10⁻² m\n</text>\n<text font-size=\"20\">\n5\n</text>";
+        let expected = "<text font-size=\"40\">\n10<tspan dy=\"-16.0\" font-size=\"32.0\">−2</tspan>\
+             <tspan dy=\"16.0\"> m\n</tspan></text>\n<text font-size=\"20\">\n5\n</text>";
+        assert_eq!(raise_exponents(svg), expected);
+        let plain = "<text font-size=\"40\">\n10²\n</text>";
+        let raised =
+            "<text font-size=\"40\">\n10<tspan dy=\"-16.0\" font-size=\"32.0\">2</tspan>\n</text>";
+        assert_eq!(raise_exponents(plain), raised);
+    }
 }

@@ -7,6 +7,7 @@ use std::sync::Once;
 
 use plotters::style::{FontDesc, FontStyle, IntoFont, register_font};
 
+use super::numbers::exponent_digit;
 use super::render::SCALE;
 
 /// Height of a line of text, in units of its size.
@@ -16,6 +17,30 @@ pub(super) const LINE: f64 = 1.24;
 pub(super) const LABEL: f64 = 11.0;
 pub(super) const NAME: f64 = 12.0;
 pub(super) const TITLE: f64 = 13.0;
+
+/// Size of exponents, and the height of their baseline above the one of their text, in units of the
+/// size of the text. The superscripts of fonts are half as high as their digits, and 10⁰ is not
+/// distinguishable from 10°.
+pub(super) const EXPONENT: f64 = 0.8;
+pub(super) const RAISED: f64 = 0.4;
+
+/// A part of a text: whether it is an exponent, and its characters. Exponents have ordinary digits.
+pub(super) type Part = (bool, String);
+
+/// Divides a text into exponents and the parts between them.
+pub(super) fn parts(text: &str) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    for character in text.chars() {
+        let digit = exponent_digit(character);
+        match parts.last_mut() {
+            Some((is_raised, part)) if *is_raised == digit.is_some() => {
+                part.push(digit.unwrap_or(character));
+            }
+            _ => parts.push((digit.is_some(), digit.unwrap_or(character).into())),
+        }
+    }
+    parts
+}
 
 /// Registers the embedded font, so that no font of the machine is used.
 pub(super) fn prepare_font() {
@@ -37,12 +62,20 @@ pub(super) fn font(size: f64) -> FontDesc<'static> {
     ("sans-serif", LINE * size * f64::from(SCALE)).into_font()
 }
 
+/// Returns the font of a part of a text of this size.
+pub(super) fn font_of((is_raised, _): &Part, size: f64) -> FontDesc<'static> {
+    font(if *is_raised { EXPONENT * size } else { size })
+}
+
 /// Returns the width of a text.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     prepare_font();
-    // A text without a size is an error where it is drawn.
-    let (width, _) = font(size).box_size(text).unwrap_or_default();
-    f64::from(width) / f64::from(SCALE)
+    let widths = parts(text).into_iter().map(|part| {
+        // A text without a size is an error where it is drawn.
+        let (width, _) = font_of(&part, size).box_size(&part.1).unwrap_or_default();
+        f64::from(width) / f64::from(SCALE)
+    });
+    widths.sum()
 }
 
 /// Divides a text into lines of at most this width: between words, or within a word that is longer
@@ -93,6 +126,19 @@ pub(super) fn lines(text: &str, size: f64, widest: f64, most: usize) -> Vec<Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exponents_are_parts_of_their_own() {
+        let parts = |text| -> Vec<(bool, String)> { super::parts(text) };
+        let (plain, raised) = (
+            |text: &str| (false, text.into()),
+            |text: &str| (true, text.into()),
+        );
+        assert_eq!(parts("10⁻¹² m"), [plain("10"), raised("−12"), plain(" m")]);
+        assert_eq!(parts("q₀²"), [plain("q₀"), raised("2")]);
+        assert!(parts("").is_empty());
+        assert!(width("10⁰", LABEL) > width("10", LABEL) + 0.7 * width("0", LABEL));
+    }
 
     #[test]
     fn long_texts_are_divided_between_words_and_within_long_ones() {
