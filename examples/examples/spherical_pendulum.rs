@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use sve_examples::check::{self, Check};
-use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Row};
+use sve_examples::figure::{Axis, Layer, Panel, Pen, Row};
 use sve_examples::report::one_row;
 use sve_examples::{palette, render};
 use sve_runtime::prelude::*;

@@ -226,7 +226,7 @@ fn orbits(states: &[Bodies]) -> [Vec<(f64, f64)>; 3] {
 /// Draws the paths of the bodies, with a dot where each body is at the start.
 fn plane(title: &str, [x, y]: [Axis; 2], m: [f64; 3], states: &[Bodies]) -> Panel {
     let mut panel = Panel::new(title, x, y).equal().legend(Corner::Below);
-    let colors = [palette::BLUE, palette::VERMILION, palette::BLACK];
+    let colors = [palette::BLUE, palette::ORANGE, palette::BLACK];
     for ((i, points), color) in orbits(states).into_iter().enumerate().zip(colors) {
         let start = vec![points[0]];
         panel = panel.with(Layer::new(

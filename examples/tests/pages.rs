@@ -201,11 +201,154 @@ fn a_page_of_a_study_says_what_was_measured() {
         "midpoint in steps 4 times shorter than the finest ones",
         "<th>paths</th><td>20 paths</td>",
         "<th>seed</th><td>5</td>",
-        "weak error of q",
+        "Weak error of q",
+        "step size h",
     ] {
         assert!(page.contains(part), "{part}: {page}");
     }
     // No times were measured.
     assert!(!page.contains("ns a step"), "{page}");
     assert_readable(&page);
+}
+
+/// A text of a picture with the corners of its box: left, top, right, bottom.
+type Placed = (String, [f64; 4]);
+
+/// Returns the value of an attribute in the opening tag of an element.
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+    Some(rest.split_once('"')?.0)
+}
+
+/// Returns about the width of a text, in units of its size.
+fn width(text: &str) -> f64 {
+    let of = |character: char| match character {
+        'i' | 'j' | 'l' | 'I' | '.' | ',' | ':' | '\'' | '|' => 0.28,
+        'f' | 't' | 'r' | ' ' | '(' | ')' | '-' | '·' | '/' => 0.36,
+        'm' | 'w' | 'M' | 'W' | '−' => 0.85,
+        _ => 0.6,
+    };
+    text.chars().map(of).sum()
+}
+
+/// Returns the texts of a picture, and its size.
+fn placed(svg: &str) -> (Vec<Placed>, [f64; 2]) {
+    let number = |tag: &str, name: &str| -> f64 {
+        let value = attribute(tag, name).unwrap_or_else(|| panic!("no {name}: {tag}"));
+        value.parse().unwrap()
+    };
+    let view = attribute(svg, "viewBox").unwrap();
+    let view: Vec<f64> = view.split(' ').map(|x| x.parse().unwrap()).collect();
+    let text = |element: &str| {
+        let (tag, content) = element.split_once('>').unwrap();
+        let (size, x, y) = (number(tag, "font-size"), number(tag, "x"), number(tag, "y"));
+        let parts = content.split('<').enumerate();
+        let plain = parts.map(|(k, part)| match (k, part.split_once('>')) {
+            (0, _) | (_, None) => part,
+            (_, Some((_, text))) => text,
+        });
+        let plain = plain.collect::<String>().trim().to_owned();
+        let long = size * width(&plain);
+        let left = match attribute(tag, "text-anchor").unwrap() {
+            "start" => 0.0,
+            "middle" => -0.5 * long,
+            _ => -long,
+        };
+        // Capitals and digits; texts hang from their place or are centred on it.
+        let top = match attribute(tag, "dy").unwrap() {
+            "0.76em" => 0.0,
+            _ => -0.4 * size,
+        };
+        let corners = if attribute(tag, "transform").is_some() {
+            // turned by 270°
+            [x + top, y - left - long, x + top + 0.8 * size, y - left]
+        } else {
+            [x + left, y + top, x + left + long, y + top + 0.8 * size]
+        };
+        (plain, corners)
+    };
+    let elements = svg.split("<text").skip(1);
+    let elements = elements.map(|rest| rest.split_once("</text>").unwrap().0);
+    (elements.map(text).collect(), [view[2], view[3]])
+}
+
+/// Asserts that no texts of a picture of a page overlap, and that all are inside of it. Returns the
+/// number of pictures.
+fn assert_apart(page: &str) -> usize {
+    let pictures = page.split("<svg").skip(1);
+    let pictures = pictures.map(|rest| rest.split_once("</svg>").unwrap().0);
+    let mut count = 0;
+    for svg in pictures {
+        let (texts, [width, height]) = placed(svg);
+        assert!(texts.len() > 4, "{texts:?}");
+        for (number, (text, [left, top, right, bottom])) in texts.iter().enumerate() {
+            let is_inside = *left >= 0.0 && *top >= 0.0 && *right <= width && *bottom <= height;
+            assert!(is_inside, "{text:?} leaves the picture: {texts:#?}");
+            for (other, [west, north, east, south]) in &texts[..number] {
+                let is_apart = right <= west || east <= left || bottom <= north || south <= top;
+                assert!(is_apart, "{text:?} overlaps {other:?}: {texts:#?}");
+            }
+        }
+        count += 1;
+    }
+    count
+}
+
+const LONG: &str = "the square of the distance of the particle from the place at which it was at the start, with <markup> & all";
+
+#[test]
+fn texts_of_hostile_ensembles_are_apart() {
+    let method = method();
+    let observed = ensemble(&method)
+        .observe("subnormal", |_, s| s.q[0] * 1e-310)
+        .observe("far", |_, s| s.q[0] * 1e-3 + 1e9)
+        .observe("huge", |_, s| s.q[0] * 1e300)
+        .observe("constant", |_, _| 1e-320)
+        .observe(
+            "an_unbroken_name_of_an_observable_that_is_longer_than_its_axis",
+            |_, s| s.q[0],
+        )
+        .observe(LONG, |_, s| s.q[0])
+        .histogram(LONG, -2.0..2.0, 16)
+        .histogram("far", 1e9 - 1e-2..1e9 + 1e-2, 16)
+        .first_passage(LONG, |_, s| s.q[0] - 0.5);
+    let text = page(&observed.run().unwrap(), "apart.html");
+    assert_eq!(assert_apart(&text), 9);
+    // A single path has no standard error.
+    let single = ensemble(&method).paths(1).observe("q", |_, s| s.q[0]);
+    let text = page(&single.run().unwrap(), "apart_single.html");
+    assert_eq!(assert_apart(&text), 1);
+    // A path on which an observable is not a number fails.
+    let refused =
+        ensemble(&method).observe("q", |_, s| if s.q[0] > 0.99 { s.q[0] } else { f64::NAN });
+    let text = page(&refused.run().unwrap(), "apart_refused.html");
+    assert_apart(&text);
+    assert!(text.contains("failed"), "{text}");
+    assert_readable(&text);
+}
+
+#[test]
+fn texts_of_hostile_studies_are_apart() {
+    let method = method();
+    let euler = EulerMaruyama::new(*method.system());
+    for (name, scale) in [("q", 1.0), ("subnormal", 1e-310), (LONG, 1e300)] {
+        let report = Study::new(LONG)
+            .start(State::new([1.0], [0.0]))
+            .horizon(1.0)
+            .step_counts([4, 8, 16])
+            .paths(20)
+            .seed(5)
+            .method(LONG, &method)
+            .method("Euler's method", &euler)
+            .fine(&method, 4)
+            .observe(name, move |_, s| scale * s.q[0])
+            .repeats(1)
+            .run()
+            .unwrap();
+        let path = scratch("apart_study.html");
+        report.write_html(&path).unwrap();
+        let page = std::fs::read_to_string(path).unwrap();
+        assert!(assert_apart(&page) >= 4);
+        assert_readable(&page);
+    }
 }

@@ -75,8 +75,8 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
              except that of backward Euler–Maruyama. \
              Forward Euler–Maruyama {left}; backward Euler–Maruyama, which the text prints as “symplectic \
              Euler–Maruyama”, dissipates. The endpoint and initial-point rules are the symplectic methods; the exact \
-             solution is drawn jointly with the increments of the path. Below: the energies of the symplectic rules \
-             oscillate about the exact one, the endpoint and the initial-point rule in opposite phases.",
+             solution is drawn jointly with the increments of the path. Below: the energies of the endpoint and \
+             the initial-point rule oscillate in opposite phases.",
             options.horizon
         ),
         checks,
@@ -321,26 +321,26 @@ fn differences(
     solution: &Run,
 ) -> Result<Panel, StepError> {
     let from = (options.horizon - LAST).max(0.0);
-    let mut largest = 0.0_f64;
+    let (mut least, mut greatest) = (0.0_f64, 0.0_f64);
     let mut layers = Vec::new();
     for index in [MIDPOINT, INITIAL_POINT, ENDPOINT] {
         let mut points = Vec::new();
         let pairs = runs[index].states.iter().zip(&solution.states);
         for (ours, exact) in pairs.filter(|(z, _)| z.t >= from) {
             let difference = energy(ours)? - energy(exact)?;
-            largest = largest.max(difference.abs());
+            (least, greatest) = (least.min(difference), greatest.max(difference));
             points.push((ours.t, difference));
         }
         layers.push(Layer::new(entries[index].name, points, entries[index].pen));
     }
-    // The upper part is for the legend.
+    let margin = 0.05 * (greatest - least);
     let panel = Panel::new(
-        format!("Energy less that of the exact solution, the last {LAST} of the time"),
+        format!("Energy less that of the exact solution, the last {LAST} time units"),
         Axis::new("time t", from..options.horizon),
-        Axis::new("difference of energies", -1.1 * largest..2.0 * largest),
+        Axis::new("difference of energies", least - margin..greatest + margin),
     );
     let panel = layers.into_iter().fold(panel, Panel::with);
-    Ok(panel.legend(Corner::TopRight))
+    Ok(panel.legend(Corner::Below))
 }
 
 fn energies(

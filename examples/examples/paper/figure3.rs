@@ -287,14 +287,17 @@ fn differences(options: &Options, entries: &[Entry], sums: &[Sums], end: f64) ->
     });
     let layers: Vec<Layer> = layers.collect();
     let points = layers.iter().flat_map(|layer| &layer.points);
-    let largest = points.fold(1e-3, |largest: f64, point| largest.max(point.1.abs()));
+    let (least, greatest) = points.fold((-1e-3, 1e-3), |(least, greatest): (f64, f64), point| {
+        (least.min(point.1), greatest.max(point.1))
+    });
+    let margin = 0.05 * (greatest - least);
     let panel = Panel::new(
         "Mean energy less that of the exact solution on the same paths",
         Axis::new("time t", 0.0..end),
-        Axis::new("difference of means", -1.1 * largest..2.0 * largest),
+        Axis::new("difference of means", least - margin..greatest + margin),
     );
     let panel = layers.into_iter().fold(panel, Panel::with);
-    panel.legend(Corner::TopLeft)
+    panel.legend(Corner::Below)
 }
 
 /// Draws the means of Euler's methods and of the exact solution, the exact mean with its standard

@@ -8,19 +8,28 @@ use std::path::Path;
 use super::bounds::around;
 use super::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row as Panels};
 use super::legend::Legend;
-use super::{PlotError, page};
-use crate::study::{Estimate, Report, Row};
+use super::{PlotError, page, palette};
+use crate::study::{Estimate, Order, Report, Row};
 
-/// An error with its standard error; 0 if it has none.
-type Error<'a> = &'a dyn Fn(&Row) -> Option<Estimate>;
-/// A kind of error with its name.
-type Kind = (String, Box<dyn Fn(&Row) -> Option<Estimate>>);
+/// A kind of error.
+struct Kind<'a> {
+    name: String,
+    /// The error with its standard error; 0 if it has none.
+    error: Box<dyn Fn(&Row) -> Option<Estimate>>,
+    /// The measured orders of the methods.
+    orders: Vec<&'a Order>,
+}
 /// The quantity on the horizontal axis of a figure of errors.
 type Abscissa = (&'static str, fn(&Row) -> Option<f64>);
 
 /// Height of a figure without its legend, and about the width of its axes, in CSS pixels.
 const HEIGHT: u32 = 360;
 const AXES: f64 = 440.0;
+
+/// Lengths of dash and gap of the guides of different orders, in CSS pixels, and the distance of a
+/// guide from the errors of a method, in decades.
+const DASHES: [(f64, f64); 4] = [(6.0, 3.0), (2.0, 3.0), (12.0, 3.0), (4.0, 6.0)];
+const BELOW: f64 = 0.4;
 
 const TIME: Abscissa = ("time to solution of one path (s)", |row| {
     row.timing.map(|timing| timing.time_to_solution)
@@ -81,7 +90,7 @@ impl Report {
         let mut body = page::facts(&facts(self));
         body += &page::panels(
             &figures(self),
-            "Bars: two standard errors on either side. Arrows: upper limits of errors below two standard errors.",
+            "Bars: two standard errors on either side. Arrows: upper limits of errors below two standard errors. Grey lines: the measured orders, rounded to halves.",
         )?;
         body += &table(self);
         for line in self.conclusions() {
@@ -177,13 +186,21 @@ fn table(report: &Report) -> String {
 /// size.
 fn figures(report: &Report) -> Vec<Figure> {
     let strong = |row: &Row| row.error;
-    let mut kinds: Vec<Kind> = vec![(
-        "error at the end (root of the mean square)".to_owned(),
-        Box::new(strong),
-    )];
+    let mut kinds = vec![Kind {
+        name: "Error at the end (root of the mean square)".to_owned(),
+        error: Box::new(strong),
+        orders: report.orders().iter().collect(),
+    }];
     for (k, name) in report.observables().iter().enumerate() {
         let weak = move |row: &Row| row.weak_errors.get(k).copied();
-        kinds.push((format!("weak error of {name}"), Box::new(weak)));
+        let orders = report.weak_orders().iter();
+        kinds.push(Kind {
+            name: format!("Weak error of {name}"),
+            error: Box::new(weak),
+            orders: orders
+                .filter(|order| order.observable.as_ref() == Some(name))
+                .collect(),
+        });
     }
     if report.rows().iter().any(|row| row.invariant.is_some()) {
         let invariant = |row: &Row| {
@@ -192,14 +209,15 @@ fn figures(report: &Report) -> Vec<Figure> {
                 standard_error: 0.0,
             })
         };
-        kinds.push((
-            "largest error of the invariant".to_owned(),
-            Box::new(invariant),
-        ));
+        kinds.push(Kind {
+            name: "Largest error of the invariant".to_owned(),
+            error: Box::new(invariant),
+            orders: Vec::new(),
+        });
     }
     let timed = report.rows().iter().any(|row| row.timing.is_some());
-    let against = |x: Abscissa, (name, error): &Kind| {
-        let panel = panel(report, x, (name, error)).legend(Corner::Below);
+    let against = |x: Abscissa, kind: &Kind<'_>, orders: &[&Order]| {
+        let panel = panel(report, x, kind, orders).legend(Corner::Below);
         // The axes keep their height for every length of the legend.
         let room = Legend::new(&panel.layers, Corner::Below, AXES).rows_below();
         Figure {
@@ -211,42 +229,74 @@ fn figures(report: &Report) -> Vec<Figure> {
             }],
         }
     };
-    let of = |kind: &Kind| {
-        let time = timed.then(|| against(TIME, kind));
+    let of = |kind: &Kind<'_>| {
+        let time = timed.then(|| against(TIME, kind, &[]));
         time.into_iter()
-            .chain([against(STEP, kind)])
+            .chain([against(STEP, kind, &kind.orders)])
             .collect::<Vec<_>>()
     };
     kinds.iter().flat_map(of).collect()
 }
 
-fn panel(report: &Report, (x_name, x): Abscissa, (y_name, error): (&str, Error<'_>)) -> Panel {
+/// Draws the errors of all methods, with a guide for each of these orders.
+fn panel(report: &Report, (x_name, x): Abscissa, kind: &Kind<'_>, orders: &[&Order]) -> Panel {
     let mut methods: Vec<&str> = Vec::new();
     for row in report.rows() {
         if !methods.contains(&&*row.method) {
             methods.push(&row.method);
         }
     }
-    let layers: Vec<Layer> = methods
+    let mut layers: Vec<Layer> = methods
         .iter()
         .enumerate()
         .flat_map(|(number, method)| {
             let rows = report.rows().iter().filter(|row| row.method == *method);
             let points = rows.filter_map(|row| {
-                let error = error(row)?;
+                let error = (kind.error)(row)?;
                 Some((x(row)?, error.value, error.standard_error))
             });
             Layer::errors(*method, Pen::series(number), points)
         })
         .collect();
+    layers.extend(guides(orders, &layers));
     let points = || layers.iter().flat_map(|layer| &layer.points);
     let (xs, ys) = (around(points().map(|p| p.0)), around(points().map(|p| p.1)));
     let empty = Panel::new(
-        report.problem(),
+        kind.name.as_str(),
         Axis::powers(x_name, xs),
-        Axis::powers(y_name, ys),
+        Axis::powers("error", ys),
     );
     layers.into_iter().fold(empty, Panel::with)
+}
+
+/// Returns a line for each measured order, rounded to halves, below the errors of the first method
+/// that has it.
+fn guides(orders: &[&Order], layers: &[Layer]) -> Vec<Layer> {
+    let mut known: Vec<f64> = Vec::new();
+    let mut guides = Vec::new();
+    for order in orders {
+        let slope = (2.0 * order.order.value).round() / 2.0;
+        let errors = layers.iter().find(|layer| layer.label == order.method);
+        let points = errors
+            .into_iter()
+            .flat_map(|layer| layer.points.iter().copied());
+        let mut points: Vec<_> = points.filter(|point| point.1.is_finite()).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let [(x, y), .., (end, _)] = points[..] else {
+            continue;
+        };
+        if known.contains(&slope) {
+            continue;
+        }
+        let Some(&dash) = DASHES.get(known.len()) else {
+            break;
+        };
+        known.push(slope);
+        let line = vec![(x, y - BELOW), (end, y - BELOW + slope * (end - x))];
+        let pen = Pen::dashed(palette::GREY, 1.2, dash);
+        guides.push(Layer::new(format!("order {slope}"), line, pen));
+    }
+    guides
 }
 
 #[cfg(test)]
