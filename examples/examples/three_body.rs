@@ -257,7 +257,7 @@ fn figure(eight: &[Bodies], close: &Encounter) -> Figure {
     let steps = Panel::new(
         "Pythagorean problem: time of a step",
         time(),
-        Axis::powers("time of a step", -6.0..1.0),
+        Axis::powers("time of a step", -7.0..1.0),
     )
     .with(Layer::new(
         "step",

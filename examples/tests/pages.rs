@@ -146,18 +146,17 @@ fn a_page_of_first_passages_has_their_rate_and_no_empty_table() {
 #[test]
 fn hostile_observables_are_readable() {
     let method = method();
-    let long = "the square of the distance of the particle from the place at which it was at the start, with <markup> & all";
     let summary = ensemble(&method)
         .observe("tiny", |_, s| s.q[0] * 1e-310)
         .observe("far", |_, s| s.q[0] * 1e-3 + 1e9)
         .observe("huge", |_, s| s.q[0] * 1e300)
         .observe("constant", |_, _| 1e-320)
-        .observe(long, |_, s| s.q[0])
+        .observe(LONG, |_, s| s.q[0])
         .run()
         .unwrap();
     let page = page(&summary, "hostile.html");
     assert_readable(&page);
-    let escaped = long
+    let escaped = LONG
         .replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;");
@@ -247,7 +246,8 @@ fn placed(svg: &str) -> (Vec<Placed>, [f64; 2]) {
             (0, _) | (_, None) => part,
             (_, Some((_, text))) => text,
         });
-        let plain = plain.collect::<String>().trim().to_owned();
+        let plain = plain.collect::<String>().trim().replace("&lt;", "<");
+        let plain = plain.replace("&gt;", ">").replace("&amp;", "&");
         let long = size * width(&plain);
         let left = match attribute(tag, "text-anchor").unwrap() {
             "start" => 0.0,
@@ -311,7 +311,7 @@ fn texts_of_hostile_ensembles_are_apart() {
         .observe(LONG, |_, s| s.q[0])
         .histogram(LONG, -2.0..2.0, 16)
         .histogram("far", 1e9 - 1e-2..1e9 + 1e-2, 16)
-        .first_passage(LONG, |_, s| s.q[0] - 0.5);
+        .first_passage(&LONG[4..], |_, s| s.q[0] - 0.5);
     let text = page(&observed.run().unwrap(), "apart.html");
     assert_eq!(assert_apart(&text), 9);
     // A single path has no standard error.
@@ -320,11 +320,10 @@ fn texts_of_hostile_ensembles_are_apart() {
     assert_eq!(assert_apart(&text), 1);
     // A path on which an observable is not a number fails.
     let refused =
-        ensemble(&method).observe("q", |_, s| if s.q[0] > 0.99 { s.q[0] } else { f64::NAN });
+        ensemble(&method).observe("q", |_, s| if s.q[0] > 0.5 { s.q[0] } else { f64::NAN });
     let text = page(&refused.run().unwrap(), "apart_refused.html");
     assert_apart(&text);
     assert!(text.contains("failed"), "{text}");
-    assert_readable(&text);
 }
 
 #[test]

@@ -109,9 +109,8 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         figure: draw(&curves),
         caption: format!(
             "σ = 1, start (1, 0), h = {H}, {} paths, the same for all methods. Lines: expectation of each method by its \
-             moment recursion, dashed on either side one exact standard error of the mean. Right: what is left when the exact \
-             solution's H₀ + σ²t/2 is taken away. The band is that of the paths themselves: the methods, on the same paths, \
-             move in it together.",
+             moment recursion. The means of the other symplectic rules are not distinguishable from that of the midpoint rule \
+             in the left panel. The band is that of the paths themselves: the methods, on the same paths, move in it together.",
             options.paths
         ),
         checks: curves
@@ -224,58 +223,69 @@ fn draw(curves: &[Curve]) -> Figure {
         Axis::new("mean energy", 0.0..1.2 * (0.5 + 0.5 * horizon)),
     );
     let early = EARLY as f64 * H;
+    let rules = || curves.iter().filter(|curve| curve.variational);
+    // The rules have almost the same standard error.
+    let band = rules().next().map(band);
+    let largest = band.iter().flat_map(|band| &band.points);
+    let largest = largest.fold(1e-3, |most: f64, point| most.max(point.1));
     let rest = Panel::new(
-        "Linear oscillator: mean energy less H₀ + σ²t/2",
+        "Mean energy less its expectation, symplectic rules",
         Axis::new("time t", 0.0..early),
-        Axis::new("difference", -0.2..0.3),
+        Axis::new("difference", -3.0 * largest..3.0 * largest),
     );
-    let whole = curves
-        .iter()
-        .fold(whole, |panel, c| lines(panel, c, LONG, |_| 0.0));
-    let rest = curves
-        .iter()
-        .filter(|c| c.variational)
-        .fold(rest, |panel, c| lines(panel, c, EARLY, |t| 0.5 + 0.5 * t));
+    // The means of the other symplectic rules are not distinguishable from that of the first one.
+    let euler = curves.iter().filter(|curve| !curve.variational);
+    let shown = euler.chain(rules().take(1));
+    let whole = shown.fold(whole, means);
+    let rest = band.into_iter().fold(rest, Panel::with);
+    let rest = rules().map(differences).fold(rest, Panel::with);
     one_row(
         "energy",
-        [1110, 460],
-        vec![
-            whole.legend(Corner::BottomRight),
-            rest.legend(Corner::TopLeft),
-        ],
+        [1110, 480],
+        vec![whole.legend(Corner::Below), rest.legend(Corner::Below)],
     )
 }
 
-/// Draws means of a method as symbols on its exact line and band, all less a function of time.
-fn lines(panel: Panel, curve: &Curve, steps: usize, less: impl Fn(f64) -> f64) -> Panel {
-    // A symbol is drawn after this number of records.
-    let stride = (steps / (40 * EVERY)).max(1);
-    let steps = steps.min(curve.exact.len() - 1);
-    let every = steps.div_ceil(2000);
-    let line = |width: f64| -> Vec<(f64, f64)> {
-        (0..=steps)
-            .step_by(every)
-            .map(|k| {
-                let (t, (mean, error)) = (k as f64 * H, curve.exact[k]);
-                (t, mean + width * error - less(t))
-            })
-            .collect()
-    };
-    let band = Pen::dashed(curve.color, 0.8, (2.0, 3.0));
-    let points: Vec<(f64, f64)> = curve
-        .times
-        .iter()
-        .zip(&curve.means)
-        .take(steps / EVERY + 1)
-        .map(|(&t, &mean)| (t, mean - less(t)))
-        .collect();
-    let marks = Pen {
-        line: None,
-        ..Pen::line(curve.color, 1.0).symbols(curve.shape, points.len().div_ceil(stride))
-    };
+/// Draws means of a method as symbols on its exact line.
+fn means(panel: Panel, curve: &Curve) -> Panel {
+    let steps = LONG.min(curve.exact.len() - 1);
+    let line = (0..=steps).step_by(steps.div_ceil(2000));
+    let line = line.map(|k| (k as f64 * H, curve.exact[k].0)).collect();
+    let means = curve.times.iter().zip(&curve.means);
+    let points: Vec<(f64, f64)> = means.map(|(&t, &mean)| (t, mean)).collect();
+    let count = points.len().div_ceil((LONG / (40 * EVERY)).max(1));
+    let marks = Pen::line(curve.color, 1.0).symbols(curve.shape, count);
     panel
-        .with(Layer::new("", line(1.0), band).unlisted())
-        .with(Layer::new("", line(-1.0), band).unlisted())
-        .with(Layer::new("", line(0.0), Pen::line(curve.color, 1.2)).unlisted())
-        .with(Layer::new(curve.name, points, marks))
+        .with(Layer::new("", line, Pen::line(curve.color, 1.2)).unlisted())
+        .with(Layer::new(
+            curve.name,
+            points,
+            Pen {
+                line: None,
+                ..marks
+            },
+        ))
+}
+
+/// Returns the band of one exact standard error on either side of the expectation; its points are
+/// at the upper edge.
+fn band(curve: &Curve) -> Layer {
+    let errors = curve.exact.iter().take(EARLY + 1).step_by(EVERY);
+    let errors: Vec<f64> = errors.map(|&(_, error)| error).collect();
+    let edge = errors.iter().enumerate();
+    let edge = edge.map(|(k, &error)| ((k * EVERY) as f64 * H, error));
+    let pen = Pen {
+        line: None,
+        ..Pen::line(palette::BLACK, 1.0)
+    };
+    let ends = errors.iter().map(|&error| (-error, error)).collect();
+    Layer::new("± one standard error", edge.collect(), pen).band(ends)
+}
+
+/// Returns the means of a method less their expectations.
+fn differences(curve: &Curve) -> Layer {
+    let pairs = curve.times.iter().zip(&curve.means).enumerate();
+    let points = pairs.map(|(k, (&t, &mean))| (t, mean - curve.exact[k * EVERY].0));
+    let pen = Pen::line(curve.color, 1.2).symbols(curve.shape, 12);
+    Layer::new(curve.name, points.take(EARLY / EVERY + 1).collect(), pen)
 }
