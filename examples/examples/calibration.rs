@@ -333,7 +333,7 @@ fn figure(data: &[Measurement], fit: &Fit) -> Figure {
         let guess = Pen::dashed(palette::GREY, 1.5, (5.0, 4.0));
         Panel::new(
             format!("Noisy oscillator: mean of {name}"),
-            Axis::new("t", 0.0..end + 0.2),
+            Axis::new("time t", 0.0..end + 0.2),
             Axis::new(format!("mean of {name}"), range),
         )
         .with(Layer::new("first guess", curve(fit.iterates[0]), guess))
@@ -391,10 +391,7 @@ fn iterates(fit: &Fit) -> Panel {
     let line = Pen::line(palette::GREEN, 1.5);
     Panel::new(
         "Noisy oscillator: last iterates",
-        Axis {
-            labels: 4,
-            ..Axis::new("k", range(0))
-        },
+        Axis::new("k", range(0)),
         Axis::new("σ", range(1)),
     )
     .legend(Corner::BottomRight)

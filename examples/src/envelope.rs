@@ -37,16 +37,11 @@ pub fn envelope<E>(
     Ok(points)
 }
 
-/// Returns a layer with the range of a series in each of `parts` parts. A line through all points of
+/// Returns a layer with the range of a series in each of `parts` parts, and its middle. A line through all points of
 /// a fast oscillation would be a block.
 pub fn range_of(label: &str, points: &[(f64, f64)], parts: usize, color: Color) -> Layer {
     let (middles, ends) = ranges(points, parts);
-    let pen = Pen {
-        color,
-        line: None,
-        symbol: None,
-    };
-    Layer::new(label, middles, pen).band(ends)
+    Layer::new(label, middles, Pen::line(color, 1.0)).band(ends)
 }
 
 /// Returns the middle of each part, and the least and the greatest value in it.

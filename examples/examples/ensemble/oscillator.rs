@@ -10,7 +10,7 @@ use std::array::from_fn;
 use std::error::Error;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
 use sve_examples::gaussian::{Matrix, Scheme};
 use sve_examples::palette::{self, Color};
 use sve_examples::report::one_row;
@@ -110,7 +110,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         caption: format!(
             "σ = 1, start (1, 0), h = {H}, {} paths, the same for all methods. Lines: expectation of each method by its \
              moment recursion. The means of the other symplectic rules are not distinguishable from that of the midpoint rule \
-             in the left panel. The band is that of the paths themselves: the methods, on the same paths, move in it together.",
+             in the left panel; the lower panel shows their differences, in which the scatter of the paths cancels.",
             options.paths
         ),
         checks: curves
@@ -222,28 +222,42 @@ fn draw(curves: &[Curve]) -> Figure {
         Axis::new("time t", 0.0..horizon),
         Axis::new("mean energy", 0.0..1.2 * (0.5 + 0.5 * horizon)),
     );
-    let early = EARLY as f64 * H;
-    let rules = || curves.iter().filter(|curve| curve.variational);
-    // The rules have almost the same standard error.
-    let band = rules().next().map(band);
-    let largest = band.iter().flat_map(|band| &band.points);
-    let largest = largest.fold(1e-3, |most: f64, point| most.max(point.1));
-    let rest = Panel::new(
-        "Mean energy less its expectation, symplectic rules",
-        Axis::new("time t", 0.0..early),
-        Axis::new("difference", -3.0 * largest..3.0 * largest),
-    );
+    let (euler, rules): (Vec<_>, Vec<_>) = curves.iter().partition(|curve| !curve.variational);
     // The means of the other symplectic rules are not distinguishable from that of the first one.
-    let euler = curves.iter().filter(|curve| !curve.variational);
-    let shown = euler.chain(rules().take(1));
-    let whole = shown.fold(whole, means);
-    let rest = band.into_iter().fold(rest, Panel::with);
-    let rest = rules().map(differences).fold(rest, Panel::with);
-    one_row(
+    let shown = euler.into_iter().chain(rules[..1].iter().copied());
+    let whole = shown.fold(whole, means).legend(Corner::Below);
+    let others = rules[1..].iter();
+    let pairs = others.map(|curve| paired(curve, rules[0]));
+    let pairs: Vec<Layer> = pairs.flatten().collect();
+    let names = [
+        "Midpoint rule: mean energy less its expectation",
+        "Mean energy less that of the midpoint rule, same paths",
+    ];
+    let mut figure = one_row(
         "energy",
-        [1110, 480],
-        vec![whole.legend(Corner::Below), rest.legend(Corner::Below)],
-    )
+        [1110, 440],
+        vec![whole, early(names[0], error(rules[0]).into())],
+    );
+    figure.rows.push(Row {
+        height: 340,
+        panels: vec![early(names[1], pairs)],
+    });
+    figure
+}
+
+/// Draws layers up to an early time.
+fn early(title: &str, layers: Vec<Layer>) -> Panel {
+    let points = layers.iter().flat_map(|layer| &layer.points);
+    let largest = points.fold(1e-3, |most: f64, point| most.max(point.1.abs()));
+    let panel = Panel::new(
+        title,
+        Axis::new("time t", 0.0..EARLY as f64 * H),
+        Axis::new("difference", -1.1 * largest..1.1 * largest),
+    );
+    layers
+        .into_iter()
+        .fold(panel, Panel::with)
+        .legend(Corner::Below)
 }
 
 /// Draws means of a method as symbols on its exact line.
@@ -267,25 +281,51 @@ fn means(panel: Panel, curve: &Curve) -> Panel {
         ))
 }
 
-/// Returns the band of one exact standard error on either side of the expectation; its points are
-/// at the upper edge.
-fn band(curve: &Curve) -> Layer {
-    let errors = curve.exact.iter().take(EARLY + 1).step_by(EVERY);
-    let errors: Vec<f64> = errors.map(|&(_, error)| error).collect();
-    let edge = errors.iter().enumerate();
-    let edge = edge.map(|(k, &error)| ((k * EVERY) as f64 * H, error));
-    let pen = Pen {
+/// Returns the band of one exact standard error on either side of the expectation, whose points are
+/// at the upper edge, and the mean less its expectation.
+fn error(curve: &Curve) -> [Layer; 2] {
+    let (mut edge, mut ends, mut points) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, &(mean, error)) in curve
+        .exact
+        .iter()
+        .step_by(EVERY)
+        .enumerate()
+        .take(EARLY / EVERY + 1)
+    {
+        edge.push((curve.times[k], error));
+        ends.push((-error, error));
+        points.push((curve.times[k], curve.means[k] - mean));
+    }
+    let none = Pen {
         line: None,
         ..Pen::line(palette::BLACK, 1.0)
     };
-    let ends = errors.iter().map(|&error| (-error, error)).collect();
-    Layer::new("± one standard error", edge.collect(), pen).band(ends)
+    let pen = Pen::line(curve.color, 1.2).symbols(curve.shape, EARLY / EVERY);
+    [
+        Layer::new("± one standard error", edge, none).band(ends),
+        Layer::new(curve.name, points, pen),
+    ]
 }
 
-/// Returns the means of a method less their expectations.
-fn differences(curve: &Curve) -> Layer {
-    let pairs = curve.times.iter().zip(&curve.means).enumerate();
-    let points = pairs.map(|(k, (&t, &mean))| (t, mean - curve.exact[k * EVERY].0));
-    let pen = Pen::line(curve.color, 1.2).symbols(curve.shape, 12);
-    Layer::new(curve.name, points.take(EARLY / EVERY + 1).collect(), pen)
+/// Returns the expectation of a method less that of another one, and its means less those of the
+/// other one as symbols.
+fn paired(curve: &Curve, other: &Curve) -> [Layer; 2] {
+    let line = curve
+        .exact
+        .iter()
+        .zip(&other.exact)
+        .take(EARLY + 1)
+        .enumerate();
+    let line = line.map(|(k, (a, b))| (k as f64 * H, a.0 - b.0));
+    let means = curve.means.iter().zip(&other.means).take(EARLY / EVERY + 1);
+    let points = curve.times.iter().zip(means).map(|(&t, (a, b))| (t, a - b));
+    let marks = Pen {
+        line: None,
+        ..Pen::line(curve.color, 1.0).symbols(curve.shape, EARLY / EVERY)
+    };
+    let expected = format!("{}, expected", curve.name);
+    [
+        Layer::new(expected, line.collect(), Pen::line(curve.color, 1.2)),
+        Layer::new(curve.name, points.collect(), marks),
+    ]
 }
