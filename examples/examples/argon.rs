@@ -20,7 +20,7 @@ use rand::rngs::StdRng;
 use sve_examples::check::Check;
 use sve_examples::directions::direction;
 use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLUE, GREY};
+use sve_examples::palette::{BLUE, VERMILION};
 use sve_examples::report::{one_row, report};
 use sve_runtime::Blocking;
 use sve_runtime::prelude::*;
@@ -284,14 +284,13 @@ fn figure(g: Vec<(f64, f64)>, energies: &[(f64, f64)]) -> Figure {
         Axis::new("g", 0.0..3.5),
     )
     .with(Layer::new("", g, Pen::line(BLUE, 1.4)));
-    let scaled: Vec<(f64, f64)> = energies.iter().map(|e| (e.0, 1e4 * e.1)).collect();
-    let largest = scaled.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
+    let largest = energies.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
     let times = energies[0].0..energies[energies.len() - 1].0;
     let right = Panel::new(
         format!("Energy error, {ATOMS} atoms, h = {H}"),
-        Axis::new("t", times),
-        Axis::new("10⁴ ΔH / H", -1.2 * largest..1.2 * largest),
+        Axis::new("time t", times),
+        Axis::new("relative energy error", -1.2 * largest..1.2 * largest),
     )
-    .with(Layer::new("", scaled, Pen::line(GREY, 1.2)));
+    .with(Layer::new("", energies.to_vec(), Pen::line(VERMILION, 1.2)));
     one_row("argon", [980, 400], vec![left, right])
 }

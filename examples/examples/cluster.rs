@@ -16,7 +16,7 @@ use rand::{RngExt, SeedableRng};
 use sve_examples::check::Check;
 use sve_examples::directions::direction;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLACK, BLUE, GREY};
+use sve_examples::palette::{BLACK, BLUE, VERMILION};
 use sve_examples::report::{one_row, report};
 use sve_runtime::nalgebra::Vector3;
 use sve_runtime::prelude::*;
@@ -204,26 +204,33 @@ fn figure(samples: &Samples, end: &Stars) -> Figure {
     let left = Panel::new(format!("Stars, t = {UNTIL}"), axis("x"), axis("y"))
         .equal()
         .with(Layer::new("", stars, Pen::dots(BLACK, 1.0)));
-    let time = || Axis::new("t", 0.0..UNTIL);
-    let scaled: Vec<(f64, f64)> = samples.energies.iter().map(|e| (e.0, 1e5 * e.1)).collect();
-    let largest = 1e5 * 1.2 * samples.largest_error();
+    let time = || Axis::new("time t", 0.0..UNTIL);
+    let largest = 1.2 * samples.largest_error();
     let middle = Panel::new(
         format!("Energy error, h = {H}"),
         time(),
-        Axis::new("10⁵ ΔH / H", -largest..largest),
+        Axis::new("relative energy error", -largest..largest),
     )
-    .with(Layer::new("", scaled, Pen::line(GREY, 1.2)));
-    let right = Panel::new("Equilibrium", time(), Axis::new("", 0.0..1.5))
-        .legend(Corner::BottomRight)
-        .with(Layer::new(
-            "half-mass radius",
-            samples.radii.clone(),
-            Pen::line(BLUE, 1.4),
-        ))
-        .with(Layer::new(
-            "virial ratio",
-            samples.ratios.clone(),
-            Pen::line(BLACK, 1.4),
-        ));
+    .with(Layer::new(
+        "",
+        samples.energies.clone(),
+        Pen::line(VERMILION, 1.2),
+    ));
+    let right = Panel::new(
+        "Equilibrium",
+        time(),
+        Axis::new("radius and ratio", 0.0..1.5),
+    )
+    .legend(Corner::BottomRight)
+    .with(Layer::new(
+        "half-mass radius",
+        samples.radii.clone(),
+        Pen::line(BLUE, 1.4),
+    ))
+    .with(Layer::new(
+        "virial ratio",
+        samples.ratios.clone(),
+        Pen::line(BLACK, 1.4),
+    ));
     one_row("cluster", [1200, 400], vec![left, middle, right])
 }

@@ -119,7 +119,7 @@ fn figure(path: &Path) -> Result<Figure, StepError> {
     let errors = Panel::new(
         "Along a thousand periods",
         axis,
-        Axis::powers("", -17.0..-6.0),
+        Axis::powers("distance, relative energy error", -17.0..-6.0),
     )
     .with(Layer::new(
         "distance from the perihelion",

@@ -84,7 +84,7 @@ fn figure(times: &[f64], methods: [(&str, &[(f64, f64)]); 3]) -> Figure {
             let bars = means
                 .iter()
                 .map(|(mean, error)| ((mean - 2.0 * error).log10(), (mean + 2.0 * error).log10()));
-            let color = [palette::BLUE, palette::VERMILION, palette::ORANGE][k];
+            let color = [palette::SKY, palette::VERMILION, palette::ORANGE][k];
             let pen = Pen {
                 color,
                 line: None,

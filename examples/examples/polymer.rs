@@ -259,7 +259,7 @@ fn figure(samples: &[(f64, [f64; 5])], r2: f64, end: &Beads) -> Figure {
         left = left.with(Layer::new("", points, Pen::line(pens[k % 4], 1.4)));
     }
     let until = samples[samples.len() - 1].0;
-    let time = || Axis::new("t", 0.0..until);
+    let time = || Axis::new("time t", 0.0..until);
     let of = |k: usize| samples.iter().map(|s| (s.0, s.1[k])).collect::<Vec<_>>();
     let middle = Panel::new(
         "End-to-end distance",

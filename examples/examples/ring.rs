@@ -267,7 +267,10 @@ fn aperture(title: &str, turns: &[u64]) -> Panel {
 
 /// Returns the panel of paths from rest in the horizontal plane, a point for each turn.
 fn portrait(title: &str, ripple: f64) -> Result<Panel, StepError> {
-    let [x, p] = [Axis::new("x", -0.25..0.25), Axis::new("p_x", -0.15..0.15)];
+    let [x, p] = [
+        Axis::new("x", -0.25..0.25),
+        Axis::new("momentum along x", -0.15..0.15),
+    ];
     let mut panel = Panel::new(title, x, p);
     for number in 1..=12 {
         let path = path(ripple, [0.01 * number as f64, 0.0], number)?;

@@ -85,7 +85,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         curve(
             options,
             "midpoint rule",
-            (palette::PURPLE, Shape::Square),
+            (palette::BLUE, Shape::Square),
             &Integrator::new(OSCILLATOR, Midpoint),
             LONG,
         )?,
@@ -99,7 +99,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         curve(
             options,
             "endpoint rule",
-            (palette::BLUE, Shape::Circle),
+            (palette::SKY, Shape::Circle),
             &Integrator::new(OSCILLATOR, Endpoint),
             LONG,
         )?,
@@ -323,9 +323,8 @@ fn paired(curve: &Curve, other: &Curve) -> [Layer; 2] {
         line: None,
         ..Pen::line(curve.color, 1.0).symbols(curve.shape, EARLY / EVERY)
     };
-    let expected = format!("{}, expected", curve.name);
     [
-        Layer::new(expected, line.collect(), Pen::line(curve.color, 1.2)),
+        Layer::new("", line.collect(), Pen::line(curve.color, 1.2)).unlisted(),
         Layer::new(curve.name, points.collect(), marks),
     ]
 }

@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE};
+use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE, VERMILION};
 use sve_examples::report::report;
 use sve_runtime::prelude::*;
 
@@ -222,14 +222,17 @@ fn figure(
         points,
         Pen::dashed(GREY, 1.4, (5.0, 3.0)),
     ));
-    let scaled: Vec<(f64, f64)> = errors.iter().map(|e| (e.0, 1e4 * e.1)).collect();
-    let largest = scaled.iter().fold(0.0f64, |m, e| m.max(e.1));
+    let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.1));
     let right = Panel::new(
         "Energy error, 10⁶ masses, h = 0.05",
-        Axis::new("t", 0.0..errors.last().map_or(1.0, |e| e.0)),
-        Axis::new("10⁴ ΔH / H", 0.0..1.2 * largest),
+        Axis::new("time t", 0.0..errors.last().map_or(1.0, |e| e.0)),
+        Axis::new("relative energy error", 0.0..1.2 * largest),
     )
-    .with(Layer::new("Störmer–Verlet", scaled, Pen::line(GREY, 1.2)));
+    .with(Layer::new(
+        "Störmer–Verlet",
+        errors.to_vec(),
+        Pen::line(VERMILION, 1.2),
+    ));
     let rows = [vec![left, right], heats.panels()].map(|panels| Row {
         height: 400,
         panels,

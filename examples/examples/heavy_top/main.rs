@@ -153,8 +153,8 @@ fn figure(motions: [&Motion; 3], errors: Panel) -> Figure {
     let views = views.map(|((title, motion), color)| view(title, &motion.axis, color));
     let mut tilt = Panel::new(
         "Heavy top: angle between axis and vertical",
-        Axis::new("t", 0.0..DRAWN as f64 * H),
-        Axis::angle("θ", 0.0..core::f64::consts::PI),
+        Axis::new("time t", 0.0..DRAWN as f64 * H),
+        Axis::angle("angle θ", 0.0..core::f64::consts::PI),
     )
     .legend(Corner::TopLeft);
     for ((title, motion), color) in titles.iter().zip(motions).zip(colors) {

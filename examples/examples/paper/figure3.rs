@@ -324,7 +324,7 @@ fn curves(
     let exact = Layer::new(
         "H₀ + σ²t/2 ± one standard error",
         line,
-        Pen::line(palette::BLACK, 1.6),
+        Pen::dashed(palette::GREY, 1.4, (5.0, 3.0)),
     );
     panel = panel.with(exact.band(band));
     let means = |sums: &Sums, every: usize| -> Vec<(f64, f64)> {
@@ -339,7 +339,7 @@ fn curves(
         let every = if index == 0 { 1 } else { every };
         panel = panel.with(Layer::new(entry.name, means(sums, every), entry.pen));
     }
-    let same = Pen::line(palette::SKY, 1.2);
+    let same = Pen::line(palette::BLACK, 1.2);
     panel = panel.with(Layer::new(
         "exact solution, same paths",
         means(&sums[5], every),

@@ -86,7 +86,7 @@ pub(crate) fn entries() -> [Entry; 5] {
         ),
         entry(
             "midpoint rule",
-            Pen::line(palette::PURPLE, 1.2).symbols(Shape::Cross, 13),
+            Pen::line(palette::BLUE, 1.2).symbols(Shape::Cross, 13),
             Box::new(Integrator::new(OSCILLATOR, Midpoint)),
         ),
         entry(
@@ -96,7 +96,7 @@ pub(crate) fn entries() -> [Entry; 5] {
         ),
         entry(
             "endpoint rule",
-            Pen::line(palette::BLUE, 1.4).symbols(Shape::Circle, 9),
+            Pen::line(palette::SKY, 1.4).symbols(Shape::Circle, 9),
             Box::new(Integrator::new(OSCILLATOR, Endpoint)),
         ),
     ]
