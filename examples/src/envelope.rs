@@ -40,12 +40,12 @@ pub fn envelope<E>(
 /// Returns a layer with the range of a series in each of `parts` parts, and its middle. A line through all points of
 /// a fast oscillation would be a block.
 pub fn range_of(label: &str, points: &[(f64, f64)], parts: usize, color: Color) -> Layer {
-    let (middles, ends) = ranges(points, parts);
+    let [middles, ends] = ranges(points, parts);
     Layer::new(label, middles, Pen::line(color, 1.0)).band(ends)
 }
 
 /// Returns the middle of each part, and the least and the greatest value in it.
-fn ranges(points: &[(f64, f64)], parts: usize) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
+fn ranges(points: &[(f64, f64)], parts: usize) -> [Vec<(f64, f64)>; 2] {
     let length = points.len().div_ceil(parts.max(1)).max(1);
     let of = |part: &[(f64, f64)]| {
         let values = part.iter().map(|point| point.1);
@@ -56,7 +56,8 @@ fn ranges(points: &[(f64, f64)], parts: usize) -> (Vec<(f64, f64)>, Vec<(f64, f6
         let middle = f64::midpoint(part[0].0, part[part.len() - 1].0);
         ((middle, f64::midpoint(least, greatest)), (least, greatest))
     };
-    points.chunks(length).map(of).unzip()
+    let (middles, ends) = points.chunks(length).map(of).unzip();
+    [middles, ends]
 }
 
 #[cfg(test)]
@@ -66,7 +67,7 @@ mod tests {
     #[test]
     fn a_range_contains_all_values() {
         let points = [(0.0, 1.0), (1.0, -2.0), (2.0, 5.0), (3.0, 6.0)];
-        let (middles, ends) = ranges(&points, 2);
+        let [middles, ends] = ranges(&points, 2);
         assert_eq!(middles, [(0.5, -0.5), (2.5, 5.5)]);
         assert_eq!(ends, [(-2.0, 1.0), (5.0, 6.0)]);
     }

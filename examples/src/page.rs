@@ -71,11 +71,12 @@ fn table(checks: &[Check]) -> String {
         .into_iter()
         .map(|(class, cells)| (class, cells.to_vec()))
         .collect();
-    let notes = shared.iter().enumerate();
-    let notes: String = notes
-        .map(|(k, reason)| format!("<p>[{}] {}</p>\n", k + 1, escape(reason)))
-        .collect();
-    plot::table(&COLUMNS, &rows) + &notes
+    let mut text = plot::table(&COLUMNS, &rows);
+    for (k, reason) in shared.iter().enumerate() {
+        // Writing into a String cannot fail.
+        let _ = writeln!(text, "<p>[{}] {}</p>", k + 1, escape(reason));
+    }
+    text
 }
 
 #[cfg(test)]

@@ -11,11 +11,13 @@ use super::legend::Legend;
 use super::{PlotError, page, palette};
 use crate::study::{Estimate, Order, Report, Row};
 
+/// The error of a row with its standard error; 0 if it has none.
+type Error = dyn Fn(&Row) -> Option<Estimate>;
+
 /// A kind of error.
 struct Kind<'a> {
     name: String,
-    /// The error with its standard error; 0 if it has none.
-    error: Box<dyn Fn(&Row) -> Option<Estimate>>,
+    error: Box<Error>,
     /// The measured orders of the methods.
     orders: Vec<&'a Order>,
 }
