@@ -318,10 +318,10 @@ fn figure(data: &[Measurement], fit: &Fit) -> Figure {
     let panel = |number: usize, name: &str, range| {
         let time = |at: usize| H * (STEPS as usize * (at + 1)) as f64;
         let points = data.iter().enumerate();
-        let dots = points.clone().map(|(at, m)| (time(at), m.means[number]));
-        let bars = points.flat_map(|(at, m)| {
+        let dots = points.map(|(at, m)| (time(at), m.means[number]));
+        let bars = data.iter().map(|m| {
             let (mean, error) = (m.means[number], m.errors[number]);
-            [mean - error, mean + error, f64::NAN].map(|y| (time(at), y))
+            (mean - error, mean + error)
         });
         let curve = |values: Vector2<f64>| {
             let all = exact_laws(values)
@@ -342,12 +342,10 @@ fn figure(data: &[Measurement], fit: &Fit) -> Figure {
             curve(fit.last()),
             Pen::line(palette::BLUE, 1.5),
         ))
-        .with(Layer::new("", bars.collect(), Pen::line(palette::VERMILION, 1.5)).unlisted())
-        .with(Layer::new(
-            "data",
-            dots.collect(),
-            Pen::dots(palette::VERMILION, 3.0),
-        ))
+        .with(
+            Layer::new("data", dots.collect(), Pen::dots(palette::VERMILION, 3.0))
+                .bars(bars.collect()),
+        )
     };
     one_row(
         "calibration",
