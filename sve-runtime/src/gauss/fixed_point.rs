@@ -143,7 +143,8 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Step { state, tableau, .. } = *self.step;
+        let step = in_own_memory(self.step);
+        let Step { state, tableau, .. } = step;
         let Scaled {
             nodes,
             rest,
@@ -168,7 +169,7 @@ where
         }
         let mut course = self.course;
         loop {
-            let impulses = self.step.system.impulses(&self.step.lanes(&moves));
+            let impulses = step.system.impulses(&step.lanes(&moves));
             let next = self.moves(&free, second_order, &impulses);
             let change = relative_change(&mut moves, &next, &inverse_sizes);
             moves = next;
@@ -178,7 +179,7 @@ where
                 Verdict::Leave => return None,
             }
         }
-        let impulses = self.step.system.impulses(&self.step.lanes(&moves));
+        let impulses = step.system.impulses(&step.lanes(&moves));
         let velocities = self.velocity(&at_stages(tableau, &impulses));
         let mut late = [[0.0]; N];
         for n in 0..N {
@@ -309,7 +310,8 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Output {
-        let Step { state, tableau, .. } = *self.step;
+        let step = in_own_memory(self.step);
+        let Step { state, tableau, .. } = step;
         // Displacements and impulses are relative to the start; nothing moves in the limit of no
         // noise and h → 0.
         let (mut moves, mut kicks) = ([[0.0; S]; N], [[0.0; S]; N]);
@@ -323,10 +325,10 @@ where
         let mut course = self.course;
         let mut has_converged = false;
         loop {
-            let stages = self.step.lanes(&moves);
-            let (impulses, masses) = self.step.system.impulses(&stages, &kicks);
+            let stages = step.lanes(&moves);
+            let (impulses, masses) = step.system.impulses(&stages, &kicks);
             let new_kicks = at_stages(tableau, &impulses);
-            let motion = self.step.system.displacements(&stages, &new_kicks, &masses);
+            let motion = step.system.displacements(&stages, &new_kicks, &masses);
             if has_converged {
                 let stages = [motion.displacements, impulses];
                 let solved = increments::<S, N, K>(&motion, &impulses);
@@ -351,6 +353,16 @@ where
             }
         }
     }
+}
+
+/// Returns a copy of a step. A loop over its stages writes to memory that is not that of the copy,
+/// which the compiler has to know before it puts the stages into vectors; of a reference it does not
+/// know it.
+#[inline(always)]
+fn in_own_memory<'a, Sys, const S: usize, const N: usize, const M: usize>(
+    step: &Step<'a, Sys, S, N, M>,
+) -> Step<'a, Sys, S, N, M> {
+    *step
 }
 
 /// Returns the increments and unknowns of the last sweep.

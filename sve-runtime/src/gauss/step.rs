@@ -18,7 +18,6 @@ use crate::phase::state::State;
 use crate::system::{Dims, ForceJet, LagrangianJet, System};
 
 /// A step of the rule with `S` stages.
-#[derive(Clone, Copy)]
 pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> {
     pub(super) system: &'a Sys,
     pub(super) state: &'a State<[f64; N]>,
@@ -33,6 +32,15 @@ pub(super) struct Step<'a, Sys, const S: usize, const N: usize, const M: usize> 
     /// `ω_ai`, the parts of the increments at the stages.
     pub(super) noise: [[f64; S]; M],
 }
+
+impl<Sys, const S: usize, const N: usize, const M: usize> Clone for Step<'_, Sys, S, N, M> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<Sys, const S: usize, const N: usize, const M: usize> Copy for Step<'_, Sys, S, N, M> {}
 
 /// Jets at a stage, and the impulses and displacements with their derivatives.
 #[derive(Clone, Copy)]
