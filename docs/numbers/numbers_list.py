@@ -514,12 +514,12 @@ def scene_peer(system: str, size: int, program: str) -> Number:
 # the comparison in turns, of `examples/peers/ratios.py`
 
 TURNS = {
-    "double_pendulum": ("sve tolerance", "sve fixed", "sve time_scale"),
-    "kepler": ("sve tolerance", "sve fixed", "sve time_scale"),
-    "kepler_90": ("sve tolerance", "sve time_scale", "rebound IAS15"),
-    "kepler_99": ("sve tolerance", "sve time_scale", "rebound IAS15"),
-    "three_bodies": ("sve tolerance", "sve time_scale", "rebound IAS15"),
-    "separatrix": ("sve tolerance", "sve fixed", "sve time_scale"),
+    "double_pendulum": ("sve tolerance", "sve fixed", "sve time_scale", "sve time_scale_tolerance"),
+    "kepler": ("sve tolerance", "sve fixed", "sve time_scale", "sve time_scale_tolerance"),
+    "kepler_90": ("sve tolerance", "sve time_scale", "sve time_scale_tolerance", "rebound IAS15"),
+    "kepler_99": ("sve tolerance", "sve time_scale", "sve time_scale_tolerance", "rebound IAS15"),
+    "three_bodies": ("sve tolerance", "sve time_scale", "sve time_scale_tolerance", "rebound IAS15"),
+    "separatrix": ("sve tolerance", "sve fixed", "sve time_scale", "sve time_scale_tolerance"),
     "pendulum": ("sve tolerance", "sve fixed"),
     "outer_solar_system": ("sve tolerance", "sve compensated"),
     "quiet_henon_heiles": ("sve tolerance", "sve compensated"),

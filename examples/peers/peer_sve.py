@@ -1,4 +1,4 @@
-"""sve: `gauss(8)` with equal steps, with a tolerance, and with equal steps in the time of a time scale, on the problems without noise.
+"""sve: `gauss(8)` with equal steps, with a tolerance, and both in the time of a time scale, on the problems without noise.
 
 The paths are those of `cargo run --release --example work_precision -- serve`, which has to be built before. Each method has one setting: the number of equal
 steps, the tolerance, or the length of a step in the time τ.
@@ -57,6 +57,7 @@ def settings(problem: Problem) -> dict[str, tuple[float, ...]]:
         found["fixed"] = found["compensated"] = tuple(problem.horizon / np.round(first * finer))
     if system in LONGEST_STEP:
         found["time_scale"] = tuple(LONGEST_STEP[system] / finer)
+        found["time_scale_tolerance"] = TOLERANCES
     return found
 
 

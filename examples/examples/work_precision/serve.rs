@@ -69,18 +69,22 @@ macro_rules! in_t {
     }};
 }
 
-/// Solves a task with equal steps of the time τ of a time scale.
+/// Solves a task with equal steps of the time τ of a time scale, or with a tolerance.
 macro_rules! in_tau {
     ($task:expr, $system:expr) => {{
         let (task, method) = (&$task, Integrator::new($system, Gauss::<8>));
-        task.timed(|| {
+        let path = |h| {
             let start = TimedState::of(method.system(), task.state())?;
-            end!(
-                method
-                    .trajectory(start, task.setting, NoNoise)
-                    .at([task.horizon])
-            )
-        })
+            Ok::<_, StepError>(method.trajectory(start, h, NoNoise))
+        };
+        match task.method {
+            "time_scale" => task.timed(|| end!(path(task.setting)?.at([task.horizon]))),
+            "time_scale_tolerance" => task.timed(|| {
+                let path = path(FIRST_STEP * task.horizon)?.tolerance(task.setting);
+                end!(path.at([task.horizon]))
+            }),
+            other => Err(format!("no method {other}").into()),
+        }
     }};
 }
 

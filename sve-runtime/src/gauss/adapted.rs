@@ -8,9 +8,10 @@
 //! step is not symplectic.
 
 use super::convergence::Course;
-use super::fixed_point::{Partitioned, PartitionedIteration, SecondOrder, SecondOrderIteration};
+use super::fixed_point::{SecondOrder, SecondOrderIteration};
 use super::legendre::{Ahead, Coefficients, Series, ToStages, integral};
 use super::newton::velocity;
+use super::partitioned::{Partitioned, PartitionedIteration};
 use super::scaled::Scaled;
 use super::stages::{Rows, larger};
 use super::step::Step;

@@ -37,6 +37,7 @@ mod linearise;
 mod memory;
 mod newton;
 mod nodes;
+mod partitioned;
 mod potential;
 mod room;
 mod scaled;
@@ -49,8 +50,9 @@ mod tableau;
 pub(crate) use adapted::time_until;
 pub use adapted::{AdaptedSteps, Attempt, StageSeries, partitioned_attempt, second_order_attempt};
 pub use bounds::{NodeBounds, NoiseBounds, Radii, StageBounds, Uniqueness};
-pub use fixed_point::{Masses, Motion, Partitioned, SecondOrder, StageLanes};
+pub use fixed_point::{SecondOrder, StageLanes};
 pub use linearise::{ByParameters, ParameterJet};
+pub use partitioned::{Masses, Motion, Partitioned};
 pub use potential::{Corrected, WithPotential, with_potential};
 pub use scaled::{SecondOrderCoefficients, inverse_mass};
 
@@ -152,7 +154,7 @@ where
 {
     let step = Step::<_, S, N, M>::new(system, state, h, noise);
     if solver.is_fast_path() {
-        let solve = |before: Option<&_>| fixed_point::solve_partitioned(&step, before);
+        let solve = |before: Option<&_>| partitioned::solve_partitioned(&step, before);
         if let Some(solved) = solve_from_memory(memory, h, solve) {
             return Ok(solved);
         }

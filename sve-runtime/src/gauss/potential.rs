@@ -116,8 +116,12 @@ where
     const HAS_DIAGONAL_MASS: bool = Sys::HAS_DIAGONAL_MASS;
 
     #[inline(always)]
-    fn impulses<const S: usize>(&self, stages: &StageLanes<'_, S, N, E>) -> [[f64; S]; N] {
-        self.0.impulses(stages)
+    fn impulses<const S: usize>(
+        &self,
+        stages: &StageLanes<'_, S, N, E>,
+        impulses: &mut [[f64; S]; N],
+    ) {
+        self.0.impulses(stages, impulses);
     }
 }
 
@@ -131,8 +135,10 @@ where
         &self,
         stages: &StageLanes<'_, S, N, E>,
         kicks: &[[f64; S]; N],
-    ) -> ([[f64; S]; N], Masses<S, N>) {
-        self.0.impulses(stages, kicks)
+        impulses: &mut [[f64; S]; N],
+        masses: &mut Masses<S, N>,
+    ) {
+        self.0.impulses(stages, kicks, impulses, masses);
     }
 
     #[inline(always)]
@@ -141,8 +147,9 @@ where
         stages: &StageLanes<'_, S, N, E>,
         kicks: &[[f64; S]; N],
         masses: &Masses<S, N>,
-    ) -> Motion<S, N> {
-        self.0.displacements(stages, kicks, masses)
+        motion: &mut Motion<S, N>,
+    ) {
+        self.0.displacements(stages, kicks, masses, motion);
     }
 }
 

@@ -142,13 +142,12 @@ impl Writer<'_> {
         }
     }
 
-    /// A function with a loop over the stages: its name with further arguments, its output, and the
-    /// statements before, within and after the loop.
+    /// A function with a loop over the stages: its name with further arguments, and the statements
+    /// before and within the loop.
     fn function(
         &self,
         (name, arguments): (&str, &TokenStream),
-        output: &TokenStream,
-        [before, body, after]: [&TokenStream; 3],
+        [before, body]: [&TokenStream; 2],
     ) -> TokenStream {
         let (private, sizes, name) = (self.private, self.sizes, ident(name));
         let sweep = Axis::Stages.sweep(body, private);
@@ -158,10 +157,9 @@ impl Writer<'_> {
                 &self,
                 stages: &#private::gauss::StageLanes<'_, __S, #sizes>,
                 #arguments
-            ) -> #output {
+            ) {
                 #before
                 #sweep
-                #after
             }
         }
     }
@@ -182,13 +180,8 @@ impl Writer<'_> {
         let stores = store(&quote!(impulses), &results[..n], &poisoned);
         let n = Literal::usize_unsuffixed(n);
         let tokens = self.function(
-            ("impulses", &TokenStream::new()),
-            &quote!([[f64; __S]; #n]),
-            [
-                &quote!(#before let mut impulses = [[0f64; __S]; #n];),
-                &quote!(#known #late #poison #stores),
-                &quote!(impulses),
-            ],
+            ("impulses", &quote!(impulses: &mut [[f64; __S]; #n])),
+            [&before, &quote!(#known #late #poison #stores)],
         );
         (tokens, operations)
     }
@@ -239,17 +232,16 @@ impl Writer<'_> {
         let velocity = self.velocity(is_diagonal);
         let (size, private) = (Literal::usize_unsuffixed(n), self.private);
         let tokens = self.function(
-            ("impulses", &quote!(kicks: &[[f64; __S]; #size])),
-            &quote!(([[f64; __S]; #size], #private::gauss::Masses<__S, #size>)),
-            [
+            (
+                "impulses",
                 &quote! {
-                    let mut masses = #private::gauss::Masses {
-                        inverse: [[[0f64; __S]; #size]; #size],
-                        offset: [[0f64; __S]; #size],
-                    };
-                    let mut impulses = [[0f64; __S]; #size];
-                    #before
+                    kicks: &[[f64; __S]; #size],
+                    impulses: &mut [[f64; __S]; #size],
+                    masses: &mut #private::gauss::Masses<__S, #size>,
                 },
+            ),
+            [
+                &before,
                 &quote! {
                     #known
                     #inverse
@@ -261,7 +253,6 @@ impl Writer<'_> {
                     #poison
                     #keep_impulses
                 },
-                &quote!((impulses, masses)),
             ],
         );
         (tokens, operations)
@@ -289,17 +280,14 @@ impl Writer<'_> {
         let tokens = self.function(
             (
                 "displacements",
-                &quote!(kicks: &[[f64; __S]; #size], masses: &#private::gauss::Masses<__S, #size>),
-            ),
-            &quote!(#private::gauss::Motion<__S, #size>),
-            [
                 &quote! {
-                    let mut motion = #private::gauss::Motion {
-                        velocities: [[0f64; __S]; #size],
-                        displacements: [[0f64; __S]; #size],
-                    };
-                    #before
+                    kicks: &[[f64; __S]; #size],
+                    masses: &#private::gauss::Masses<__S, #size>,
+                    motion: &mut #private::gauss::Motion<__S, #size>,
                 },
+            ),
+            [
+                &before,
                 &quote! {
                     #kept_inverse
                     let offset: [f64; #size] = #offset;
@@ -309,7 +297,6 @@ impl Writer<'_> {
                     #keep_displacements
                     #keep_velocities
                 },
-                &quote!(motion),
             ],
         );
         (tokens, operations)
