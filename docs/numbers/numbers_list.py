@@ -524,7 +524,13 @@ TURNS = {
     "outer_solar_system": ("sve tolerance", "sve compensated"),
     "quiet_henon_heiles": ("sve tolerance", "sve compensated"),
 }
-TURN_PROBLEMS = " ".join([*TURNS, *(f"double_pendulum_{k}" for k in range(2, 7))])
+TURN_PROBLEMS = [*TURNS, *(f"double_pendulum_{k}" for k in range(2, 7))]
+WITH_IAS15 = [problem for problem, methods in TURNS.items() if "rebound IAS15" in methods]
+
+
+def turn_run(programs: str, problems: list[str]) -> str:
+    """The command that runs problems in turns."""
+    return f"target/peers/bin/python examples/peers/run.py --program {programs} --only {' '.join(problems)} --out target/work-precision/turns"
 
 
 def turn_cell(problem: str, method: str, level: int) -> str:
@@ -655,8 +661,12 @@ COMMANDS = [
     ]),
     Command(
         "turns",
-        "cargo build --release --example work_precision && target/peers/bin/python examples/peers/run.py --program heyoka rebound sve"
-        f" --only {TURN_PROBLEMS} --out target/work-precision/turns && target/peers/bin/python examples/peers/ratios.py",
+        " && ".join([
+            "cargo build --release --example work_precision",
+            turn_run("heyoka rebound sve", WITH_IAS15),
+            turn_run("heyoka sve", [problem for problem in TURN_PROBLEMS if problem not in WITH_IAS15]),
+            "target/peers/bin/python examples/peers/ratios.py",
+        ]),
         900,
         [
             number
