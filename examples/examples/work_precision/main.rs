@@ -5,7 +5,8 @@
 //! are drawn into the same figures. `cargo run --release --example work_precision -- --help` lists
 //! options.
 //!
-//! `work_precision serve` solves paths on demand for other programs.
+//! `work_precision serve` solves paths on demand for other programs, and `work_precision turns` draws
+//! what they measured in turns with it.
 #![allow(unsafe_code)]
 
 mod compensated;
@@ -21,6 +22,7 @@ mod report;
 mod serve;
 mod systems;
 mod timed;
+mod turns;
 mod uncorrected;
 mod verdict;
 
@@ -56,6 +58,12 @@ struct Options {
 enum Mode {
     /// Solve the path of each line of the standard input: see `serve.rs`
     Serve,
+    /// Draw the pictures of the comparison in turns, from files that `examples/peers/run.py` wrote
+    Turns {
+        /// Folder of the files
+        #[arg(default_value = "docs/numbers/peers/turns")]
+        folder: PathBuf,
+    },
 }
 
 /// The name of a problem in file names, and the function that runs it.
@@ -79,11 +87,13 @@ const LARGEST: f64 = 0.1;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let options = Options::parse();
-    if let Some(Mode::Serve) = options.mode {
-        return serve::serve();
+    fs::create_dir_all(&options.out)?;
+    match &options.mode {
+        Some(Mode::Serve) => return serve::serve(),
+        Some(Mode::Turns { folder }) => return turns::write(&peers(folder)?, &options.out),
+        None => {}
     }
     let begin = Instant::now();
-    fs::create_dir_all(&options.out)?;
     // The files stored with the repository, unless there are newer files.
     let own = options.out.join("peers");
     let stored = PathBuf::from("docs/numbers/peers");

@@ -99,7 +99,7 @@ pub(crate) fn series(own: &[Record], peers: &[Record]) -> Vec<Series> {
     all
 }
 
-fn time(record: &Record) -> Option<f64> {
+pub(crate) fn time(record: &Record) -> Option<f64> {
     record.time_to_solution_s
 }
 
@@ -146,7 +146,7 @@ fn drift(record: &Record) -> Option<f64> {
 }
 
 impl Series {
-    fn points(&self, x: Quantity, y: Quantity) -> Vec<(f64, f64)> {
+    pub(crate) fn points(&self, x: Quantity, y: Quantity) -> Vec<(f64, f64)> {
         let shown = |y: &f64| ERRORS.contains(y);
         let point = |record: &Record| Some((x(record)?, y(record).filter(shown)?));
         self.records.iter().filter_map(point).collect()
@@ -225,12 +225,12 @@ fn pen(series: &Series, number: usize) -> Pen {
     }
 }
 
-fn exponents(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub(crate) fn exponents(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.iter().map(|(x, y)| (x.log10(), y.log10())).collect()
 }
 
 /// Returns the range of some numbers with room around them; a decade if there are no numbers.
-fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
+pub(crate) fn range(numbers: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
     });

@@ -1,0 +1,196 @@
+//! Pictures of the comparison in turns with other programs: one panel a problem, with the names of
+//! the methods beside their curves.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen, Row, Shape, Stroke, Symbols};
+use sve_examples::palette::{self, Color};
+use sve_examples::render;
+use sve_runtime::study::Record;
+
+use crate::plots::{Series, exponents, range, series, strong, time};
+
+/// The problems: their names in files, and what the titles say.
+const PROBLEMS: [(&str, &str); 9] = [
+    ("pendulum", "Pendulum, t = 2000"),
+    ("double_pendulum", "Double pendulum, t = 10"),
+    ("separatrix", "Pendulum at its separatrix, t = 50"),
+    ("kepler", "Kepler, e = 0.6, 1,000 periods"),
+    ("kepler_90", "Kepler, e = 0.9, 100 periods"),
+    ("kepler_99", "Kepler, e = 0.99, 100 periods"),
+    (
+        "three_bodies",
+        "Pythagorean problem of three bodies, t = 20",
+    ),
+    ("outer_solar_system", "Outer solar system, 10⁶ days"),
+    ("quiet_henon_heiles", "Hénon–Heiles, t = 1000"),
+];
+
+const WIDTH: u32 = 760;
+const HEIGHT: u32 = 460;
+
+/// Room for the names beside the curves, as a fraction of the range of times.
+const ROOM: f64 = 0.42;
+
+/// An error counts if so many finer settings have it too: at a zero crossing it is small by chance.
+const CONFIRMATIONS: usize = 2;
+
+/// Least distance of two names, as a fraction of the range of errors.
+const DISTANCE: f64 = 0.05;
+
+/// How a method is drawn: its name in records, its name in pictures, and its look.
+type Look = (&'static str, &'static str, Color, Shape, bool);
+
+const LOOKS: [Look; 8] = [
+    (
+        "fixed",
+        "sve, equal steps",
+        palette::PURPLE,
+        Shape::Plus,
+        false,
+    ),
+    (
+        "compensated",
+        "sve, equal steps, compensated",
+        palette::PURPLE,
+        Shape::Circle,
+        false,
+    ),
+    (
+        "tolerance",
+        "sve, tolerance",
+        palette::BLUE,
+        Shape::Disc,
+        false,
+    ),
+    (
+        "time_scale",
+        "sve, time scale",
+        palette::GREEN,
+        Shape::Square,
+        false,
+    ),
+    (
+        "time_scale_tolerance",
+        "sve, time scale and tolerance",
+        palette::VERMILION,
+        Shape::Triangle,
+        false,
+    ),
+    (
+        "heyoka: Taylor",
+        "heyoka",
+        palette::ORANGE,
+        Shape::Disc,
+        true,
+    ),
+    (
+        "heyoka: Taylor, compensated",
+        "heyoka, high accuracy",
+        palette::ORANGE,
+        Shape::Circle,
+        true,
+    ),
+    ("rebound: IAS15", "IAS15", palette::GREY, Shape::Cross, true),
+];
+
+/// Writes a picture of each problem whose records are among these.
+pub(crate) fn write(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>> {
+    for (name, title) in PROBLEMS {
+        let (own, others): (Vec<Record>, Vec<Record>) = records
+            .iter()
+            .filter(|record| record.problem == name)
+            .cloned()
+            .partition(|record| record.source == "sve");
+        let all = series(&own, &others);
+        if all.is_empty() {
+            continue;
+        }
+        let figure = figure(name, title, &all);
+        let file = out.join(format!("turns-{name}"));
+        fs::write(file.with_extension("svg"), render::svg(&figure)?)?;
+        fs::write(file.with_extension("png"), render::png(&figure)?)?;
+        println!("wrote {}", file.with_extension("svg").display());
+    }
+    Ok(())
+}
+
+/// Returns the curves of the methods, with their looks. Of equal steps with and without compensated
+/// sums, which take almost the same time, the more exact ones are shown.
+fn curves(all: &[Series]) -> Vec<(Look, Vec<(f64, f64)>)> {
+    let is_compensated = all.iter().any(|series| series.name == "compensated");
+    let curve = |look: &Look| {
+        let series = all.iter().find(|series| series.name == look.0)?;
+        let points = confirmed(&exponents(&series.points(time, strong)));
+        let is_shown = points.len() > 1 && !(look.0 == "fixed" && is_compensated);
+        is_shown.then_some((*look, points))
+    };
+    LOOKS.iter().filter_map(curve).collect()
+}
+
+/// Returns the points with the largest error of each setting and the finer ones that confirm it,
+/// without the finest settings, which none confirm.
+fn confirmed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let windows = points.windows(CONFIRMATIONS + 1);
+    let largest = |window: &[(f64, f64)]| window.iter().map(|p| p.1).fold(f64::MIN, f64::max);
+    windows
+        .map(|window| (window[0].0, largest(window)))
+        .collect()
+}
+
+fn figure(name: &'static str, title: &str, all: &[Series]) -> Figure {
+    let curves = curves(all);
+    let points = || curves.iter().flat_map(|(_, points)| points);
+    let mut times = range(points().map(|p| p.0));
+    let errors = range(points().map(|p| p.1));
+    let names_at = times.end;
+    times.end += ROOM * (times.end - times.start);
+    let mut panel = Panel::new(
+        format!("Which error in which time? {title}"),
+        Axis::powers("processor time of a path (s)", times),
+        Axis::powers("error of the coordinates at the end", errors.clone()),
+    );
+    let mut names = Vec::new();
+    for ((_, name, color, shape, is_peer), points) in curves {
+        names.push((points[points.len() - 1].1, name, color));
+        panel = panel.with(Layer::new(name, points, pen(color, shape, is_peer)).unlisted());
+    }
+    for (height, name, color) in apart(names, DISTANCE * (errors.end - errors.start)) {
+        panel = panel.note((names_at, height), name, color);
+    }
+    let height = HEIGHT;
+    Figure {
+        name,
+        width: WIDTH,
+        rows: vec![Row {
+            height,
+            panels: vec![panel],
+        }],
+    }
+}
+
+/// Moves names up until none is nearer to the next one than a distance.
+fn apart(mut names: Vec<(f64, &str, Color)>, distance: f64) -> Vec<(f64, &str, Color)> {
+    names.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for k in 1..names.len() {
+        names[k].0 = names[k].0.max(names[k - 1].0 + distance);
+    }
+    names
+}
+
+fn pen(color: Color, shape: Shape, is_peer: bool) -> Pen {
+    Pen {
+        color,
+        line: Some(Stroke {
+            width: if is_peer { 1.6 } else { 2.2 },
+            dash: is_peer.then_some((1.5, 3.0)),
+        }),
+        symbol: Some(Symbols {
+            shape,
+            radius: 3.0,
+            count: None,
+        }),
+    }
+}
