@@ -238,3 +238,21 @@ fn time_can_run_backwards() {
     let back = back.until(0.0).last().unwrap().unwrap();
     assert!(back.t == 0.0 && distance(&back, &start) < 1e-12);
 }
+
+/// The time of a path is the sum of the sizes of its steps, rounded once.
+#[test]
+fn times_are_sums_that_are_rounded_once() {
+    let pendulum = Integrator::new(Pendulum { g: 1.0 }, Gauss::<8>);
+    let start = State::at(1e3, [2.0], [0.0]);
+    let mut path = pendulum.trajectory(start, 0.1, NoNoise).tolerance(1e-10);
+    let (mut sum, mut low) = (start.t, 0.0);
+    for step in 0..2000 {
+        let state = path.next().unwrap().unwrap();
+        let h = path.snapshot().h();
+        let next = sum + h;
+        low += (sum - next) + h;
+        sum = next;
+        let error = (state.t - sum) - low;
+        assert!(error.abs() <= 2.0 * f64::EPSILON * sum, "{step}: {error:e}");
+    }
+}
