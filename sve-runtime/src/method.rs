@@ -32,6 +32,13 @@ pub trait OneStepMethod {
     #[doc(hidden)]
     const HAS_OWN_TIME: bool = false;
 
+    /// Returns the time that passes in a unit of the step size, which is 1 unless steps write the
+    /// time at their end.
+    #[doc(hidden)]
+    fn rate(&self, _state: &StateOf<Self::System>) -> f64 {
+        1.0
+    }
+
     /// Returns the system that the method integrates.
     fn system(&self) -> &Self::System;
 

@@ -2,47 +2,42 @@
 
 use sve_runtime::prelude::*;
 
-/// Three bodies in a plane that attract one another.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ThreeBodies {
-    pub(crate) masses: [f64; 3],
-}
-
-#[variational(gauss(8))]
-impl ThreeBodies {
-    fn lagrangian(&self, q: [[f64; 2]; 3], v: [[f64; 2]; 3]) -> f64 {
-        let mut value = 0.0;
-        for i in 0..3 {
-            value += 0.5 * self.masses[i] * (v[i][0] * v[i][0] + v[i][1] * v[i][1]);
-            for j in 0..i {
-                let [x, y] = [q[i][0] - q[j][0], q[i][1] - q[j][1]];
-                value += self.masses[i] * self.masses[j] / (x * x + y * y).sqrt();
-            }
+/// Three bodies in a plane that attract one another, with the functions that are added.
+macro_rules! three_bodies {
+    ($(#[$doc:meta])* $name:ident, $($more:tt)*) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) struct $name {
+            pub(crate) masses: [f64; 3],
         }
-        value
-    }
-}
 
-/// Three bodies with the time scale (Σ (mᵢ + mⱼ)/r³)^(−½).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct TimedThreeBodies {
-    pub(crate) masses: [f64; 3],
-}
-
-#[variational(gauss(8))]
-impl TimedThreeBodies {
-    fn lagrangian(&self, q: [[f64; 2]; 3], v: [[f64; 2]; 3]) -> f64 {
-        let mut value = 0.0;
-        for i in 0..3 {
-            value += 0.5 * self.masses[i] * (v[i][0] * v[i][0] + v[i][1] * v[i][1]);
-            for j in 0..i {
-                let [x, y] = [q[i][0] - q[j][0], q[i][1] - q[j][1]];
-                value += self.masses[i] * self.masses[j] / (x * x + y * y).sqrt();
+        #[variational(gauss(8))]
+        impl $name {
+            fn lagrangian(&self, q: [[f64; 2]; 3], v: [[f64; 2]; 3]) -> f64 {
+                let mut value = 0.0;
+                for i in 0..3 {
+                    value += 0.5 * self.masses[i] * (v[i][0] * v[i][0] + v[i][1] * v[i][1]);
+                    for j in 0..i {
+                        let [x, y] = [q[i][0] - q[j][0], q[i][1] - q[j][1]];
+                        value += self.masses[i] * self.masses[j] / (x * x + y * y).sqrt();
+                    }
+                }
+                value
             }
-        }
-        value
-    }
 
+            $($more)*
+        }
+    };
+}
+
+three_bodies! {
+    /// Three bodies without a time scale.
+    ThreeBodies,
+}
+
+three_bodies! {
+    /// Three bodies with the time scale (Σ (mᵢ + mⱼ)/r³)^(−½).
+    TimedThreeBodies,
     #[time_scale]
     fn scale(&self, q: [[f64; 2]; 3]) -> f64 {
         let mut rate = 0.0;

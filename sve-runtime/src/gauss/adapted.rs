@@ -9,14 +9,14 @@
 
 use super::convergence::Course;
 use super::fixed_point::{SecondOrder, SecondOrderIteration};
-use super::legendre::{Ahead, Coefficients, Series, ToStages, integral};
+use super::legendre::{Ahead, Coefficients, Series, integral};
 use super::newton::velocity;
 use super::partitioned::{Partitioned, PartitionedIteration};
 use super::scaled::Scaled;
-use super::stages::{Rows, larger};
+use super::stages::{Rows, at_stages, larger};
 use super::step::Step;
 use super::tableau::Tableau;
-use crate::lanes::dispatch::dispatch;
+use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::mechanics::time_scale::is_time_scale;
 use crate::phase::configuration::VectorCoordinates;
 use crate::phase::state::State;
@@ -62,30 +62,6 @@ impl<const S: usize, const N: usize> StageSeries<S, N> {
         self.rows
             .map(|rows| rows.map(|row| integral(&row, fraction)))
     }
-
-    /// Returns the Legendre series of the time that passes within the step from `q`, with the given
-    /// rate at a position; `None` if a rate is not positive and finite.
-    pub(crate) fn times(&self, q: &[f64; N], rate: impl Fn(&[f64; N]) -> f64) -> Option<[f64; S]> {
-        let tableau = const { &Tableau::<S>::VALUES };
-        let moves = dispatch(ToStages {
-            rows: &self.rows[0],
-        });
-        let mut times = [0.0; S];
-        for i in 0..S {
-            let rate = rate(&core::array::from_fn(|n| q[n] + moves[n][i]));
-            if !is_time_scale(rate) {
-                return None;
-            }
-            times[i] = self.h * tableau.b[i] * rate;
-        }
-        let stages = &[[times]];
-        Some(dispatch(Coefficients { stages }).rows[0][0])
-    }
-}
-
-/// Returns the time from the start of a step to a fraction of it.
-pub(crate) fn time_until<const S: usize>(times: &[f64; S], fraction: f64) -> f64 {
-    integral(times, fraction)
 }
 
 /// A step that was tried.
@@ -93,6 +69,8 @@ pub(crate) fn time_until<const S: usize>(times: &[f64; S], fraction: f64) -> f64
 pub struct Attempt<const S: usize, const N: usize> {
     /// `q₁ − q₀` and `p₁ − p₀`.
     pub(crate) increments: [[f64; N]; 2],
+    /// The displacements at the stages.
+    displacements: Rows<S, N>,
     /// The series of the step.
     pub(crate) series: StageSeries<S, N>,
     /// The logarithm to base 2 of the ratio of successive terms of the series.
@@ -104,22 +82,56 @@ impl<const S: usize, const N: usize> Attempt<S, N> {
     fn of(
         q: &[f64; N],
         increments: [[f64; N]; 2],
-        h: f64,
-        rows: [Rows<S, N>; 2],
+        displacements: Rows<S, N>,
+        series: StageSeries<S, N>,
         decay: f64,
     ) -> Option<Self> {
         let numbers = increments.as_flattened();
         let is_finite = numbers.iter().all(|number| number.is_finite());
-        let decay = if ends_in_rounding(q, &rows[0]) {
+        let decay = if ends_in_rounding(q, &series.rows[0]) {
             f64::NEG_INFINITY
         } else {
             decay
         };
         is_finite.then_some(Self {
             increments,
-            series: StageSeries { h, rows },
+            displacements,
+            series,
             decay,
         })
+    }
+
+    /// Returns the Legendre series of the time that passes within the step from `q`, with the given
+    /// rate at a position; `None` if a rate is not positive and finite.
+    pub(crate) fn times(&self, q: &[f64; N], rate: impl Fn(&[f64; N]) -> f64) -> Option<[f64; S]> {
+        let tableau = const { &Tableau::<S>::VALUES };
+        let moves = dispatch(AtStages {
+            displacements: &self.displacements,
+        });
+        let mut times = [0.0; S];
+        for i in 0..S {
+            let rate = rate(&core::array::from_fn(|n| q[n] + moves[n][i]));
+            if !is_time_scale(rate) {
+                return None;
+            }
+            times[i] = self.series.h * tableau.b[i] * rate;
+        }
+        let stages = &[[times]];
+        Some(dispatch(Coefficients { stages }).rows[0][0])
+    }
+}
+
+/// Computes the positions of the stages relative to the start.
+struct AtStages<'a, const S: usize, const N: usize> {
+    displacements: &'a Rows<S, N>,
+}
+
+impl<const S: usize, const N: usize> Kernel for AtStages<'_, S, N> {
+    type Output = Rows<S, N>;
+
+    #[inline(always)]
+    fn run(self) -> Rows<S, N> {
+        at_stages(const { &Tableau::<S>::VALUES }, self.displacements)
     }
 }
 
@@ -190,7 +202,8 @@ where
         stages: &[displacements],
     });
     let rows = [moves.rows[0], series.rows[0]];
-    Attempt::of(&state.q, [dq, dp], h, rows, decay)
+    let series = StageSeries { h, rows };
+    Attempt::of(&state.q, [dq, dp], displacements, series, decay)
 }
 
 /// Tries a step of a system with ∂L/∂v affine in v.
@@ -218,5 +231,7 @@ where
     });
     let ((dq, dp, _), stages) = solved?;
     let series: Series<S, N, 2> = dispatch(Coefficients { stages: &stages });
-    Attempt::of(&state.q, [dq, dp], h, series.rows, series.decay())
+    let (decay, rows) = (series.decay(), series.rows);
+    let series = StageSeries { h, rows };
+    Attempt::of(&state.q, [dq, dp], stages[0], series, decay)
 }

@@ -19,9 +19,7 @@
 use super::convergence::{Course, Verdict};
 use super::newton::{Solved, velocity};
 use super::scaled::{Scaled, SecondOrderCoefficients};
-use super::stages::{
-    Matrix, Rows, are_finite, at_stages, inverse_size, product, relative_change, sum,
-};
+use super::stages::{Matrix, Rows, at_stages, inverse_size, product, relative_change, sum};
 use super::step::Step;
 use crate::lanes::dispatch::{Kernel, dispatch};
 use crate::system::System;
@@ -168,7 +166,7 @@ where
             dq[n] = nodes[0] * start[n][0] + (rest[0] * start[n][0] + late[n][0]);
             dp[n] = sum(&impulses[n]);
         }
-        are_finite(&dq, &dp).then_some(((dq, dp, x), impulses))
+        Some(((dq, dp, x), impulses))
     }
 }
 

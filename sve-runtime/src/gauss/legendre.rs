@@ -33,24 +33,6 @@ const fn at_nodes<const S: usize>() -> Matrix<S> {
     values
 }
 
-/// Returns the matrix `½ (P_{k+1}(y_i) − P_{k−1}(y_i))` of the integrals up to the stages, column by
-/// column.
-const fn integrals<const S: usize>() -> Matrix<S> {
-    let mut values = [[0.0; S]; S];
-    let mut i = 0;
-    while i < S {
-        let exact = legendre_at(root(S, i));
-        values[0][i] = 0.5 * (exact[1].high + 1.0);
-        let mut k = 1;
-        while k < S {
-            values[k][i] = 0.5 * (exact[k + 1].high - exact[k - 1].high);
-            k += 1;
-        }
-        i += 1;
-    }
-    values
-}
-
 /// Returns the Legendre polynomials of degree 0 to [`MOST_STAGES`] at several points.
 #[inline(always)]
 fn polynomials<const L: usize>(points: &[f64; L]) -> [[f64; L]; MOST_STAGES + 1] {
@@ -175,27 +157,8 @@ impl<const S: usize, const N: usize, const R: usize> Kernel for Ahead<'_, S, N, 
     }
 }
 
-/// Computes the integrals of series from the start of their step to its stages.
-pub(super) struct ToStages<'a, const S: usize, const N: usize> {
-    pub(super) rows: &'a Rows<S, N>,
-}
-
-impl<const S: usize, const N: usize> Kernel for ToStages<'_, S, N> {
-    type Output = Rows<S, N>;
-
-    #[inline(always)]
-    fn run(self) -> Rows<S, N> {
-        let matrix = const { &integrals::<S>() };
-        let mut values = [[0.0; S]; N];
-        for n in 0..N {
-            values[n] = product(matrix, &self.rows[n]);
-        }
-        values
-    }
-}
-
 /// Returns the integral of a series from the start of its step to a fraction of the step.
-pub(super) fn integral<const S: usize>(coefficients: &[f64; S], fraction: f64) -> f64 {
+pub(crate) fn integral<const S: usize>(coefficients: &[f64; S], fraction: f64) -> f64 {
     let point = 2.0 * fraction - 1.0;
     let values = polynomials(&[point]);
     let mut sum = (point + 1.0) * coefficients[0];

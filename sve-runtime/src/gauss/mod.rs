@@ -47,10 +47,10 @@ mod step;
 pub(crate) mod step_size;
 mod tableau;
 
-pub(crate) use adapted::time_until;
 pub use adapted::{AdaptedSteps, Attempt, StageSeries, partitioned_attempt, second_order_attempt};
 pub use bounds::{NodeBounds, NoiseBounds, Radii, StageBounds, Uniqueness};
 pub use fixed_point::{SecondOrder, StageLanes};
+pub(crate) use legendre::integral;
 pub use linearise::{ByParameters, ParameterJet};
 pub use partitioned::{Masses, Motion, Partitioned};
 pub use potential::{Corrected, WithPotential, with_potential};

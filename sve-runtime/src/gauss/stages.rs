@@ -71,7 +71,8 @@ pub(super) fn inverse_size<const S: usize>(start: f64, moves: &[f64; S]) -> f64 
 }
 
 /// Returns the largest change of a coordinate at a stage, relative to the sizes of the coordinates;
-/// changes that are not numbers do not count, unless no change is a number. Overwrites `old`.
+/// changes that are not numbers do not count, unless no change is a number: the tests of the step's
+/// result find them. Overwrites `old`.
 ///
 /// Rows are combined in memory: variables that a loop over coordinates carries for each stage would
 /// not be put into vectors.
@@ -118,16 +119,6 @@ fn largest<const S: usize>(mut numbers: [f64; S]) -> f64 {
 #[inline(always)]
 pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
-}
-
-/// Returns whether the increments of a step are numbers. A stage that is not a number makes them so.
-#[inline(always)]
-pub(super) fn are_finite<const N: usize>(dq: &[f64; N], dp: &[f64; N]) -> bool {
-    let mut sum = 0.0;
-    for n in 0..N {
-        sum += dq[n] + dp[n];
-    }
-    sum.is_finite()
 }
 
 #[cfg(test)]

@@ -6,12 +6,11 @@
 //! accepted, and not before.
 
 use core::fmt;
-use core::marker::PhantomData;
 
 use super::Integrator;
 use super::accept::replace;
 use super::time_scale::InScaledTime;
-use crate::gauss::{AdaptedSteps, Attempt, StageSeries, time_until};
+use crate::gauss::{AdaptedSteps, Attempt, StageSeries, integral};
 use crate::mechanics::time_scale::TimeScale;
 use crate::method::OneStepMethod;
 use crate::phase::configuration::{Coordinates, FlatConfiguration as _, two_sum};
@@ -19,7 +18,6 @@ use crate::phase::state::State;
 use crate::rule::Gauss;
 use crate::system::start::StartOfStep as _;
 use crate::system::{AnySystem, Dims, StateOf, System};
-use crate::time::unit;
 
 /// A method whose step size can be adapted: an [`Integrator`] with a Gauss rule of four stages or
 /// more.
@@ -45,18 +43,25 @@ pub trait AdaptsSteps: OneStepMethod {
 #[doc(hidden)]
 pub type BoxedAttempts<S> = Box<dyn Attempts<S> + Send + Sync>;
 
+/// The time that passes in a unit of the step size at a state; `None` if the step size is a time.
+#[doc(hidden)]
+pub type Rate<'a, S> = Option<&'a dyn Fn(&StateOf<S>) -> f64>;
+
 /// Attempts at steps of any size.
 #[doc(hidden)]
 pub trait Attempts<S: AnySystem>: fmt::Debug {
     /// Tries a step. Returns the logarithm to base 2 of the ratio of successive terms of its
     /// series; `None` if the step was not solved.
-    fn attempt(&mut self, system: &S, state: &StateOf<S>, h: f64, level: f64) -> Option<f64>;
+    fn attempt(
+        &mut self,
+        system: (&S, Rate<'_, S>),
+        state: &StateOf<S>,
+        h: f64,
+        level: f64,
+    ) -> Option<f64>;
 
     /// Returns the time that the step takes that was tried last; NaN if it was not solved.
     fn elapsed(&self) -> f64;
-
-    /// Returns the size of a step that changes the time of a state by its rounding error.
-    fn unit(&self, system: &S, state: &StateOf<S>) -> f64;
 
     /// Moves the state with its low parts by the step that was tried last. Returns whether the
     /// result is finite and at another time; otherwise nothing changes.
@@ -88,7 +93,12 @@ where
     const STAGES: usize = K;
 
     fn attempts(&self) -> BoxedAttempts<S> {
-        attempts::<S, SizeIsTime, Q, K, N, M>(self.system())
+        Box::new(GaussAttempts::<CoefficientsOf<S, K, N>, K, N> {
+            coefficients: self.system().itself().coefficients(),
+            tried: None,
+            last: None,
+            start: None,
+        })
     }
 
     fn no_low_parts() -> StateOf<S> {
@@ -97,20 +107,19 @@ where
 }
 
 #[diagnostic::do_not_recommend]
-impl<H, Q, const K: usize, const N: usize, const M: usize> AdaptsSteps for InScaledTime<H, Gauss<K>>
+impl<H: TimeScale, R> AdaptsSteps for InScaledTime<H, R>
 where
     Self: OneStepMethod<System = H>,
-    H: TimeScale<Dims = Dims<N, M, Q>, Itself: AdaptedSteps<K, N>>,
-    Q: Coordinates<N, Flat = [f64; N]>,
+    Integrator<H, R>: AdaptsSteps<System = H>,
 {
-    const STAGES: usize = K;
+    const STAGES: usize = Integrator::<H, R>::STAGES;
 
     fn attempts(&self) -> BoxedAttempts<H> {
-        attempts::<H, InTau, Q, K, N, M>(self.system())
+        self.in_tau().attempts()
     }
 
     fn no_low_parts() -> StateOf<H> {
-        State::new(Q::origin(), Q::no_momentum())
+        Integrator::<H, R>::no_low_parts()
     }
 }
 
@@ -118,43 +127,12 @@ where
 type CoefficientsOf<S, const K: usize, const N: usize> =
     <<S as System>::Itself as AdaptedSteps<K, N>>::Coefficients;
 
-/// What the size of a step is: a time, or a length in τ.
-trait Rate<S: System>: Clone + Send + Sync + 'static {
-    /// Whether the size is a time, so that the rate is 1.
-    const IS_ONE: bool;
-    /// Returns the time that passes in a unit of the step size.
-    fn rate(system: &S, state: &StateOf<S>) -> f64;
-}
-
-#[derive(Clone)]
-struct SizeIsTime;
-
-impl<S: System> Rate<S> for SizeIsTime {
-    const IS_ONE: bool = true;
-
-    fn rate(_: &S, _: &StateOf<S>) -> f64 {
-        1.0
-    }
-}
-
-#[derive(Clone)]
-struct InTau;
-
-impl<H: TimeScale> Rate<H> for InTau {
-    const IS_ONE: bool = false;
-
-    fn rate(system: &H, state: &StateOf<H>) -> f64 {
-        system.time_scale(state)
-    }
-}
-
 /// The Legendre series of the time within a step.
 type Times<const K: usize> = [f64; K];
 
 /// Attempts at the steps of a Gauss rule. `C` is what they compute from parameters alone.
 #[derive(Clone)]
-struct GaussAttempts<R, C, const K: usize, const N: usize> {
-    rate: PhantomData<R>,
+struct GaussAttempts<C, const K: usize, const N: usize> {
     coefficients: C,
     tried: Option<(Attempt<K, N>, Times<K>)>,
     /// The series of the last step that was accepted.
@@ -163,22 +141,7 @@ struct GaussAttempts<R, C, const K: usize, const N: usize> {
     start: Option<(State<[f64; N]>, f64, Times<K>)>,
 }
 
-fn attempts<S, R, Q, const K: usize, const N: usize, const M: usize>(system: &S) -> BoxedAttempts<S>
-where
-    S: System<Dims = Dims<N, M, Q>, Itself: AdaptedSteps<K, N>>,
-    R: Rate<S>,
-    Q: Coordinates<N, Flat = [f64; N]>,
-{
-    Box::new(GaussAttempts::<R, CoefficientsOf<S, K, N>, K, N> {
-        rate: PhantomData,
-        coefficients: system.itself().coefficients(),
-        tried: None,
-        last: None,
-        start: None,
-    })
-}
-
-impl<R, C, const K: usize, const N: usize> fmt::Debug for GaussAttempts<R, C, K, N> {
+impl<C, const K: usize, const N: usize> fmt::Debug for GaussAttempts<C, K, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("GaussAttempts")
             .field("last", &self.last)
@@ -186,14 +149,19 @@ impl<R, C, const K: usize, const N: usize> fmt::Debug for GaussAttempts<R, C, K,
     }
 }
 
-impl<S, R, Q, const K: usize, const N: usize, const M: usize> Attempts<S>
-    for GaussAttempts<R, CoefficientsOf<S, K, N>, K, N>
+impl<S, Q, const K: usize, const N: usize, const M: usize> Attempts<S>
+    for GaussAttempts<CoefficientsOf<S, K, N>, K, N>
 where
     S: System<Dims = Dims<N, M, Q>, Itself: AdaptedSteps<K, N>>,
-    R: Rate<S>,
     Q: Coordinates<N, Flat = [f64; N]>,
 {
-    fn attempt(&mut self, system: &S, state: &State<Q>, h: f64, level: f64) -> Option<f64> {
+    fn attempt(
+        &mut self,
+        (system, rate): (&S, Rate<'_, S>),
+        state: &State<Q>,
+        h: f64,
+        level: f64,
+    ) -> Option<f64> {
         let (itself, start) = (system.itself(), state.to_coordinates());
         self.tried = None;
         if S::Itself::TESTS_PARAMETERS && !itself.parameters_give_regular_mass()
@@ -202,13 +170,11 @@ where
             return None;
         }
         let tried = itself.attempt(&self.coefficients, &start, h, level, self.last.as_ref())?;
-        let times = if R::IS_ONE {
-            Some(core::array::from_fn(|k| if k == 0 { h } else { 0.0 }))
-        } else {
-            tried.series.times(&start.q, |q| {
-                let state = State { q: *q, ..start };
-                R::rate(system, &State::from_coordinates(&state))
-            })
+        let times = match rate {
+            None => Some(core::array::from_fn(|k| if k == 0 { h } else { 0.0 })),
+            Some(rate) => tried.times(&start.q, |q| {
+                rate(&State::from_coordinates(&State { q: *q, ..start }))
+            }),
         };
         self.tried = times.map(|times| (tried, times));
         self.tried.map(|(tried, _)| tried.decay)
@@ -216,10 +182,6 @@ where
 
     fn elapsed(&self) -> f64 {
         self.tried.map_or(f64::NAN, |(_, times)| times[0])
-    }
-
-    fn unit(&self, system: &S, state: &State<Q>) -> f64 {
-        unit(state.t) / R::rate(system, state)
     }
 
     fn accept(&mut self, state: &mut State<Q>, low: &mut State<Q>) -> bool {
@@ -255,7 +217,7 @@ where
         state.t = if fraction == 1.0 {
             end
         } else {
-            state.t + time_until(&times, fraction)
+            state.t + integral(&times, fraction)
         };
         Some(State::from_coordinates(&state))
     }

@@ -146,6 +146,11 @@ impl<H: TimeScale, R> InScaledTime<H, R> {
     pub(crate) fn energy(&self) -> f64 {
         self.energy
     }
+
+    /// Returns the integrator in the time τ.
+    pub(super) fn in_tau(&self) -> &Integrator<H, R> {
+        &self.integrator
+    }
 }
 
 /// The values of a step of τ, and the low part of the time.
@@ -234,6 +239,10 @@ where
     type Increments = R::Increments;
     type Prepared = Timed<Prepared<R::Prepared, R::Memory>>;
     const HAS_OWN_TIME: bool = true;
+
+    fn rate(&self, state: &State<Q>) -> f64 {
+        self.system().time_scale(state)
+    }
 
     fn system(&self) -> &H {
         self.integrator.system()

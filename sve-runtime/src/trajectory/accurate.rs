@@ -17,6 +17,7 @@ use crate::integrator::adapted::AdaptsSteps;
 use crate::method::OneStepMethod;
 use crate::noise::{Halves, NoNoise, Noise};
 use crate::system::StateOf;
+use crate::time::unit;
 
 /// A source without noise, which steps of adapted size need.
 #[diagnostic::on_unimplemented(
@@ -125,10 +126,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             Sizes::Stored(numbers) => numbers.as_slice(),
             Sizes::Fixed | Sizes::Adapted(_) => &[],
         };
-        let attempts = self.method.attempts();
-        let unit = attempts.unit(self.method.system(), &self.state);
+        let unit = unit(self.state.t) / self.method.rate(&self.state);
         let size = first_size(tolerance, I::STAGES, self.h, unit);
-        let adapted = Adapted::new(tolerance, size, attempts, stored);
+        let adapted = Adapted::new(tolerance, size, self.method.attempts(), stored);
         self.sizes = Sizes::Adapted(Box::new(adapted));
         self.prepared = None;
         self.low.get_or_insert_with(I::no_low_parts);

@@ -12,10 +12,11 @@ use super::events::zero_between;
 use crate::error::StepError;
 use crate::gauss::step_size::StepSize;
 use crate::integrator::accept::check_step_size;
-use crate::integrator::adapted::BoxedAttempts;
+use crate::integrator::adapted::{BoxedAttempts, Rate};
 use crate::method::OneStepMethod;
 use crate::noise::Noise;
 use crate::system::{AnySystem, StateOf};
+use crate::time::unit;
 
 /// Largest number of sizes that are tried for a step. Each is at most half of the size before, so
 /// the last one is negligible beside the first.
@@ -148,7 +149,13 @@ impl<S: AnySystem> Adapted<S> {
 
     /// Tries the part of the step that was tried last, a step of size `h`, that takes a time `rest`.
     /// Returns the size of the part that was tried last, which is solved if all parts were.
-    fn attempt_until(&mut self, system: &S, state: &StateOf<S>, mut h: f64, rest: f64) -> f64 {
+    fn attempt_until(
+        &mut self,
+        system: (&S, Rate<'_, S>),
+        state: &StateOf<S>,
+        mut h: f64,
+        rest: f64,
+    ) -> f64 {
         let (attempts, level) = (&mut self.attempts, self.size.level());
         let (whole, bracket) = (h, [(0.0, -rest), (1.0, attempts.elapsed() - rest)]);
         let mut late = |fraction: f64| {
@@ -235,11 +242,14 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
         let (Sizes::Adapted(adapted), Some(low)) = (&mut self.sizes, &mut self.low) else {
             return Ok(false);
         };
-        let (system, state) = (self.method.system(), &mut self.state);
+        let (method, state) = (&*self.method, &mut self.state);
+        let rate = |state: &StateOf<I::System>| method.rate(state);
+        let rate: Rate<'_, I::System> = if I::HAS_OWN_TIME { Some(&rate) } else { None };
+        let system = (method.system(), rate);
         let t = state.t;
         adapted.check(t, self.step)?;
         let (rest, stays_before) = (limit.rest(t, low.t), matches!(limit, Limit::Before(_)));
-        let least = LEAST_STEP * adapted.attempts.unit(system, state);
+        let least = LEAST_STEP * unit(t) / method.rate(state);
         let before = (adapted.size, adapted.rejected);
         let (mut h, mut attempts) = (adapted.size.h(), 0);
         while attempts < MOST_ATTEMPTS {
