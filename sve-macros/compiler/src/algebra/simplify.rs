@@ -12,6 +12,9 @@ const MERGE_LIMIT: usize = 64;
 /// Smallest exponent that is not merged, lest the merged exponent overflow.
 const EXPONENT: i32 = 1 << 20;
 
+/// Largest exponent of a power that is a product of its base and of roots.
+const MOST_POWER: f64 = 64.0;
+
 impl Arena {
     pub(crate) fn constant(&mut self, value: f64) -> Expr {
         self.intern(Node::Constant(Bits::new(value)))
@@ -307,22 +310,19 @@ impl Arena {
     /// Returns a power with a constant exponent. Integer exponents give products; exponents of
     /// halves and quarters give square roots and products, which cost a fraction of a power.
     pub(super) fn constant_power(&mut self, x: Expr, exponent: f64) -> Expr {
-        let twice = 2.0 * exponent;
-        if twice == twice.round() && twice.abs() <= 128.0 {
-            let twice = twice as i32;
-            if twice % 2 == 0 {
-                return self.pow(x, twice / 2);
+        let is_integer = |x: f64| x == x.round();
+        if exponent.abs() <= MOST_POWER && is_integer(4.0 * exponent) {
+            if is_integer(exponent) {
+                return self.pow(x, exponent as i32);
             }
             let root = self.call(Function::Sqrt, x);
-            return self.pow(root, twice);
-        }
-        if 2.0 * twice == (2.0 * twice).round() && twice.abs() <= 8.0 {
+            if is_integer(2.0 * exponent) {
+                return self.pow(root, (2.0 * exponent) as i32);
+            }
             // the root of the root, with the whole powers apart, whose roundings are fewer
-            let whole = exponent.trunc();
-            let root = self.call(Function::Sqrt, x);
-            let root = self.call(Function::Sqrt, root);
-            let rest = self.pow(root, (4.0 * (exponent - whole)) as i32);
-            let power = self.pow(x, whole as i32);
+            let fourth = self.call(Function::Sqrt, root);
+            let rest = self.pow(fourth, (4.0 * exponent.fract()) as i32);
+            let power = self.pow(x, exponent.trunc() as i32);
             return self.mul(power, rest);
         }
         self.call(Function::Powf(Bits::new(exponent)), x)
