@@ -681,6 +681,6 @@ COMMANDS = [
 
 FILES = {
     "paper": [("target/paper/figure4.png", "docs/figure4.png")],
-    "work-precision": [(f"target/work-precision/{name}.svg", f"docs/work-precision-{name}.svg") for name in ("pendulum", "synchrotron")],
+    "work-precision": [("target/work-precision/synchrotron-errors.svg", "docs/work-precision-synchrotron.svg")],
 }
 """Figures of the documents: from where a command writes them to where they are shown."""

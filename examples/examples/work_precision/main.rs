@@ -11,10 +11,12 @@
 
 mod compensated;
 mod deterministic;
+mod look;
 #[path = "../../../sve-runtime/benches/scenes/measure.rs"]
 #[allow(dead_code)]
 mod measure;
 mod noisy;
+mod picture;
 mod planets;
 mod plots;
 mod problem;
@@ -33,6 +35,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Parser, Subcommand};
+use sve_examples::figure::Figure;
 use sve_examples::{machine, page, render};
 use sve_runtime::study::{Record, StudyError, read_csv, write_csv};
 
@@ -180,17 +183,28 @@ fn section(
         weak,
         invariant: problem.invariant,
     };
-    let figure = plots::figure(name, &all, &winners, &shown);
-    let svg = render::svg(&figure)?;
-    fs::write(out.join(name).with_extension("svg"), &svg)?;
-    fs::write(out.join(name).with_extension("png"), render::png(&figure)?)?;
+    let picture = plots::picture(name, &all, &winners, &shown);
+    let picture = write(&picture, &out.join(format!("{name}-errors")))?;
+    let figure = write(
+        &plots::figure(name, &all, &winners, &shown),
+        &out.join(name),
+    )?;
     records.extend(peers);
     Ok(report::body(&Section {
         problem,
         conclusions: &conclusions,
-        svg: &svg,
+        picture: &picture,
+        figure: &figure,
         records: &records,
     }))
+}
+
+/// Writes a picture as SVG and PNG, and returns the SVG.
+fn write(figure: &Figure, file: &Path) -> Result<String, Box<dyn Error>> {
+    let svg = render::svg(figure)?;
+    fs::write(file.with_extension("svg"), &svg)?;
+    fs::write(file.with_extension("png"), render::png(figure)?)?;
+    Ok(svg)
 }
 
 /// Returns whether a method's error decreases with the step size. For other programs this is

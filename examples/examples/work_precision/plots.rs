@@ -1,15 +1,16 @@
 //! The figure of a problem: errors against time to solution and against the step size, on
 //! logarithmic axes.
 //!
-//! Variational rules have solid lines, methods for comparison dashed lines, other programs dotted
-//! lines. The wide band under the first panel's lines follows the fastest method at each error.
+//! The wide band under the first panel's lines follows the fastest method at each error.
 
 use std::ops::Range;
 
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape, Stroke, Symbols};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use sve_examples::palette::{self, Color};
 use sve_runtime::study::Record;
 
+use crate::look::pen;
+use crate::picture::{Named, Picture};
 use crate::verdict::{Curve, Winner};
 
 /// Number of standard errors below which a weak error is not distinguishable from zero.
@@ -25,16 +26,6 @@ const HEIGHT: u32 = 380;
 /// Height of an entry of the legend. The row of a long legend is higher than the others, so that no
 /// entries overlap.
 const ENTRY: u32 = 17;
-
-/// The methods for comparison.
-const BASELINES: [&str; 6] = [
-    "Heun",
-    "Runge–Kutta 4",
-    "Taylor series 2",
-    "Euler",
-    "Euler–Maruyama",
-    "backward Euler–Maruyama",
-];
 
 /// The methods that figures of problems without noise omit, since other methods need less time for
 /// every error. The tables have their numbers.
@@ -55,6 +46,25 @@ const LEFT_OUT: [&str; 15] = [
     "diffrax: Kvaerno5",
     "midpoint, Kahan–Li 8",
 ];
+
+/// The methods of the picture that shows one panel.
+const IN_PICTURE: [&str; 13] = [
+    "midpoint",
+    "Störmer–Verlet",
+    "Blanes–Moan RKN 6",
+    "Gauss 8",
+    "Heun",
+    "Euler–Maruyama",
+    "Runge–Kutta 4",
+    "heyoka: Taylor",
+    "scipy: DOP853",
+    "numba: Heun",
+    "numba: symplectic Euler",
+    "diffrax: SPaRK",
+    "diffrax: ShARK",
+];
+
+const TIME: &str = "time to solution of one path (s)";
 
 /// A quantity of a record, if it is known.
 pub(crate) type Quantity = fn(&Record) -> Option<f64>;
@@ -161,70 +171,6 @@ impl Series {
     }
 }
 
-/// Returns the look of a method, the same in all figures; the look of other programs follows their
-/// number. Methods with the same look occur in no figure together.
-#[allow(clippy::match_same_arms)] // a line for each method
-fn pen(series: &Series, number: usize) -> Pen {
-    let (color, shape) = match series.name.as_str() {
-        "midpoint" => (palette::BLUE, Shape::Disc),
-        "midpoint, Kahan–Li 8" => (palette::BLUE, Shape::Circle),
-        "Störmer–Verlet" => (palette::VERMILION, Shape::Square),
-        "Störmer–Verlet, Kahan–Li 8" => (palette::VERMILION, Shape::Cross),
-        "Gauss 2" | "Gauss 4" => (palette::PURPLE, Shape::Triangle),
-        "Gauss 2, stage noise" => (palette::PURPLE, Shape::Plus),
-        "Gauss 3, stage noise" => (palette::BLACK, Shape::Cross),
-        "Gauss 4, stage noise" => (palette::BLACK, Shape::Triangle),
-        "Gauss 6" => (palette::PURPLE, Shape::Diamond),
-        "Gauss 8" | "Störmer–Verlet, weak2" => (palette::PURPLE, Shape::Plus),
-        "Gauss 8, compensated" => (palette::PURPLE, Shape::Circle),
-        "Blanes–Moan 4" => (palette::BLACK, Shape::Triangle),
-        "Blanes–Moan RKN 6" => (palette::BLACK, Shape::Disc),
-        "endpoint" | "endpoint, uncorrected" => (palette::GREEN, Shape::Circle),
-        "initial point" | "initial point, uncorrected" => (palette::SKY, Shape::Diamond),
-        "Heun" | "heyoka: Taylor, compensated" => (palette::ORANGE, Shape::Circle),
-        "Runge–Kutta 4" => (palette::BLACK, Shape::Square),
-        "Euler–Maruyama" => (palette::GREY, Shape::Cross),
-        "backward Euler–Maruyama" => (palette::GREY, Shape::Triangle),
-        "heyoka: Taylor" => (palette::ORANGE, Shape::Disc),
-        "scipy: DOP853" => (palette::GREY, Shape::Diamond),
-        "numba: Runge–Kutta 4" => (palette::BLACK, Shape::Cross),
-        _ => {
-            let shapes = [
-                Shape::Triangle,
-                Shape::Square,
-                Shape::Plus,
-                Shape::Disc,
-                Shape::Circle,
-                Shape::Diamond,
-                Shape::Cross,
-            ];
-            (
-                palette::CYCLE[(number + 3) % palette::CYCLE.len()],
-                shapes[number % shapes.len()],
-            )
-        }
-    };
-    let (width, dash) = if series.is_peer {
-        // The number of gaps is the number of rounds of shapes.
-        (1.6, Some((1.5, 3.0 * (1 + number / 7) as f64)))
-    } else if series.name.ends_with("uncorrected") {
-        (1.6, Some((2.0, 4.0)))
-    } else if BASELINES.contains(&&*series.name) {
-        (1.4, Some((7.0, 4.0)))
-    } else {
-        (2.2, None)
-    };
-    Pen {
-        color,
-        line: Some(Stroke { width, dash }),
-        symbol: Some(Symbols {
-            shape,
-            radius: 3.2,
-            count: None,
-        }),
-    }
-}
-
 pub(crate) fn exponents(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.iter().map(|(x, y)| (x.log10(), y.log10())).collect()
 }
@@ -309,8 +255,45 @@ pub(crate) struct Shown<'a> {
     pub(crate) invariant: Option<&'a str>,
 }
 
+/// Returns the band below the fastest method of sve.
+pub(crate) fn band(points: Vec<(f64, f64)>) -> Layer {
+    Layer::new("band: fastest method of sve", points, Pen::line(BAND, 11.0))
+}
+
+/// Returns the exponents of the least times of sve and their errors.
+fn fastest(winners: &[Winner]) -> Vec<(f64, f64)> {
+    let trace: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
+    exponents(&trace)
+}
+
+/// Returns the picture of the errors at the end, with few methods.
+pub(crate) fn picture(
+    name: &'static str,
+    all: &[Series],
+    winners: &[Winner],
+    shown: &Shown<'_>,
+) -> Figure {
+    let numbered = all.iter().enumerate();
+    let curves = numbered
+        .filter(|(_, series)| IN_PICTURE.contains(&&*series.name))
+        .map(|(number, series)| Named {
+            name: series.name.clone(),
+            pen: pen(series, number),
+            points: exponents(&series.points(time, strong)),
+        });
+    Picture {
+        name,
+        title: format!("Which error in which time? {}", shown.problem),
+        x: TIME,
+        y: shown.norm,
+        band: fastest(winners),
+        curves: curves.collect(),
+    }
+    .draw()
+}
+
 /// Draws the figure: strong errors in the first row; weak errors, or errors of the invariant, in
-/// the second row.
+/// the second row. Each panel has its question as the title.
 pub(crate) fn figure(
     name: &'static str,
     all: &[Series],
@@ -318,40 +301,23 @@ pub(crate) fn figure(
     shown: &Shown<'_>,
 ) -> Figure {
     let all = &self::shown(all, shown.weak.is_some());
-    let title = || shown.problem.to_owned();
-    let times = ("time to solution of one path (s)", time as Quantity);
+    let times = (TIME, time as Quantity);
     let steps = ("step size h", step as Quantity);
     let error: Kind<'_> = (shown.norm, strong, strong_spread);
-    let mut first = panel(title(), times, error, all);
-    let trace: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
-    let band = |points| Layer::new("band: fastest method of sve", points, Pen::line(BAND, 11.0));
-    first.layers.insert(0, band(exponents(&trace)).unlisted());
+    let title = format!("{}: which error in which time?", shown.problem);
+    let mut first = panel(title, times, error, all);
+    first.layers.insert(0, band(fastest(winners)).unlisted());
     let orders: &[i32] = if shown.weak.is_some() {
         &[1, 2, 3]
     } else {
         &[2, 4, 8]
     };
-    let second = slopes(panel(title(), steps, error, all), orders)
+    let title = "Which error with which step size?".to_owned();
+    let second = slopes(panel(title, steps, error, all), orders)
         .with(band(Vec::new()))
         .legend(Corner::Outside);
     let mut rows = vec![vec![first, second]];
-    let mut below = Vec::new();
-    let observed = shown
-        .weak
-        .map(|observed| format!("|weak error of {observed}|"));
-    if let Some(what) = &observed {
-        below.push(panel(title(), times, (what, weak, weak_spread), all));
-    }
-    if let Some(invariant) = shown.invariant {
-        let what = format!("largest |error of {invariant}|");
-        below.push(panel(title(), times, (&what, largest, certain), all));
-        if below.len() < 2 {
-            let what = format!("|slope| of the line through {invariant}");
-            below.push(panel(title(), times, (&what, drift, certain), all));
-        }
-    } else if let Some(what) = &observed {
-        below.push(panel(title(), steps, (what, weak, weak_spread), all));
-    }
+    let below = below(all, times, steps, shown);
     if !below.is_empty() {
         rows.push(below);
     }
@@ -364,4 +330,35 @@ pub(crate) fn figure(
         width: WIDTH,
         rows: rows.into_iter().zip(heights).map(row).collect(),
     }
+}
+
+/// Draws the second row.
+fn below(
+    all: &[&Series],
+    times: (&str, Quantity),
+    steps: (&str, Quantity),
+    shown: &Shown<'_>,
+) -> Vec<Panel> {
+    let mut panels = Vec::new();
+    if let Some(observed) = shown.weak {
+        let what = format!("|weak error of {observed}|");
+        let kind: Kind<'_> = (&what, weak, weak_spread);
+        let title = format!("Which weak error of {observed} in which time?");
+        panels.push(panel(title, times, kind, all));
+        if shown.invariant.is_none() {
+            let title = format!("Which weak error of {observed} with which step size?");
+            panels.push(panel(title, steps, kind, all));
+        }
+    }
+    if let Some(invariant) = shown.invariant {
+        let what = format!("largest |error of {invariant}|");
+        let title = format!("Which error of {invariant} in which time?");
+        panels.push(panel(title, times, (&what, largest, certain), all));
+        if panels.len() < 2 {
+            let what = format!("|slope| of the line through {invariant}");
+            let title = format!("Which drift of {invariant} in which time?");
+            panels.push(panel(title, times, (&what, drift, certain), all));
+        }
+    }
+    panels
 }

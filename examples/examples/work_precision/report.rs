@@ -8,12 +8,15 @@ use sve_runtime::study::Record;
 use crate::problem::Problem;
 use crate::verdict::{Winner, duration, rounded};
 
-/// The text and the figure of a problem on the page.
+/// The text and the figures of a problem on the page.
 pub(crate) struct Section<'a> {
     pub(crate) problem: &'a Problem,
     /// The fastest methods by ranges of errors, in words.
     pub(crate) conclusions: &'a str,
-    pub(crate) svg: &'a str,
+    /// The picture of the errors at the end by few methods, as SVG.
+    pub(crate) picture: &'a str,
+    /// The figure of all errors and methods, as SVG.
+    pub(crate) figure: &'a str,
     pub(crate) records: &'a [Record],
 }
 
@@ -139,11 +142,12 @@ fn table(records: &[Record]) -> String {
 pub(crate) fn body(section: &Section<'_>) -> String {
     let problem = section.problem;
     format!(
-        "<section>\n<h2>{}</h2>\n<p>{}</p>\n{}\n<figure>\n{}\n</figure>\n{}</section>\n{}",
+        "<section>\n<h2>{}</h2>\n<p>{}</p>\n{}\n<figure>\n{}\n</figure>\n<figure>\n{}\n</figure>\n{}</section>\n{}",
         escape(problem.title),
         escape(problem.setting),
         section.conclusions,
-        section.svg,
+        section.picture,
+        section.figure,
         orders(problem),
         table(section.records)
     )
@@ -161,13 +165,13 @@ pub(crate) fn head(machine: &str, peers: usize) -> String {
         ),
     };
     format!(
-        "{STYLE}<p>Each figure answers: which method should I use for this error? Down is more precise, left is faster; the yellow band follows the fastest \
+        "{STYLE}<p>The first picture of each problem shows few methods, the figure below it all. Down is more precise, left is faster; the yellow band follows the fastest \
          method. Variational rules have solid lines, methods to compare with dashed ones.</p>\n\
          <p>Errors are root mean squares over paths of the distance of (q, p) from the reference at the end, on the same Brownian paths for all methods and step sizes. \
          Weak errors are differences of means on these paths; what is below two standard errors is not drawn. Slopes of the invariant are those of least-squares lines through its values; of an error that only oscillates they are what is left at the ends, and change their sign with the step size. Times are medians of alternating repeats, \
          of the steps of one path on one thread, with the increments at hand. A method is called the fastest until another one is 10 % faster. \
          Methods whose errors fall more slowly than h^¼ are not counted among the fastest: they converge to something else, if at all. Where the \
-         solution of a problem with noise is not known, the project's own rule of Störmer and Verlet with 16 times shorter steps is its reference; errors without noise are those of \
+         solution of a problem with noise is not known, a rule of this project with shorter steps, named with the problem, is its reference; errors without noise are those of \
          the coordinates, against ends that were computed with 30 digits.</p>\n\
          <p>Machine: {}. {peers}</p>",
         escape(machine)

@@ -2,15 +2,14 @@
 //! the methods beside their curves.
 
 use std::error::Error;
-use std::fs;
 use std::path::Path;
 
-use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen, Row, Shape, Stroke, Symbols};
+use sve_examples::figure::{Figure, Pen, Shape, Stroke, Symbols};
 use sve_examples::palette::{self, Color};
-use sve_examples::render;
 use sve_runtime::study::Record;
 
-use crate::plots::{Series, exponents, range, series, strong, time};
+use crate::picture::{Named, Picture};
+use crate::plots::{Series, exponents, series, strong, time};
 
 /// The problems: their names in files, and what the titles say.
 const PROBLEMS: [(&str, &str); 9] = [
@@ -28,17 +27,8 @@ const PROBLEMS: [(&str, &str); 9] = [
     ("quiet_henon_heiles", "Hénon–Heiles, t = 1000"),
 ];
 
-const WIDTH: u32 = 760;
-const HEIGHT: u32 = 460;
-
-/// Room for the names beside the curves, as a fraction of the range of times.
-const ROOM: f64 = 0.42;
-
 /// An error counts if so many finer settings have it too: at a zero crossing it is small by chance.
 const CONFIRMATIONS: usize = 2;
-
-/// Least distance of two names, as a fraction of the range of errors.
-const DISTANCE: f64 = 0.05;
 
 /// How a method is drawn: its name in records, its name in pictures, and its look.
 type Look = (&'static str, &'static str, Color, Shape, bool);
@@ -110,8 +100,7 @@ pub(crate) fn write(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>
         }
         let figure = figure(name, title, &all);
         let file = out.join(format!("turns-{name}"));
-        fs::write(file.with_extension("svg"), render::svg(&figure)?)?;
-        fs::write(file.with_extension("png"), render::png(&figure)?)?;
+        crate::write(&figure, &file)?;
         println!("wrote {}", file.with_extension("svg").display());
     }
     Ok(())
@@ -141,43 +130,21 @@ fn confirmed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 fn figure(name: &'static str, title: &str, all: &[Series]) -> Figure {
-    let curves = curves(all);
-    let points = || curves.iter().flat_map(|(_, points)| points);
-    let mut times = range(points().map(|p| p.0));
-    let errors = range(points().map(|p| p.1));
-    let names_at = times.end;
-    times.end += ROOM * (times.end - times.start);
-    let mut panel = Panel::new(
-        format!("Which error in which time? {title}"),
-        Axis::powers("processor time of a path (s)", times),
-        Axis::powers("error of the coordinates at the end", errors.clone()),
-    );
-    let mut names = Vec::new();
-    for ((_, name, color, shape, is_peer), points) in curves {
-        names.push((points[points.len() - 1].1, name, color));
-        panel = panel.with(Layer::new(name, points, pen(color, shape, is_peer)).unlisted());
-    }
-    for (height, name, color) in apart(names, DISTANCE * (errors.end - errors.start)) {
-        panel = panel.note((names_at, height), name, color);
-    }
-    let height = HEIGHT;
-    Figure {
+    let curves = curves(all).into_iter();
+    let curves = curves.map(|((_, name, color, shape, is_peer), points)| Named {
+        name: name.into(),
+        pen: pen(color, shape, is_peer),
+        points,
+    });
+    Picture {
         name,
-        width: WIDTH,
-        rows: vec![Row {
-            height,
-            panels: vec![panel],
-        }],
+        title: format!("Which error in which time? {title}"),
+        x: "processor time of a path (s)",
+        y: "error of the coordinates at the end",
+        band: Vec::new(),
+        curves: curves.collect(),
     }
-}
-
-/// Moves names up until none is nearer to the next one than a distance.
-fn apart(mut names: Vec<(f64, &str, Color)>, distance: f64) -> Vec<(f64, &str, Color)> {
-    names.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for k in 1..names.len() {
-        names[k].0 = names[k].0.max(names[k - 1].0 + distance);
-    }
-    names
+    .draw()
 }
 
 fn pen(color: Color, shape: Shape, is_peer: bool) -> Pen {

@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use super::indices::{Run, Runs};
 use super::pieces::{Bases, Batch, NONE, PairStreams, Piece};
-use super::{IndexError, Instances, Pair, Scene, Stop};
+use super::{IndexError, Instances, Pair, Scene, Stop, Term};
 
 /// Nodes of a piece, at most, and of a tile of a drift: the arrays of a tile stay in the first
 /// cache.
@@ -65,6 +65,7 @@ impl Segments {
         let columns: usize = S::TERMS.iter().map(|term| term.columns).sum();
         let is_addressed = n < (u32::MAX / 8) as usize / (columns + 1);
         let mut instances = Instances::new(n, S::TERMS);
+        let terms = TermsOf::of::<S>();
         let mut nests = Vec::new();
         for (number, root) in S::LOOPS.iter().enumerate() {
             let visited = if root.is_stream && is_addressed {
@@ -73,7 +74,7 @@ impl Segments {
                 Err(Stop::AsWritten)
             };
             match visited {
-                Ok(()) if instances.are_long(number) && is_gathered::<S>(number, &instances) => {}
+                Ok(()) if instances.are_long(number) && terms.is_gathered(number, &instances) => {}
                 Err(Stop::Index(error)) => return Err(error),
                 Ok(()) | Err(Stop::AsWritten) => {
                     instances.forget(number);
@@ -81,10 +82,10 @@ impl Segments {
                 }
             }
         }
-        Ok(Self::of_runs::<S>(n, &instances.runs, nests))
+        Ok(Self::of_runs(terms, n, &instances.runs, nests))
     }
 
-    fn of_runs<S: Scene>(n: usize, runs: &[Runs], nests: Vec<usize>) -> Self {
+    fn of_runs(terms: TermsOf, n: usize, runs: &[Runs], nests: Vec<usize>) -> Self {
         let mut columns = Vec::new();
         let columns_at: Vec<u32> = (runs.iter().flat_map(|runs| &runs.columns))
             .map(|column| {
@@ -92,7 +93,7 @@ impl Segments {
                 (columns.len() - column.len()) as u32
             })
             .collect();
-        let of_pairs: Vec<Vec<Run>> = (S::PAIRS.iter())
+        let of_pairs: Vec<Vec<Run>> = (terms.pairs.iter())
             .map(|pair| runs[pair.term].by_index(pair.slot))
             .collect();
         let mut cuts: Vec<u32> = (of_pairs.iter().flatten())
@@ -106,15 +107,15 @@ impl Segments {
             pieces: Vec::new(),
             bases: Vec::new(),
             batches: Vec::new(),
-            streams: streams::<S>(),
-            counts: counts(S::PAIRS),
+            streams: terms.streams(),
+            counts: counts(terms.pairs),
             columns,
             nests,
             free: Vec::new(),
             instances: runs.iter().map(Runs::instances).sum(),
             count: 0,
         };
-        let mut next = vec![0; S::PAIRS.len()];
+        let mut next = vec![0; terms.pairs.len()];
         let mut singles = Vec::new();
         for cut in cuts.windows(2) {
             let [start, end] = [cut[0], cut[1]];
@@ -133,7 +134,7 @@ impl Segments {
             let mut node = start;
             while node < end {
                 let to = end.min(node + length);
-                let bases = bases::<S>(runs, &here, &columns_at, node);
+                let bases = terms.bases(runs, &here, &columns_at, node);
                 let read = bases[all.places()[0].clone()]
                     .iter()
                     .filter(|&&base| base != NONE);
@@ -141,12 +142,12 @@ impl Segments {
                 if length == 1 {
                     singles.push(Single { node, ready, bases });
                 } else {
-                    all.push::<S>([node, to - node, ready], &bases, None);
+                    all.push(terms, [node, to - node, ready], &bases, None);
                 }
                 node = to;
             }
         }
-        all.push_batches::<S>(singles);
+        all.push_batches(terms, singles);
         all.sort();
         all
     }
@@ -160,13 +161,14 @@ impl Segments {
         })
     }
 
-    fn push<S: Scene>(
+    fn push(
         &mut self,
+        terms: TermsOf,
         [start, length, ready]: [u32; 3],
         bases: &[u32],
         batch: Option<u32>,
     ) {
-        let (of_node, others) = bases[..self.streams.len()].split_at(S::NODE_PAIRS);
+        let (of_node, others) = bases[..self.streams.len()].split_at(terms.node_pairs);
         let is_full = !of_node.is_empty() && !of_node.contains(&NONE);
         self.pieces.push(Piece {
             start,
@@ -180,7 +182,7 @@ impl Segments {
     }
 
     /// Adds the nodes of short segments.
-    fn push_batches<S: Scene>(&mut self, mut singles: Vec<Single>) {
+    fn push_batches(&mut self, terms: TermsOf, mut singles: Vec<Single>) {
         let pairs = self.streams.len();
         let [rows, columns, increments] = self.places();
         let key = |single: &Single| {
@@ -192,7 +194,7 @@ impl Segments {
         for group in singles.chunk_by(|a, b| key(a) == key(b)) {
             if group.len() < FEW {
                 for Single { node, ready, bases } in group {
-                    self.push::<S>([*node, 1, *ready], bases, None);
+                    self.push(terms, [*node, 1, *ready], bases, None);
                 }
                 continue;
             }
@@ -230,7 +232,7 @@ impl Segments {
                     .iter()
                     .fold(0, |ready, single| ready.max(single.ready));
                 let number = self.batches.len() as u32;
-                self.push::<S>([0, nodes.len() as u32, ready], &bases, Some(number));
+                self.push(terms, [0, nodes.len() as u32, ready], &bases, Some(number));
                 self.batches.push(batch);
             }
         }
@@ -300,61 +302,81 @@ const fn width(pairs: &[Pair]) -> usize {
     if width == 0 { 1 } else { width }
 }
 
-/// Returns whether each pair of a loop contributes to a node at most once, so that the loop is a
-/// function of the node.
-fn is_gathered<S: Scene>(number: usize, instances: &Instances) -> bool {
-    let mut pairs = (S::PAIRS.iter()).filter(|pair| S::TERMS[pair.term].in_loop == number);
-    pairs.all(|pair| {
-        let runs = instances.runs[pair.term].by_index(pair.slot);
-        runs.windows(2).all(|two| two[0].end() <= two[1].start)
-    })
+/// The terms of a scene and what they read. The tables are made of these data, not for each type of
+/// scene anew.
+#[derive(Clone, Copy)]
+struct TermsOf {
+    terms: &'static [Term],
+    pairs: &'static [Pair],
+    node_pairs: usize,
 }
 
-/// Returns the places of the streams of each pair.
-fn streams<S: Scene>() -> Vec<PairStreams> {
-    let (mut rows, mut columns, mut increments) = (0, 0, 0);
-    let range = |end: &mut usize, length: usize| {
-        *end += length;
-        *end - length..*end
-    };
-    (S::PAIRS.iter())
-        .map(|pair| PairStreams {
-            rows: range(&mut rows, pair.rows.len()),
-            columns: range(&mut columns, pair.columns.len()),
-            increments: range(&mut increments, usize::from(pair.reads_increment)),
+impl TermsOf {
+    const fn of<S: Scene>() -> Self {
+        Self {
+            terms: S::TERMS,
+            pairs: S::PAIRS,
+            node_pairs: S::NODE_PAIRS,
+        }
+    }
+
+    /// Returns whether each pair of a loop contributes to a node at most once, so that the loop is a
+    /// function of the node.
+    fn is_gathered(self, number: usize, instances: &Instances) -> bool {
+        let mut pairs = (self.pairs.iter()).filter(|pair| self.terms[pair.term].in_loop == number);
+        pairs.all(|pair| {
+            let runs = instances.runs[pair.term].by_index(pair.slot);
+            runs.windows(2).all(|two| two[0].end() <= two[1].start)
         })
-        .collect()
-}
+    }
 
-/// Returns the bases of a piece that begins at a node: of pairs, rows, columns and increments.
-fn bases<S: Scene>(
-    runs: &[Runs],
-    here: &[Option<&Run>],
-    columns_at: &[u32],
-    node: u32,
-) -> Vec<u32> {
-    let mut bases = Vec::new();
-    let base = |pair: usize, of: &dyn Fn(&Run) -> u32| {
-        here[pair].map_or(NONE, |run| of(run) + (node - run.start))
-    };
-    let pairs = || S::PAIRS.iter().enumerate();
-    bases.extend(pairs().map(|(number, _)| base(number, &|run| run.instance)));
-    for (number, pair) in pairs() {
-        for &slot in pair.rows {
-            bases.push(base(number, &|run| runs[pair.term].first(run.number, slot)));
+    /// Returns the places of the streams of each pair.
+    fn streams(self) -> Vec<PairStreams> {
+        let (mut rows, mut columns, mut increments) = (0, 0, 0);
+        let range = |end: &mut usize, length: usize| {
+            *end += length;
+            *end - length..*end
+        };
+        (self.pairs.iter())
+            .map(|pair| PairStreams {
+                rows: range(&mut rows, pair.rows.len()),
+                columns: range(&mut columns, pair.columns.len()),
+                increments: range(&mut increments, usize::from(pair.reads_increment)),
+            })
+            .collect()
+    }
+
+    /// Returns the bases of a piece that begins at a node: of pairs, rows, columns and increments.
+    fn bases(
+        self,
+        runs: &[Runs],
+        here: &[Option<&Run>],
+        columns_at: &[u32],
+        node: u32,
+    ) -> Vec<u32> {
+        let mut bases = Vec::new();
+        let base = |pair: usize, of: &dyn Fn(&Run) -> u32| {
+            here[pair].map_or(NONE, |run| of(run) + (node - run.start))
+        };
+        let pairs = || self.pairs.iter().enumerate();
+        bases.extend(pairs().map(|(number, _)| base(number, &|run| run.instance)));
+        for (number, pair) in pairs() {
+            for &slot in pair.rows {
+                bases.push(base(number, &|run| runs[pair.term].first(run.number, slot)));
+            }
         }
-    }
-    for (number, pair) in pairs() {
-        let before = S::TERMS[..pair.term].iter().map(|term| term.columns);
-        let before: usize = before.sum();
-        for &column in pair.columns {
-            let at = columns_at[before + column];
-            bases.push(base(number, &|run| at + run.instance));
+        for (number, pair) in pairs() {
+            let before = self.terms[..pair.term].iter().map(|term| term.columns);
+            let before: usize = before.sum();
+            for &column in pair.columns {
+                let at = columns_at[before + column];
+                bases.push(base(number, &|run| at + run.instance));
+            }
         }
+        for (number, pair) in pairs().filter(|(_, pair)| pair.reads_increment) {
+            let last = self.terms[pair.term].slots.len();
+            bases.push(base(number, &|run| runs[pair.term].first(run.number, last)));
+        }
+        bases
     }
-    for (number, pair) in pairs().filter(|(_, pair)| pair.reads_increment) {
-        let last = S::TERMS[pair.term].slots.len();
-        bases.push(base(number, &|run| runs[pair.term].first(run.number, last)));
-    }
-    bases
 }

@@ -20,3 +20,9 @@ pub mod random;
 pub mod reference;
 pub mod stepper;
 pub mod steps;
+
+/// Returns whether the environment variable `SVE_THOROUGH` asks for many more random cases and
+/// longer paths, which take minutes. The tests are the same programs then, and are not built again.
+pub fn is_thorough() -> bool {
+    std::env::var_os("SVE_THOROUGH").is_some()
+}

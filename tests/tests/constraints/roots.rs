@@ -2,6 +2,7 @@
 //! single steps and in lanes: a step is the end of its path from h → 0 without noise, and beyond
 //! the end of the path it is an error.
 
+use sve_models::is_thorough;
 use sve_models::random::Random;
 use sve_runtime::__private::{ConstraintImpulses, LANES, VectorCoordinates};
 use sve_runtime::Variational;
@@ -103,11 +104,7 @@ impl Check for Sampled {
 }
 
 fn sampled(seed: u64, length: f64, deviations: f64) -> Sampled {
-    let (blocks, followed) = if cfg!(feature = "thorough") {
-        (250, LANES)
-    } else {
-        (1, 2)
-    };
+    let (blocks, followed) = if is_thorough() { (250, LANES) } else { (1, 2) };
     let mut sampled = Sampled {
         random: Random::new(seed),
         length,

@@ -2,6 +2,7 @@
 //! lanes.
 
 use sve_models::checks::assert_relative;
+use sve_models::is_thorough;
 use sve_models::random::Random;
 use sve_runtime::__private::{LANES, StateLanes};
 use sve_runtime::Variational;
@@ -11,11 +12,9 @@ use sve_runtime::system::{Dims, System};
 use super::wild::*;
 
 /// Number of random states for each system and rule, divided among the step sizes.
-const SAMPLES: usize = if cfg!(feature = "thorough") {
-    200_000
-} else {
-    10_000
-};
+fn samples() -> usize {
+    if is_thorough() { 200_000 } else { 10_000 }
+}
 
 /// Returns whether two states agree up to the rounding errors of elementary functions, which an
 /// ill-conditioned step amplifies.
@@ -34,7 +33,7 @@ where
     let mut random = Random::new(42);
     for h in SIZES {
         let prepared = integrator.prepare(h).unwrap();
-        for _ in 0..SAMPLES.div_ceil(SIZES.len() * LANES) {
+        for _ in 0..samples().div_ceil(SIZES.len() * LANES) {
             let mut states = StateLanes::splat(&State::new([0.0; N], [0.0; N]));
             let mut dw = [[0.0; LANES]; M];
             for lane in 0..LANES {

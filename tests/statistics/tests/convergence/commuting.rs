@@ -1,6 +1,8 @@
 //! Noises that commute with one another and with H: a Gauss rule with S stages has the strong order
 //! S.
 
+use std::sync::LazyLock;
+
 use sve_models::orders::{Paths, Row, end, total};
 use sve_runtime::Variational;
 use sve_runtime::prelude::*;
@@ -9,10 +11,10 @@ use sve_runtime::system::{Dims, System};
 use super::strong_order::{self, rotated};
 
 /// With fewer paths the standard errors of order 3 would be above the tolerance.
-const EXACT: Paths = Paths {
+static EXACT: LazyLock<Paths> = LazyLock::new(|| Paths {
     count: 20,
-    ..strong_order::EXACT
-};
+    ..*strong_order::EXACT
+});
 
 /// H = I with H₁ = (σ₁I, σ₂I²), I = (q² + p²)/2.
 #[derive(Clone, Debug)]

@@ -1,6 +1,8 @@
 //! Compositions and splittings with noise of strength σ: their error on paths is O(hʳ + σh). So the
 //! strong order is 1, and the order r shows where noise is weak.
 
+use std::sync::LazyLock;
+
 use sve_models::oracle::synchrotron;
 use sve_models::orders::{Paths, Row, Tolerance, distance2, end};
 use sve_runtime::Variational;
@@ -8,13 +10,13 @@ use sve_runtime::prelude::*;
 
 use super::strong_order::{EXACT, FINE};
 
-const PATHS: Paths = Paths {
+static PATHS: LazyLock<Paths> = LazyLock::new(|| Paths {
     tolerance: Tolerance {
         bias: 0.0,
         error: 0.03,
     },
-    ..FINE
-};
+    ..*FINE
+});
 
 /// A pendulum with noise in position, which does not commute with H.
 #[derive(Clone, Debug)]

@@ -1,5 +1,8 @@
 //! Strong orders of steps with constraints. References are exact paths, paths of the same system in angles, or paths with finer steps.
 
+use std::sync::LazyLock;
+
+use sve_models::is_thorough;
 use sve_models::models::{Curved, Ellipsoid, OnSphere, TurnedSphere, TwoRods};
 use sve_models::orders::{Paths, Row, Tolerance, end, total};
 use sve_runtime::__private::VectorCoordinates;
@@ -9,40 +12,38 @@ use sve_runtime::system::{Dims, System};
 
 /// Steps with which an error of order ½ is far below its next term. A quarter of the paths doubles
 /// the standard error.
-const SMALL: Paths = Paths {
+static SMALL: LazyLock<Paths> = LazyLock::new(|| Paths {
     seed: 31,
     batches: 24,
-    count: if cfg!(feature = "thorough") { 20 } else { 5 },
+    count: if is_thorough() { 20 } else { 5 },
     coarsest: 7,
     levels: 4,
     finest: 15,
     tolerance: Tolerance {
         bias: 0.0,
-        error: if cfg!(feature = "thorough") {
-            0.03
-        } else {
-            0.06
-        },
+        error: if is_thorough() { 0.03 } else { 0.06 },
     },
-};
+});
 
 /// Steps with which an error of order 1 is far below its next term. The ratio to those of the
 /// reference, and so the error of the slope that the reference makes, is that of the small steps.
-const STEPS: Paths = if cfg!(feature = "thorough") {
-    SMALL
-} else {
-    Paths {
-        coarsest: 5,
-        finest: 13,
-        ..SMALL
+static STEPS: LazyLock<Paths> = LazyLock::new(|| {
+    if is_thorough() {
+        *SMALL
+    } else {
+        Paths {
+            coarsest: 5,
+            finest: 13,
+            ..*SMALL
+        }
     }
-};
+});
 
 /// For exact paths, which need no finer steps.
-const EXACT: Paths = Paths {
+static EXACT: LazyLock<Paths> = LazyLock::new(|| Paths {
     finest: STEPS.coarsest + STEPS.levels - 1,
-    ..STEPS
-};
+    ..*STEPS
+});
 
 /// A particle on the unit sphere whose time fluctuates, H₁ = s|p|²/2: the path is a great circle at the time t + sW.
 #[derive(Clone)]
@@ -192,7 +193,7 @@ fn a_rotation_has_its_exact_path() {
         [(turn * q).as_slice(), (turn * p).as_slice()].concat()
     };
     let start = State::new(Q, P);
-    check(EXACT, &system, "rotation, exact path", start, Some(&exact));
+    check(*EXACT, &system, "rotation, exact path", start, Some(&exact));
 }
 
 #[test]
@@ -204,7 +205,7 @@ fn a_fluctuating_time_has_its_exact_path() {
         [q.as_slice(), p.as_slice()].concat()
     };
     let (noise, start) = ("H₁ = s|p|²/2, exact path", State::new(Q, P));
-    check(EXACT, &system, noise, start, Some(&exact));
+    check(*EXACT, &system, noise, start, Some(&exact));
 }
 
 #[test]
@@ -234,14 +235,14 @@ fn rods_against_angles() {
         let end = end.unwrap().unwrap();
         cartesian(end.q, angles.system().velocity(&end).unwrap())
     };
-    check(STEPS, &rods, "two γ, in angles", start, Some(&exact));
+    check(*STEPS, &rods, "two γ, in angles", start, Some(&exact));
 }
 
 #[test]
 fn noises_on_the_sphere_and_on_an_ellipsoid() {
     let (q, p) = (Vector3::from(Q), Vector3::from(P));
     check(
-        STEPS,
+        *STEPS,
         &OnSphere { g: 1.3, s: 0.7 },
         "two γ",
         State::new(Q, P),
@@ -252,14 +253,14 @@ fn noises_on_the_sphere_and_on_an_ellipsoid() {
         g: 1.0,
         s: 0.4,
     };
-    check(STEPS, &ellipsoid, "tangent H₁", State::new(q, p), None);
+    check(*STEPS, &ellipsoid, "tangent H₁", State::new(q, p), None);
     // the momentum along the sphere
     let curved = Curved { g: 1.0, s: 0.3 };
-    check(STEPS, &curved, "f(q)|Πp|²/2", State::new(q, p), None);
+    check(*STEPS, &curved, "f(q)|Πp|²/2", State::new(q, p), None);
     // The macro accepts this curved noise for the rules with one node at an end, since its correction is tangent.
     let homogeneous = Homogeneous { s: 0.3 };
     check(
-        STEPS,
+        *STEPS,
         &homogeneous,
         "f(q/|q|)|p|²/2",
         State::new(Q, P),
@@ -270,5 +271,5 @@ fn noises_on_the_sphere_and_on_an_ellipsoid() {
 #[test]
 fn rotations_that_do_not_commute() {
     let tumbling = Tumbling { s: 0.5 };
-    check(SMALL, &tumbling, "three rotations", State::new(Q, P), None);
+    check(*SMALL, &tumbling, "three rotations", State::new(Q, P), None);
 }

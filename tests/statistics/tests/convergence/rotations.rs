@@ -3,6 +3,9 @@
 //! Each end is compared with that of steps of half the size on the same path, so that no reference
 //! solution is needed: both have an error of the same order.
 
+use std::sync::LazyLock;
+
+use sve_models::is_thorough;
 use sve_models::orders::{Order, Path, Paths, Row, Tolerance, distance2, numbers};
 use sve_runtime::__private::Coordinates;
 use sve_runtime::Variational;
@@ -11,10 +14,10 @@ use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
 
 /// Steps 2⁻⁷ … 2⁻¹¹, the smallest against 2⁻¹².
-const PATHS: Paths = Paths {
+static PATHS: LazyLock<Paths> = LazyLock::new(|| Paths {
     seed: 2026,
     batches: 16,
-    count: if cfg!(feature = "thorough") { 20 } else { 14 },
+    count: if is_thorough() { 20 } else { 14 },
     coarsest: 7,
     levels: 5,
     finest: 12,
@@ -22,7 +25,7 @@ const PATHS: Paths = Paths {
         bias: 0.0,
         error: 0.03,
     },
-};
+});
 
 struct Linear {
     chi: Vector3<f64>,

@@ -4,7 +4,10 @@
 //! has the same order, so that it is smaller by 2⁻⁴ (order 1) or 2⁻² (order ½, 3 % of the mean
 //! square) than that of the finest step measured.
 
+use std::sync::LazyLock;
+
 use sve_models::exact::OscillatorStep;
+use sve_models::is_thorough;
 use sve_models::models::{Actions, Clashing, Kubo, Oscillator};
 use sve_models::oracle::{
     double_pendulum, mixed, pendulum, planar_double_pendulum, relativistic, spherical_pendulum,
@@ -18,10 +21,10 @@ use sve_runtime::system::{Dims, System};
 use sve_runtime::{Rule, Variational};
 
 /// Against exact paths: steps 2⁻⁶ … 2⁻¹⁰. Half of the paths give 1.4 times the standard error.
-pub(crate) const EXACT: Paths = Paths {
+pub(crate) static EXACT: LazyLock<Paths> = LazyLock::new(|| Paths {
     seed: 2024,
     batches: 12,
-    count: if cfg!(feature = "thorough") { 20 } else { 10 },
+    count: if is_thorough() { 20 } else { 10 },
     coarsest: 6,
     levels: 5,
     finest: 10,
@@ -29,13 +32,13 @@ pub(crate) const EXACT: Paths = Paths {
         bias: 0.06,
         error: 0.06,
     },
-};
+});
 
 /// Against fine steps on the same path.
-pub(crate) const FINE: Paths = Paths {
+pub(crate) static FINE: LazyLock<Paths> = LazyLock::new(|| Paths {
     finest: 14,
-    ..EXACT
-};
+    ..*EXACT
+});
 
 pub(crate) fn rotated(start: &State<[f64; 1]>, angle: f64) -> Vec<f64> {
     let ([q], [p]) = (start.q, start.p);

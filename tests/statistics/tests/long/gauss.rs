@@ -5,6 +5,7 @@
 //! has the magnitude |H|. A drift of a hundredth of a unit of rounding in a step is 20 of them
 //! after a million steps, and 60 after ten million.
 
+use sve_models::is_thorough;
 use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::Variational;
 use sve_runtime::prelude::*;
@@ -22,11 +23,13 @@ impl Pendulum {
 }
 
 /// Steps, and starts.
-const LENGTH: (usize, usize) = if cfg!(feature = "thorough") {
-    (10_000_000, 12)
-} else {
-    (1_000_000, 6)
-};
+fn length() -> (usize, usize) {
+    if is_thorough() {
+        (10_000_000, 12)
+    } else {
+        (1_000_000, 6)
+    }
+}
 
 /// Errors of the energy over some trajectories, in random walks of rounding.
 #[derive(Debug)]
@@ -91,7 +94,7 @@ where
     R: Copy,
     Pendulum: Variational<R>,
 {
-    let (steps, count) = LENGTH;
+    let (steps, count) = length();
     let start = |k| State::new([0.7 + 1.2 * (k as f64 + 0.5) / count as f64], [0.0]);
     let starts: Vec<_> = (0..count).map(start).collect();
     let system = Pendulum { g: 9.8 };

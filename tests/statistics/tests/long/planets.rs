@@ -1,6 +1,7 @@
 //! The energy of the outer solar system over up to a hundred million days: its error is that of
 //! rounding, and grows like the square root of the time.
 
+use sve_models::is_thorough;
 use sve_runtime::prelude::*;
 
 use super::gauss::{errors, walks};
@@ -36,11 +37,13 @@ impl OuterSolarSystem {
 }
 
 /// Days, and starts.
-const LENGTH: (usize, usize) = if cfg!(feature = "thorough") {
-    (100_000_000, 12)
-} else {
-    (10_000_000, 6)
-};
+fn length() -> (usize, usize) {
+    if is_thorough() {
+        (100_000_000, 12)
+    } else {
+        (10_000_000, 6)
+    }
+}
 
 #[test]
 fn the_energy_of_the_outer_solar_system_walks() {
@@ -48,7 +51,7 @@ fn the_energy_of_the_outer_solar_system_walks() {
         gravity: GRAVITY,
         masses: MASSES,
     };
-    let (days, count) = LENGTH;
+    let (days, count) = length();
     // Other starts have slightly other velocities, so that their orbits are still those of the
     // planets.
     let scaled = |k: usize| {

@@ -3,6 +3,7 @@
 
 mod continuation;
 
+use sve_models::is_thorough;
 use sve_models::random::Random;
 use sve_runtime::Variational;
 use sve_runtime::prelude::*;
@@ -11,11 +12,9 @@ use sve_runtime::system::{Dims, System};
 use continuation::{Branch, Coefficients, Fields, Step};
 
 /// Number of random steps, for all systems and rules together.
-const STEPS: usize = if cfg!(feature = "thorough") {
-    1_000_000
-} else {
-    10_000
-};
+fn steps() -> usize {
+    if is_thorough() { 1_000_000 } else { 10_000 }
+}
 
 /// `½v² + cos kq`, kicked.
 #[derive(Clone, Copy, Debug)]
@@ -201,7 +200,7 @@ where
 /// Compares all rules for a system; returns the counts.
 macro_rules! all_rules {
     ($system:expr, $fields:expr, $size:expr, $sizes:expr) => {
-        all_rules!($system, $fields, $size, $sizes, STEPS / 24)
+        all_rules!($system, $fields, $size, $sizes, steps() / 24)
     };
     ($system:expr, $fields:expr, $size:expr, $sizes:expr, $count:expr) => {{
         let (mut random, count) = (Random::new(7), $count);
@@ -270,7 +269,7 @@ fn random_steps_of_joined_pendulums() {
         joined,
         [3.2, 3.0],
         [0.5, 8.0],
-        STEPS / 400
+        steps() / 400
     ));
 }
 
@@ -302,7 +301,7 @@ fn compare_second_steps<S, R, const N: usize>(
     S: Variational<R> + System<Dims = Dims<N, 0>>,
 {
     let (rule, mut random, mut taken) = (Coefficients::new(stages), Random::new(3), 0);
-    for _ in 0..STEPS / 50 {
+    for _ in 0..steps() / 50 {
         let start = State::new(random.array(-1.6, 1.6), random.array(-1.5, 1.5));
         let h = random.uniform(0.2, longest);
         let path = integrator.trajectory(start, h, NoNoise).take(2);
@@ -325,7 +324,7 @@ fn compare_second_steps<S, R, const N: usize>(
         assert!(second.iter().zip(&end).all(is_near), "{}", what());
         taken += 1;
     }
-    assert!(taken > STEPS / 100, "{taken}");
+    assert!(taken > steps() / 100, "{taken}");
 }
 
 #[test]

@@ -1,0 +1,94 @@
+//! The looks of methods, the same in all figures.
+//!
+//! Variational rules have solid lines, methods for comparison dashed lines, other programs dotted
+//! lines.
+
+use sve_examples::figure::{Pen, Shape, Stroke, Symbols};
+use sve_examples::palette::{self, Color};
+
+use crate::plots::Series;
+
+/// The methods for comparison.
+const BASELINES: [&str; 6] = [
+    "Heun",
+    "Runge–Kutta 4",
+    "Taylor series 2",
+    "Euler",
+    "Euler–Maruyama",
+    "backward Euler–Maruyama",
+];
+
+/// Returns the hue of another program's method: that of the method of sve, where there is one.
+fn hue(name: &str, number: usize) -> Color {
+    let method = name.split_once(": ").map_or(name, |(_, method)| method);
+    match method {
+        "midpoint" | "LeapfrogMidpoint" => palette::BLUE,
+        "Heun" | "EulerHeun" => palette::ORANGE,
+        "Euler–Maruyama" => palette::GREY,
+        "symplectic Euler" | "SemiImplicitEuler" => palette::GREEN,
+        "SPaRK" | "ShARK" => palette::BLACK,
+        "SlowRK" => palette::SKY,
+        _ => palette::CYCLE[(number + 3) % palette::CYCLE.len()],
+    }
+}
+
+/// Returns the look of a method, the same in all figures; the look of other programs follows their
+/// number. Methods with the same look occur in no figure together.
+#[allow(clippy::match_same_arms)] // a line for each method
+pub(crate) fn pen(series: &Series, number: usize) -> Pen {
+    let (color, shape) = match series.name.as_str() {
+        "midpoint" => (palette::BLUE, Shape::Disc),
+        "midpoint, Kahan–Li 8" => (palette::BLUE, Shape::Circle),
+        "Störmer–Verlet" => (palette::VERMILION, Shape::Square),
+        "Störmer–Verlet, Kahan–Li 8" => (palette::VERMILION, Shape::Cross),
+        "Gauss 2" | "Gauss 4" => (palette::PURPLE, Shape::Triangle),
+        "Gauss 2, stage noise" => (palette::PURPLE, Shape::Plus),
+        "Gauss 3, stage noise" => (palette::BLACK, Shape::Cross),
+        "Gauss 4, stage noise" => (palette::BLACK, Shape::Triangle),
+        "Gauss 6" => (palette::PURPLE, Shape::Diamond),
+        "Gauss 8" | "Störmer–Verlet, weak2" => (palette::PURPLE, Shape::Plus),
+        "Gauss 8, compensated" => (palette::PURPLE, Shape::Circle),
+        "Blanes–Moan 4" => (palette::BLACK, Shape::Triangle),
+        "Blanes–Moan RKN 6" => (palette::BLACK, Shape::Disc),
+        "endpoint" | "endpoint, uncorrected" => (palette::GREEN, Shape::Circle),
+        "initial point" | "initial point, uncorrected" => (palette::SKY, Shape::Diamond),
+        "Heun" | "heyoka: Taylor, compensated" => (palette::ORANGE, Shape::Circle),
+        "Runge–Kutta 4" => (palette::BLACK, Shape::Square),
+        "Euler–Maruyama" => (palette::GREY, Shape::Cross),
+        "backward Euler–Maruyama" => (palette::GREY, Shape::Triangle),
+        "heyoka: Taylor" => (palette::ORANGE, Shape::Disc),
+        "scipy: DOP853" => (palette::GREY, Shape::Diamond),
+        "numba: Runge–Kutta 4" => (palette::BLACK, Shape::Cross),
+        name => {
+            let shapes = [
+                Shape::Triangle,
+                Shape::Square,
+                Shape::Plus,
+                Shape::Disc,
+                Shape::Circle,
+                Shape::Diamond,
+                Shape::Cross,
+            ];
+            (hue(name, number), shapes[number % shapes.len()])
+        }
+    };
+    let (width, dash) = if series.is_peer {
+        // The number of gaps is the number of rounds of shapes.
+        (1.6, Some((1.5, 3.0 * (1 + number / 7) as f64)))
+    } else if series.name.ends_with("uncorrected") {
+        (1.6, Some((2.0, 4.0)))
+    } else if BASELINES.contains(&&*series.name) {
+        (1.4, Some((7.0, 4.0)))
+    } else {
+        (2.2, None)
+    };
+    Pen {
+        color,
+        line: Some(Stroke { width, dash }),
+        symbol: Some(Symbols {
+            shape,
+            radius: 3.2,
+            count: None,
+        }),
+    }
+}
