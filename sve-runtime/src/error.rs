@@ -244,7 +244,7 @@ pub enum StepError {
         /// Time at the start of the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// The size of the step that was tried last.
+        /// The size of the step that was tried last, or was to be tried first.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         h: f64,
         /// The smallest size, four times the rounding error of the time.

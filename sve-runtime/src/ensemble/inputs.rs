@@ -21,7 +21,8 @@ use crate::trajectory::StepsWithoutInputs;
 /// What an ensemble has paths of: a method, or an integrator of a system with inputs.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no paths for an ensemble",
-    note = "an ensemble runs a reference to a method for a system of fixed sizes: an `Integrator` or a baseline"
+    note = "an ensemble runs a reference to a method for a system of fixed sizes: an `Integrator` or a baseline",
+    note = "systems whose `q` is a slice, and systems with a time scale, have single steps and trajectories: let `rayon` or another library run trajectories side by side"
 )]
 #[doc(hidden)]
 pub trait Runs<'a, K> {

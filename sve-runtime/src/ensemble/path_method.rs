@@ -7,7 +7,8 @@ use crate::system::{Increments, System};
 /// [`Method`](crate::Method), and every rule with [stage noise](crate::StageNoise).
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no paths for an ensemble",
-    note = "an ensemble runs a method for a system of fixed sizes: an `Integrator` or a baseline"
+    note = "an ensemble runs a method for a system of fixed sizes: an `Integrator` or a baseline",
+    note = "systems whose `q` is a slice, and systems with a time scale, have single steps and trajectories: let `rayon` or another library run trajectories side by side"
 )]
 pub trait PathMethod: OneStepMethod<System: System, Increments: Increments> {}
 

@@ -111,9 +111,18 @@ impl StepSize {
         true
     }
 
-    /// Forgets the step before, after a change of the state.
-    pub(crate) fn forget(&mut self) {
+    /// Forgets the step before, after a change of the state, and makes the next step at most as long
+    /// as this step of size `h`.
+    pub(crate) fn forget(&mut self, h: f64) {
         self.before = None;
+        if h.abs() < self.h.abs() {
+            self.h = h.abs().copysign(self.h);
+        }
+    }
+
+    /// Makes the next attempt shorter by a factor.
+    pub(crate) fn shorten(&mut self, factor: f64) {
+        self.h *= factor;
     }
 
     /// Returns the numbers that are carried from step to step.

@@ -166,7 +166,8 @@ where
     R: Rule<H>,
     Q: Coordinates<N>,
 {
-    /// Makes one step of τ, and adds its time and the low part of the time.
+    /// Makes one step of τ, and adds its time and the low part of the time. A part of a step may be
+    /// too short to change the time, a step may not.
     ///
     /// The equations of a step do not depend on the time. It is solved from the time 0, so that a
     /// step of τ may be smaller than the rounding error of t.
@@ -176,6 +177,7 @@ where
         state: &mut State<Q>,
         h: f64,
         dw: &R::Increments,
+        is_part: bool,
     ) -> Result<(), StepError> {
         let Timed { steps, low } = prepared;
         let (walker, t) = (self.integrator.walker(), state.t);
@@ -190,7 +192,7 @@ where
         }
         let added = elapsed + *low;
         let to = t + added;
-        if !is_next_time(t, to) {
+        if !(is_next_time(t, to) || is_part && to == t) {
             return Err(StepError::Time { t, h, end: to });
         }
         (end.t, *low) = two_sum(t, added);
@@ -270,7 +272,7 @@ where
     ) -> Result<(), StepError> {
         let mut prepared = prepared.clone();
         <FixedSizes as Steps<H, R>>::recall(&mut prepared.steps, &[]);
-        self.advance(&mut prepared, state, h, dw)
+        self.advance(&mut prepared, state, h, dw, true)
     }
 
     fn next_step(
@@ -280,7 +282,7 @@ where
         h: f64,
         dw: &R::Increments,
     ) -> Result<(), StepError> {
-        self.advance(prepared, state, h, dw)
+        self.advance(prepared, state, h, dw, false)
     }
 
     fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {

@@ -8,7 +8,7 @@ use core::borrow::Borrow;
 use core::fmt;
 use core::ops::Deref;
 
-use super::adapted::{Adapted, Sizes, first_size};
+use super::adapted::{Adapted, Sizes, first_size, unit_of_step};
 use super::saved::Saved;
 use super::{Events, Method, RefinedTrajectory, Trajectory};
 use crate::error::StepError;
@@ -17,7 +17,6 @@ use crate::integrator::adapted::AdaptsSteps;
 use crate::method::OneStepMethod;
 use crate::noise::{Halves, NoNoise, Noise};
 use crate::system::StateOf;
-use crate::time::unit;
 
 /// A source without noise, which steps of adapted size need.
 #[diagnostic::on_unimplemented(
@@ -126,7 +125,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             Sizes::Stored(numbers) => numbers.as_slice(),
             Sizes::Fixed | Sizes::Adapted(_) => &[],
         };
-        let unit = unit(self.state.t) / self.method.rate(&self.state);
+        let unit = unit_of_step(&*self.method, &self.state);
         let size = first_size(tolerance, I::STAGES, self.h, unit);
         let adapted = Adapted::new(tolerance, size, self.method.attempts(), stored);
         self.sizes = Sizes::Adapted(Box::new(adapted));

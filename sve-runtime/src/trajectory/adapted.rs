@@ -18,9 +18,13 @@ use crate::noise::Noise;
 use crate::system::{AnySystem, StateOf};
 use crate::time::unit;
 
-/// Largest number of sizes that are tried for a step. Each is at most half of the size before, so
-/// the last one is negligible beside the first.
+/// Largest number of sizes that are tried for a step.
 const MOST_ATTEMPTS: u32 = 40;
+
+/// Number of attempts after which sizes fall faster and faster, to below 1e-300 of the first one:
+/// the given size may be any number.
+const FEW_ATTEMPTS: u32 = 8;
+const FALL: f64 = 0.25;
 
 /// Smallest step, in units of the rounding error of the time.
 const LEAST_STEP: f64 = 4.0;
@@ -95,11 +99,9 @@ impl<S: AnySystem> Adapted<S> {
     }
 
     /// Checks what the path was given, and that another step may follow `step` steps.
-    fn check(&self, t: f64, step: u64) -> Result<(), StepError> {
-        let h = self.size.h();
-        check_step_size(h)?;
-        if step >= self.most_steps {
-            let steps = step;
+    fn check(&self, t: f64, h: f64, steps: u64) -> Result<(), StepError> {
+        check_step_size(self.size.h())?;
+        if steps >= self.most_steps {
             return Err(StepError::TooManySteps { t, h, steps });
         }
         let tolerance = self.tolerance;
@@ -181,10 +183,11 @@ impl<S: AnySystem> Sizes<S> {
         }
     }
 
-    /// Forgets the steps before, after a change of the state. The size of the next step stays.
-    pub(super) fn forget(&mut self) {
+    /// Forgets the steps before, after a change of the state in a step of size `h`. The next step is
+    /// at most as long: the change has cut this one.
+    pub(super) fn forget(&mut self, h: f64) {
         if let Self::Adapted(adapted) = self {
-            adapted.size.forget();
+            adapted.size.forget(h);
             adapted.attempts.forget();
         }
     }
@@ -201,6 +204,14 @@ pub(super) fn first_size(tolerance: f64, stages: usize, h: f64, unit: f64) -> St
         h
     };
     StepSize::new(tolerance, stages, h)
+}
+
+/// Returns the size of a step that takes the rounding error of the time. Where a time scale is not
+/// defined, the step says so.
+pub(super) fn unit_of_step<I: OneStepMethod>(method: &I, state: &StateOf<I::System>) -> f64 {
+    let rate = method.rate(state);
+    let is_rate = rate > 0.0 && rate.is_finite();
+    unit(state.t) / if is_rate { rate } else { 1.0 }
 }
 
 /// Where a step has to end.
@@ -247,13 +258,13 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
         let rate: Rate<'_, I::System> = if I::HAS_OWN_TIME { Some(&rate) } else { None };
         let system = (method.system(), rate);
         let t = state.t;
-        adapted.check(t, self.step)?;
+        adapted.check(t, self.h, self.step)?;
         let (rest, stays_before) = (limit.rest(t, low.t), matches!(limit, Limit::Before(_)));
-        let least = LEAST_STEP * unit(t) / method.rate(state);
+        let least = LEAST_STEP * unit_of_step(method, state);
         let before = (adapted.size, adapted.rejected);
-        let (mut h, mut attempts) = (adapted.size.h(), 0);
+        let (mut tried, mut attempts) = (adapted.size.h(), 0);
         while attempts < MOST_ATTEMPTS {
-            h = adapted.size.h();
+            let mut h = adapted.size.h();
             let mut lands = !I::HAS_OWN_TIME && reaches(h, rest);
             if lands {
                 if stays_before {
@@ -267,6 +278,7 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
                 break;
             }
             attempts += 1;
+            tried = h;
             let last = adapted.size;
             let decay = adapted.attempts.attempt(system, state, h, last.level());
             if adapted.size.judge(h, decay) {
@@ -279,7 +291,9 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
                     lands = true;
                     h = adapted.attempt_until(system, state, h, rest);
                 }
-                if adapted.attempts.accept(state, low) {
+                // a time within a rounding error of the step has the state of its start
+                let stays = lands && h == 0.0;
+                if stays || adapted.attempts.accept(state, low) {
                     if let Limit::At(end) = limit
                         && lands
                     {
@@ -293,9 +307,11 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
                 adapted.size.judge(h, None);
             }
             adapted.rejected += 1;
+            let excess = attempts.saturating_sub(FEW_ATTEMPTS);
+            adapted.size.shorten(FALL.powi(excess as i32));
         }
         adapted.size = before.0;
-        Err(self.no_size(h, least, attempts))
+        Err(self.no_size(tried, least, attempts))
     }
 
     /// Returns the reason why no size was found for the next step: that of a short step of fixed
@@ -337,14 +353,18 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
             let (Sizes::Adapted(adapted), Some(low)) = (&self.sizes, &self.low) else {
                 return Ok(false);
             };
+            // the low part of the time does not matter to one who asks for the present state
+            if self.state.t == end {
+                return Ok(true);
+            }
             let rest = Limit::At(end).rest(self.state.t, low.t);
             let h = adapted.size.h();
             if rest * h < 0.0 || !rest.is_finite() {
                 let (t, after) = (end, self.state.t);
                 return Err(StepError::TimeOrder { t, after, h });
             }
-            if rest == 0.0 || self.step >= most {
-                return Ok(rest == 0.0);
+            if self.step >= most {
+                return Ok(false);
             }
             let step = self.adapted_step(Limit::Before(end));
             self.has_ended |= step.is_err();
@@ -356,10 +376,12 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
 
     /// Returns the state at a time before the end of the next step. The path stays where it is.
     pub(super) fn adapted_state_at(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
-        let Sizes::Adapted(adapted) = &self.sizes else {
+        let Sizes::Adapted(adapted) = &mut self.sizes else {
             return Ok(self.state.clone());
         };
         let copy = Sizes::Adapted(Box::new(adapted.copy()));
+        // these steps are no steps of the path
+        adapted.most_steps = u64::MAX;
         let kept = (self.state.clone(), self.low.clone(), self.h, self.step);
         let mut reached = Ok(false);
         while let Ok(false) = reached {

@@ -224,7 +224,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         if let Some(prepared) = &mut self.prepared {
             self.method.recall(prepared, &[]);
         }
-        self.sizes.forget();
+        self.sizes.forget(self.h);
     }
 
     /// Makes `steps` steps. Returns the state after them; the states between are not copied.

@@ -74,7 +74,7 @@ fn assert_independent(name: &str, a: &[f64], b: &[f64]) {
 }
 
 /// Moments to the eighth, tails, the distances of Kolmogorov and Smirnov and of Anderson and
-/// Darling, counts of bins, on 10⁷ draws. The example `noise_quality` does it on 10⁹.
+/// Darling, counts of bins, on 10⁷ draws.
 #[test]
 fn ten_million_draws_are_normal() {
     let mut sample = Sample::new();

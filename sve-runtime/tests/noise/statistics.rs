@@ -3,8 +3,6 @@
 //! Input: numbers, or pairs of them. Output: how far each statistic is from its expectation, in
 //! standard errors. Invariant: memory does not grow with the number of draws.
 
-// shared by the tests and the example `noise_quality`, neither of which uses all
-#![allow(dead_code)]
 // places of bins, and small k
 #![allow(clippy::cast_sign_loss)]
 

@@ -212,4 +212,23 @@ fn splitting_of_another_lagrangian() {
     let _ = Composed::new(InitialPoint, KahanLi8);
 }
 
+/// A planet at the pace of its distance.
+struct Planet;
+
+#[variational(midpoint)]
+impl Planet {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) + 1.0 / q[0].hypot(q[1])
+    }
+
+    #[time_scale]
+    fn scale(&self, q: [f64; 2]) -> f64 {
+        q[0].hypot(q[1])
+    }
+}
+
+fn ensemble_with_a_time_scale(planet: Integrator<Planet, Midpoint>) {
+    let _ = Ensemble::new(&planet);
+}
+
 fn main() {}

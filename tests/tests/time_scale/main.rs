@@ -6,6 +6,7 @@ mod failures;
 mod kepler;
 mod paths;
 mod structure;
+mod times;
 mod tolerance;
 
 use sve_runtime::Tangent;

@@ -214,6 +214,14 @@ fn a_place_without_a_time_scale_is_the_reason() {
         "{error}"
     );
     assert_eq!(*path.state(), *nowhere);
+    // s = 0 too, which no step size makes up for
+    let still = TimedState::on_path(State::at(1.5, [0.0], [1.0]), 0.5);
+    let mut path = root.trajectory(still, 0.1, NoNoise).tolerance(1e-6);
+    let error = path.next().expect("an error").unwrap_err();
+    assert!(
+        matches!(error, StepError::TimeScale { t: 1.5, .. }),
+        "{error}"
+    );
     // the edge is reached after a finite time, in steps that become smaller and smaller
     let start = TimedState::new(&Root, [0.25], [-1.0]).expect("a time scale");
     let mut path = root.trajectory(start, 0.1, NoNoise).tolerance(1e-6);

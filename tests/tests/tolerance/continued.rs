@@ -57,6 +57,23 @@ fn a_snapshot_needs_its_tolerance_and_its_system() {
     let (snapshot, t) = (path.snapshot(), path.state().t);
     let mut plain = pendulum.resume(snapshot.clone(), NoNoise).unwrap();
     assert_eq!(plain.next(), Some(Err(StepError::ToleranceMissing { t })));
+    let plain = pendulum.resume(snapshot.clone(), NoNoise).unwrap();
+    let loss = plain.gradient(10, |_, end| Some(end.q[0]));
+    assert_eq!(loss.err(), Some(StepError::ToleranceMissing { t }));
+    // the present time has the present state
+    for steps in 1..30 {
+        let path = pendulum.trajectory(start, 0.1, NoNoise).tolerance(1e-8);
+        let mut path = path.skip(steps - 1);
+        let state = path.next().unwrap().unwrap();
+        let stored = pendulum.trajectory(start, 0.1, NoNoise).tolerance(1e-8);
+        let mut stored = stored;
+        for _ in 0..steps {
+            stored.next().unwrap().unwrap();
+        }
+        let resumed = pendulum.resume(stored.snapshot(), NoNoise).unwrap();
+        let again = resumed.tolerance(1e-8).at([state.t]).next();
+        assert_eq!(again, Some(Ok(state)));
+    }
     // stored again, it is the same
     let again = pendulum
         .resume(snapshot.clone(), NoNoise)

@@ -158,3 +158,37 @@ fn the_number_of_steps_is_limited() {
     );
     assert!(error.to_string().contains("max_steps"), "{error}");
 }
+
+/// Also where no end of the path makes a huge first size smaller.
+#[test]
+fn a_huge_first_size_is_made_smaller() {
+    let pendulum = Integrator::new(Pendulum { g: 1.0 }, Gauss::<8>);
+    for h in [1e25, -1e100, 1e300] {
+        let start = State::new([1.0], [0.0]);
+        let path = pendulum.trajectory(start, h, NoNoise).tolerance(1e-10);
+        let states: Result<Vec<_>, _> = path.take(400).collect();
+        let last = states.unwrap_or_else(|error| panic!("{h:e}: {error}"))[399];
+        assert!(last.t * h.signum() > 1.0, "{h:e}: {}", last.t);
+    }
+}
+
+/// The steps up to a time that was asked for are no steps of the path, and the last size is that of
+/// the last step.
+#[test]
+fn the_limit_of_steps_is_that_of_the_path() {
+    let pendulum = Integrator::new(Pendulum { g: 1.0 }, Gauss::<8>);
+    let path = || {
+        let start = State::new([1.0], [0.0]);
+        pendulum.trajectory(start, 0.1, NoNoise).tolerance(1e-10)
+    };
+    let times: Vec<f64> = path().take(5).map(|state| state.unwrap().t).collect();
+    let mut limited = path().max_steps(5);
+    let error = limited.by_ref().nth(5).unwrap().unwrap_err();
+    let StepError::TooManySteps { t, h, steps: 5 } = error else {
+        panic!("{error}")
+    };
+    assert!(t == times[4] && (h - (times[4] - times[3])).abs() < 1e-14);
+    let within = 0.5 * (times[3] + times[4]);
+    let states: Result<Vec<_>, _> = path().max_steps(5).at([within, times[4]]).collect();
+    assert_eq!(states.map(|states| states.len()), Ok(2));
+}

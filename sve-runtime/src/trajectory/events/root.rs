@@ -35,7 +35,10 @@ pub(in crate::trajectory) fn zero_between<E>(
     // `new` and `other` bracket the zero; `before` is the point that was discarded last.
     let (mut other, mut new) = (first, second);
     let mut fraction = new.1 / (new.1 - other.1);
-    for _ in 0..EVALUATIONS {
+    let has_same_sign = first.1 > 0.0 && second.1 > 0.0 || first.1 < 0.0 && second.1 < 0.0;
+    // without a zero between, that of a function with rounding errors is at an end
+    let most = if has_same_sign { 0 } else { EVALUATIONS };
+    for _ in 0..most {
         let best = if new.1.abs() < other.1.abs() {
             new
         } else {

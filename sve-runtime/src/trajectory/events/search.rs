@@ -174,7 +174,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         let zero = zero_between(value, bracket)?;
         let [a, b] = zero.values;
         if a.abs().min(b.abs()) > JUMP * (function.next - function.value).abs() {
-            let t = rest.time_at(zero.at);
+            let t = self.state_at(rest, zero.at)?.t;
             let [before, after] = if (a > 0.0) == (function.value > 0.0) {
                 [a, b]
             } else {

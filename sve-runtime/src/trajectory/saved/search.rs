@@ -166,7 +166,9 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
         self.hold()?;
         let end = |fraction: f64| {
             let mut state = self.state.clone();
-            (self.within()).make(&mut state, fraction * self.h, drawn.borrow())?;
+            if fraction != 0.0 {
+                (self.within()).make(&mut state, fraction * self.h, drawn.borrow())?;
+            }
             Ok::<_, StepError>(state)
         };
         let late = |fraction: f64| Ok::<_, StepError>(end(fraction)?.t - t);
