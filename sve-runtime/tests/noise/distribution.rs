@@ -89,7 +89,7 @@ fn ten_million_draws_are_normal() {
         }
     }
     for finding in sample.findings() {
-        assert!(finding.holds(), "{finding:?}");
+        assert!(finding.holds(), "{finding}");
     }
 }
 

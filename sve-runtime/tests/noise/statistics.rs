@@ -1,10 +1,12 @@
 //! What standard normals have to satisfy, gathered as they come.
 //!
-//! Input: numbers, or pairs of them. Output: how far each statistic is from its expectation, in
+//! Input: numbers. Output: how far each statistic is from its expectation, in
 //! standard errors. Invariant: memory does not grow with the number of draws.
 
 // places of bins, and small k
 #![allow(clippy::cast_sign_loss)]
+
+use std::fmt;
 
 /// Bins a unit of z, of ±10.
 const FINE: f64 = 512.0;
@@ -29,6 +31,22 @@ pub(crate) struct Finding {
     pub(crate) deviation: f64,
     /// What `deviation` exceeds once in about a million samples of true normals.
     pub(crate) bound: f64,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            what,
+            value,
+            expected,
+            deviation,
+            ..
+        } = self;
+        write!(
+            f,
+            "{what}: {value} in place of {expected}, {deviation} standard errors"
+        )
+    }
 }
 
 impl Finding {
@@ -80,16 +98,6 @@ impl Sample {
         }
         // a number out of reach is a fault of its own
         self.bins[((z + REACH) * FINE) as usize] += 1;
-    }
-
-    pub(crate) fn merge(&mut self, other: &Self) {
-        self.n += other.n;
-        for (sum, more) in self.powers.iter_mut().zip(other.powers) {
-            *sum += more;
-        }
-        for (bin, more) in self.bins.iter_mut().zip(&other.bins) {
-            *bin += more;
-        }
     }
 
     pub(crate) fn findings(&self) -> Vec<Finding> {
@@ -171,45 +179,5 @@ impl Sample {
             },
             Finding::new("χ² of bins".into(), chi, freedom, f64::sqrt(2.0 * freedom)),
         ]
-    }
-}
-
-/// Sums over pairs of draws.
-#[derive(Default)]
-pub(crate) struct Pairs {
-    n: u64,
-    values: f64,
-    squares: f64,
-    /// Of the first with the square of the second.
-    mixed: f64,
-}
-
-impl Pairs {
-    #[inline]
-    pub(crate) fn add(&mut self, a: f64, b: f64) {
-        self.n += 1;
-        self.values += a * b;
-        // z² − 1 has variance 2
-        self.squares += (a * a - 1.0) * (b * b - 1.0) / 2.0;
-        self.mixed += a * (b * b - 1.0) / core::f64::consts::SQRT_2;
-    }
-
-    pub(crate) fn merge(&mut self, other: &Self) {
-        self.n += other.n;
-        self.values += other.values;
-        self.squares += other.squares;
-        self.mixed += other.mixed;
-    }
-
-    /// Correlations of the values, of their squares and of one with the other's square.
-    pub(crate) fn findings(&self, of: &str) -> Vec<Finding> {
-        let n = self.n as f64;
-        [
-            ("values", self.values),
-            ("squares", self.squares),
-            ("value and square", self.mixed),
-        ]
-        .map(|(kind, sum)| Finding::new(format!("{of}: {kind}"), sum / n, 0.0, 1.0 / n.sqrt()))
-        .into()
     }
 }

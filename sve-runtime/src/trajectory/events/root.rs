@@ -1,8 +1,9 @@
 //! The zero of a function between two points at which it has different signs.
 //!
 //! Input: a function that can fail, a bracket and the values at its ends. Output: a point at which
-//! the function is zero, or next to which it changes its sign. Invariant: the bracket always
-//! contains a change of sign, so the function only has to be continuous.
+//! the function is zero, or next to which it changes its sign; of a bracket without a change of
+//! sign, the end with the smaller value. Invariant: the bracket always contains a change of sign, so
+//! the function only has to be continuous.
 //!
 //! Source: T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of
 //! a nonlinear function without using derivatives*, Advances in Engineering Software 28 (1997)
@@ -26,7 +27,8 @@ pub(in crate::trajectory) struct Zero {
     pub(super) values: [f64; 2],
 }
 
-/// Finds a zero between two points whose values have different signs.
+/// Finds a zero between two points whose values have different signs. Rounding errors may give a
+/// zero at an end both values the same sign: it is then the end with the smaller value.
 pub(in crate::trajectory) fn zero_between<E>(
     mut function: impl FnMut(f64) -> Result<f64, E>,
     bracket: [Point; 2],
@@ -36,7 +38,6 @@ pub(in crate::trajectory) fn zero_between<E>(
     let (mut other, mut new) = (first, second);
     let mut fraction = new.1 / (new.1 - other.1);
     let has_same_sign = first.1 > 0.0 && second.1 > 0.0 || first.1 < 0.0 && second.1 < 0.0;
-    // without a zero between, that of a function with rounding errors is at an end
     let most = if has_same_sign { 0 } else { EVALUATIONS };
     for _ in 0..most {
         let best = if new.1.abs() < other.1.abs() {
