@@ -120,11 +120,6 @@ impl StepSize {
         }
     }
 
-    /// Makes the next attempt shorter by a factor.
-    pub(crate) fn shorten(&mut self, factor: f64) {
-        self.h *= factor;
-    }
-
     /// Returns the numbers that are carried from step to step.
     pub(crate) fn numbers(&self) -> [f64; 3] {
         let [size, fitted] = self.before.unwrap_or([0.0; 2]);

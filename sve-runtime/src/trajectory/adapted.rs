@@ -18,14 +18,6 @@ use crate::noise::Noise;
 use crate::system::{AnySystem, StateOf};
 use crate::time::unit;
 
-/// Largest number of sizes that are tried for a step.
-const MOST_ATTEMPTS: u32 = 40;
-
-/// Number of attempts after which sizes fall faster and faster, to below 1e-300 of the first one:
-/// the given size may be any number.
-const FEW_ATTEMPTS: u32 = 8;
-const FALL: f64 = 0.25;
-
 /// Smallest step, in units of the rounding error of the time.
 const LEAST_STEP: f64 = 4.0;
 
@@ -236,7 +228,7 @@ impl Limit {
 
 /// Returns whether a step that takes some time reaches the time after `rest`.
 fn reaches(elapsed: f64, rest: f64) -> bool {
-    rest.abs() <= elapsed.abs() * (1.0 + SAME_TIME)
+    rest.is_finite() && rest.abs() <= elapsed.abs() * (1.0 + SAME_TIME)
 }
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
@@ -263,7 +255,8 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
         let least = LEAST_STEP * unit_of_step(method, state);
         let before = (adapted.size, adapted.rejected);
         let (mut tried, mut attempts) = (adapted.size.h(), 0);
-        while attempts < MOST_ATTEMPTS {
+        // each size is at most 2^-½ of the one before, so there is an end
+        loop {
             let mut h = adapted.size.h();
             let mut lands = !I::HAS_OWN_TIME && reaches(h, rest);
             if lands {
@@ -307,8 +300,6 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
                 adapted.size.judge(h, None);
             }
             adapted.rejected += 1;
-            let excess = attempts.saturating_sub(FEW_ATTEMPTS);
-            adapted.size.shorten(FALL.powi(excess as i32));
         }
         adapted.size = before.0;
         Err(self.no_size(tried, least, attempts))

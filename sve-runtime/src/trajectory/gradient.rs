@@ -239,12 +239,12 @@ impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
         loss: impl Fn(u64, &DualStateOf<'_, I::System>) -> Option<Dual>,
     ) -> Result<Gradient<MomentumOf<I::System>>, StepError> {
         let Self {
-            mut trajectory,
+            trajectory,
             steps,
             checkpoints,
             piece,
         } = self;
-        trajectory.prepare()?;
+        trajectory.check_sizes()?;
         let (parameters, pieces) = (
             I::System::PARAMETERS.len(),
             steps.div_ceil(piece).max(1) as usize,

@@ -189,12 +189,19 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// Computes the values that depend on the step size alone, if it is the same in all steps.
     #[cold]
     fn prepare(&mut self) -> Result<(), StepError> {
-        match &self.sizes {
-            Sizes::Fixed => self.prepared = Some(self.method.prepare(self.h)?),
-            Sizes::Adapted(_) => {}
-            Sizes::Stored(_) => return Err(StepError::ToleranceMissing { t: self.state.t }),
+        self.check_sizes()?;
+        if !self.is_adapted() {
+            self.prepared = Some(self.method.prepare(self.h)?);
         }
         Ok(())
+    }
+
+    /// Checks that steps of a snapshot whose sizes were adapted have a tolerance again.
+    fn check_sizes(&self) -> Result<(), StepError> {
+        match self.sizes {
+            Sizes::Stored(_) => Err(StepError::ToleranceMissing { t: self.state.t }),
+            Sizes::Fixed | Sizes::Adapted(_) => Ok(()),
+        }
     }
 
     /// Holds what the next step is given besides its increments.

@@ -5,7 +5,7 @@
 use rand::{SeedableRng, rngs::StdRng};
 use sve_runtime::noise::{FromRng, Noise, ThreePoint, Truncated, Wiener};
 
-use crate::statistics::{Sample, normal_cdf, normal_moment};
+use crate::statistics::{Finding, Sample, normal_cdf, normal_moment};
 
 const BOUND: f64 = 5.0;
 
@@ -89,7 +89,14 @@ fn ten_million_draws_are_normal() {
         }
     }
     for finding in sample.findings() {
-        assert!(finding.holds(), "{finding}");
+        let (value, expected) = (finding.value, finding.expected);
+        let Finding {
+            what, deviation, ..
+        } = &finding;
+        assert!(
+            finding.holds(),
+            "{what}: {value} for {expected}, {deviation} standard errors"
+        );
     }
 }
 

@@ -6,8 +6,6 @@
 // places of bins, and small k
 #![allow(clippy::cast_sign_loss)]
 
-use std::fmt;
-
 /// Bins a unit of z, of ±10.
 const FINE: f64 = 512.0;
 const REACH: f64 = 10.0;
@@ -31,22 +29,6 @@ pub(crate) struct Finding {
     pub(crate) deviation: f64,
     /// What `deviation` exceeds once in about a million samples of true normals.
     pub(crate) bound: f64,
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            what,
-            value,
-            expected,
-            deviation,
-            ..
-        } = self;
-        write!(
-            f,
-            "{what}: {value} in place of {expected}, {deviation} standard errors"
-        )
-    }
 }
 
 impl Finding {
