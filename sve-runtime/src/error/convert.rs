@@ -101,3 +101,23 @@ pub(crate) fn step_error<F: FlatConfiguration<N>, const N: usize>(
         },
     }
 }
+
+impl StepError {
+    /// Returns the error of a step that was solved from another time than its own.
+    pub(crate) fn at_time(mut self, time: f64) -> Self {
+        if let Self::NonFiniteInput { t, .. }
+        | Self::NonFiniteResult { t, .. }
+        | Self::TimeScale { t, .. }
+        | Self::NotConverged { t, .. }
+        | Self::BranchLost { t, .. }
+        | Self::NoVelocity { t, .. }
+        | Self::OutsideDomain { t, .. }
+        | Self::SingularMass { t, .. }
+        | Self::Singular { t, .. }
+        | Self::Time { t, .. } = &mut self
+        {
+            *t = time;
+        }
+        self
+    }
+}

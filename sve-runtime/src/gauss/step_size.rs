@@ -51,6 +51,8 @@ pub(crate) struct StepSize {
     level: f64,
     /// The size of the next step.
     h: f64,
+    /// Largest size.
+    most: f64,
     /// The step before: its size, and the logarithm of the size that fitted.
     before: Option<[f64; 2]>,
 }
@@ -64,7 +66,29 @@ impl StepSize {
             target: log2(error) / (2 * stages) as f64,
             level: (CHANGE_PART * error).max(SMALLEST_CHANGE),
             h,
+            most: f64::INFINITY,
             before: None,
+        }
+    }
+
+    /// Limits the size of all steps. With a limit that is not positive the next step has no size,
+    /// which is an error.
+    pub(crate) fn limit(&mut self, most: f64) {
+        let is_size = most > 0.0;
+        self.most = if is_size { most } else { f64::INFINITY };
+        self.h = if is_size {
+            self.at_most(most)
+        } else {
+            0.0 * most
+        };
+    }
+
+    /// Returns the size of the next step, cut to another one.
+    fn at_most(&self, most: f64) -> f64 {
+        if self.h.abs() > most {
+            most.copysign(self.h)
+        } else {
+            self.h
         }
     }
 
@@ -107,6 +131,7 @@ impl StepSize {
         };
         let growth = exp2(fit + trend).clamp(MOST_DECREASE, MOST_GROWTH);
         self.h = h * growth;
+        self.h = self.at_most(self.most);
         self.before = Some([size, fitted]);
         true
     }
@@ -115,9 +140,7 @@ impl StepSize {
     /// as this step of size `h`.
     pub(crate) fn forget(&mut self, h: f64) {
         self.before = None;
-        if h.abs() < self.h.abs() {
-            self.h = h.abs().copysign(self.h);
-        }
+        self.h = self.at_most(h.abs());
     }
 
     /// Returns the numbers that are carried from step to step.

@@ -188,7 +188,7 @@ where
             elapsed: &mut elapsed,
         };
         if let Err(error) = walk_on(walker, steps, &mut end, h, dw, mode) {
-            return Err(self.explain(error, steps, state, h, dw));
+            return Err(self.explain(error, state, h));
         }
         let added = elapsed + *low;
         let to = t + added;
@@ -202,32 +202,13 @@ where
 
     /// Returns the error of a step that failed, with its time.
     #[cold]
-    fn explain(
-        &self,
-        error: StepError,
-        steps: &mut Prepared<R::Prepared, R::Memory>,
-        state: &State<Q>,
-        h: f64,
-        dw: &R::Increments,
-    ) -> StepError {
-        let scale = self.integrator.system().time_scale(state);
-        let mut at = state.to_coordinates();
-        if !is_time_scale(scale)
-            && state.t.is_finite()
-            && at.q.values().iter().all(|x| x.is_finite())
-        {
-            return StepError::TimeScale {
-                t: state.t,
-                h,
-                scale,
-                q: at.q.values(),
-            };
+    fn explain(&self, error: StepError, state: &State<Q>, h: f64) -> StepError {
+        let (t, scale) = (state.t, self.integrator.system().time_scale(state));
+        let q = state.to_coordinates().q.values();
+        if !is_time_scale(scale) && t.is_finite() && q.iter().all(|x| x.is_finite()) {
+            return StepError::TimeScale { t, h, scale, q };
         }
-        let mode = Elapse { elapsed: &mut 0.0 };
-        match walk_on(self.integrator.walker(), steps, &mut at, h, dw, mode) {
-            Err(error) if !matches!(error, StepError::Time { .. }) => error,
-            _ => error,
-        }
+        error.at_time(t)
     }
 }
 

@@ -184,6 +184,43 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
         self
     }
 
+    /// Limits the size of each step, of τ with a time scale. Without this option sizes grow as long as
+    /// no stage sees a force, and a step may pass an obstacle of short range between its stages: give
+    /// a size that does not. A snapshot does not store it.
+    ///
+    /// ```
+    /// use sve_runtime::prelude::*;
+    ///
+    /// /// A wall that is three units wide and higher than the energy of the particle.
+    /// struct Wall;
+    ///
+    /// #[variational(gauss(8))]
+    /// impl Wall {
+    ///     fn lagrangian(&self, q: f64, v: f64) -> f64 {
+    ///         0.5 * v * v - 10.0 * (-q * q).exp()
+    ///     }
+    /// }
+    ///
+    /// # fn main() -> Result<(), StepError> {
+    /// let wall = Integrator::new(Wall, Gauss::<8>);
+    /// let start = State::new([-20.0], [1.0]);
+    /// let path = wall.trajectory(start, 0.1, NoNoise).tolerance(1e-9).max_step(2.0);
+    /// let end = path.until(40.0).last().expect("an end")?;
+    /// assert!((end.p[0] + 1.0).abs() < 1e-7); // thrown back
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The first step fails with [`StepError::StepSize`] if the size is not positive.
+    #[must_use]
+    pub fn max_step(mut self, size: f64) -> Self {
+        if let Sizes::Adapted(adapted) = &mut self.trajectory.sizes {
+            adapted.limit(size);
+        }
+        self
+    }
+
     /// Returns the number of attempts at steps that were not accepted, including the attempts before
     /// a snapshot.
     pub fn rejections(&self) -> u64 {

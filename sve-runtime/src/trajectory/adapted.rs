@@ -111,6 +111,11 @@ impl<S: AnySystem> Adapted<S> {
         Ok(())
     }
 
+    /// Limits the size of all steps.
+    pub(super) fn limit(&mut self, most: f64) {
+        self.size.limit(most);
+    }
+
     fn numbers(&self) -> Vec<f64> {
         let mut numbers = self.size.numbers().to_vec();
         numbers.push(self.rejected as f64);

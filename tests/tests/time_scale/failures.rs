@@ -83,6 +83,15 @@ fn a_step_from_or_to_a_place_without_a_time_scale_fails_and_leaves_the_state() {
         "{error}"
     );
     assert_eq!(state, start);
+    // also where h, a step of τ, is below the rounding error of t
+    let late = TimedState::on_path(State { t: 1e20, ..*start }, start.energy());
+    let mut state = late;
+    let error = edge.step(&mut state, 1.5, &[]).unwrap_err();
+    assert!(
+        matches!(error, StepError::BranchLost { t: 1e20, .. }),
+        "{error}"
+    );
+    assert_eq!(state, late);
     let root = Integrator::new(Root, Gauss::<4>);
     let start = TimedState::new(&Root, [0.25], [-1.0]).expect("a time scale");
     let mut state = start;

@@ -2,7 +2,7 @@
 
 use sve_runtime::prelude::*;
 
-use super::systems::{Edge, Fall, Kepler, Pendulum, perihelion};
+use super::systems::{Edge, Fall, Kepler, Pendulum, Wall, perihelion};
 
 /// The size of the first step is a guess: a bad one costs attempts or steps, and nothing more.
 #[test]
@@ -191,4 +191,32 @@ fn the_limit_of_steps_is_that_of_the_path() {
     let within = 0.5 * (times[3] + times[4]);
     let states: Result<Vec<_>, _> = path().max_steps(5).at([within, times[4]]).collect();
     assert_eq!(states.map(|states| states.len()), Ok(2));
+}
+
+/// A step that is longer than a wall may pass it between its stages.
+#[test]
+fn no_step_is_longer_than_its_limit() {
+    let wall = Integrator::new(Wall, Gauss::<8>);
+    for sign in [1.0, -1.0] {
+        for k in 0..20 {
+            let start = State::new([-sign * (20.0 + 0.25 * f64::from(k))], [1.0]);
+            let path = wall.trajectory(start, 0.1 * sign, NoNoise).tolerance(1e-9);
+            let mut path = path.max_step(2.0);
+            let mut longest = 0.0_f64;
+            while path.state().t * sign < 40.0 {
+                let before = path.state().t;
+                let state = path.next().unwrap().unwrap();
+                longest = longest.max((state.t - before).abs());
+            }
+            assert!((1.9..=2.0 + 1e-12).contains(&longest), "{longest}");
+            let p = path.state().p[0];
+            assert!((p + 1.0).abs() < 1e-7, "{k}: {p}");
+        }
+    }
+    for size in [0.0, -1.0, f64::NAN] {
+        let start = State::new([-5.0], [1.0]);
+        let path = wall.trajectory(start, 0.1, NoNoise).tolerance(1e-9);
+        let error = path.max_step(size).next().unwrap().unwrap_err();
+        assert!(matches!(error, StepError::StepSize { .. }), "{error}");
+    }
 }

@@ -75,6 +75,16 @@ impl Ball {
     }
 }
 
+/// A wall of short range, higher than the energy of a particle with the velocity 1.
+pub(crate) struct Wall;
+
+#[variational(gauss(8))]
+impl Wall {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 10.0 * (-q * q).exp()
+    }
+}
+
 /// Returns the largest difference of two states.
 pub(crate) fn distance<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
     let numbers = a.q.iter().chain(&a.p).zip(b.q.iter().chain(&b.p));
