@@ -238,7 +238,7 @@ pub enum StepError {
     /// found for it.
     #[error(
         "the tolerance of the path allows no step from t = {t}: the last of {attempts} attempts had h = {h:e}, below {least:e} no step is made; \
-         L is singular or not smooth near q = {q:?}, or an exponential or an angle has an argument beyond 708 or 10⁵ there, or the tolerance is below the rounding errors of its terms: end the path before, or take a larger tolerance or equal steps"
+         L is singular or not smooth near q = {q:?}, or the argument of a sine or cosine is above 10⁵ there, or the tolerance is below the rounding errors of its terms: end the path before, or take a larger tolerance or equal steps"
     )]
     StepTooSmall {
         /// Time at the start of the step.

@@ -8,11 +8,11 @@ use core::f64::consts::LOG2_E;
 
 use super::{four, nearest, power_of_two, select};
 
+/// Arguments of `eˣ` beyond this have no other values: infinity above, and 0 below.
+const FAR: f64 = 750.0;
+
 const LN_2_FIRST: f64 = 0.693_147_180_369_123_8;
 const LN_2_REST: f64 = 1.908_214_929_270_587_7e-10;
-
-/// Largest magnitude of x for which `eˣ` is neither infinite nor subnormal.
-pub(super) const LARGEST: f64 = 708.0;
 
 /// Coefficients of Q in `eʳ − 1 = r + r² Q(r)`.
 const Q: [f64; 11] = [
@@ -52,49 +52,72 @@ fn eleven(c: &[f64; 11], r: f64, r2: f64) -> f64 {
     four([c[0], c[1], c[2], c[3]], r, r2) + r4 * (four([c[4], c[5], c[6], c[7]], r, r2) + r4 * last)
 }
 
-/// Returns k, its bits and `eʳ − 1`; NaN for `|x|` above 708.
+/// Returns the nearest number of a range; NaN for NaN.
 #[inline(always)]
-fn reduced(x: f64) -> (u64, f64) {
-    let (k, bits) = nearest(x * LOG2_E);
-    let k = select(x.abs() <= LARGEST, k, f64::NAN);
+fn within(x: f64, low: f64, high: f64) -> f64 {
+    let x = select(x < low, low, x);
+    select(x > high, high, x)
+}
+
+/// Returns k and `eʳ − 1`.
+#[inline(always)]
+fn reduced(x: f64) -> (f64, f64) {
+    let k = nearest(x * LOG2_E).0;
     let first = x - k * LN_2_FIRST;
     let rest = k * LN_2_REST;
     let r = first - rest;
     let r2 = r * r;
-    (bits, first - (rest - r2 * eleven(&Q, r, r2)))
+    (k, first - (rest - r2 * eleven(&Q, r, r2)))
 }
 
-/// Returns `eˣ`, to 0.9 units in the last place, for `|x| ≤ 708`; NaN otherwise.
+/// Returns two normal powers of 2 whose product is 2 to the power of an integer k from −1140 to
+/// 1140. The second one is 1 where `2ᵏ` is normal.
+#[inline(always)]
+fn powers_of_two(k: f64) -> [f64; 2] {
+    let is_far = k.abs() > 1021.0;
+    let moved = select(is_far, 128f64.copysign(k), 0.0);
+    let rest = select(k > 0.0, 2f64.powi(128), 2f64.powi(-128));
+    [
+        power_of_two(nearest(k - moved).1),
+        select(is_far, rest, 1.0),
+    ]
+}
+
+/// Returns `eˣ`, to 0.9 units in the last place; to a unit where it is subnormal.
 #[inline(always)]
 pub fn exp(x: f64) -> f64 {
-    let (k, e) = reduced(x);
-    (1.0 + e) * power_of_two(k)
+    let (k, e) = reduced(within(x, -FAR, FAR));
+    let [scale, more] = powers_of_two(k);
+    (1.0 + e) * scale * more
 }
 
-/// Returns `eˣ − 1`, to 1.5 units in the last place, for `|x| ≤ 708`; NaN otherwise.
+/// Returns `eˣ − 1`, to 1.5 units in the last place.
 #[inline(always)]
 pub fn exp_m1(x: f64) -> f64 {
-    let (k, e) = reduced(x);
-    let scale = power_of_two(k);
+    // below −100 the result is −1
+    let (k, e) = reduced(within(x, -100.0, FAR));
+    let [scale, more] = powers_of_two(k);
     // keeps the sign of −0
-    (scale * e + (scale - 1.0)).copysign(x)
+    ((scale * e + (scale - 1.0)) * more).copysign(x)
 }
 
-/// Returns `2ˣ`, to 1.2 units in the last place, for `|x| ≤ 1021`; NaN otherwise.
+/// Returns `2ˣ`, to 1.2 units in the last place; to a unit where it is subnormal.
 #[inline(always)]
 pub fn exp2(x: f64) -> f64 {
     exp2_of_sum(x, 0.0)
 }
 
-/// Returns `2` to the power `x + rest`; `rest` is small relative to 1.
+/// Returns `2` to the power `x + rest`; `rest` is small relative to x or 1.
 #[inline(always)]
 pub(super) fn exp2_of_sum(x: f64, rest: f64) -> f64 {
-    let (k, bits) = nearest(x);
-    let k = select(x.abs() <= 1021.0, k, f64::NAN);
+    let rest = select(x.abs() > 1100.0, 0.0, rest);
+    let x = within(x, -1100.0, 1100.0);
+    let k = nearest(x).0;
     let first = x - k;
     let r = first + rest;
     let rest = (first - r) + rest;
     let r2 = r * r;
     let e = r * core::f64::consts::LN_2 + (r2 * eleven(&P, r, r2) + rest * core::f64::consts::LN_2);
-    (1.0 + e) * power_of_two(bits)
+    let [scale, more] = powers_of_two(k);
+    (1.0 + e) * scale * more
 }

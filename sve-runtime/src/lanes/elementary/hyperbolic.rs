@@ -3,20 +3,23 @@
 
 use super::{exp, exp_m1, ln_1p, select};
 
+/// Largest argument of the hyperbolic sine and cosine: its exponential is finite.
+const EXPONENT: f64 = 709.0;
+
 /// Largest argument: its square is finite.
 const SQUARE: f64 = 1e150;
 
-/// Returns the hyperbolic sine, to two units in the last place, for `|x| ≤ 708`; NaN otherwise.
+/// Returns the hyperbolic sine, to two units in the last place, for `|x| ≤ 709`; NaN otherwise.
 #[inline(always)]
 pub fn sinh(x: f64) -> f64 {
-    let e = exp_m1(x.abs());
+    let e = exp_m1(select(x.abs() <= EXPONENT, x.abs(), f64::NAN));
     (0.5 * (e + e / (e + 1.0))).copysign(x)
 }
 
-/// Returns the hyperbolic cosine, to 1.5 units in the last place, for `|x| ≤ 708`; NaN otherwise.
+/// Returns the hyperbolic cosine, to 1.5 units in the last place, for `|x| ≤ 709`; NaN otherwise.
 #[inline(always)]
 pub fn cosh(x: f64) -> f64 {
-    let e = exp(x.abs());
+    let e = exp(select(x.abs() <= EXPONENT, x.abs(), f64::NAN));
     0.5 * e + 0.5 / e
 }
 

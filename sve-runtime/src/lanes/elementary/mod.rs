@@ -1,8 +1,8 @@
 //! Elementary functions for lanes.
 //!
 //! Input: a number. Output: the value of the function; NaN outside of the domain and outside of the
-//! range in which the formula is accurate. Each function names its range. A lane with a NaN takes
-//! the scalar step, which calls the library's function.
+//! range in which the formula is accurate. A function that has such a range names it. A lane with a
+//! NaN takes the scalar step, which calls the library's function.
 //!
 //! Invariant: no branches and no calls, only `+ − × ÷ √`, comparisons and operations on bits, so
 //! that a loop over lanes compiles to vector instructions, and the bits are the same for vectors of
