@@ -6,6 +6,9 @@
 //! addition into a fused operation. A fused operation that the source requests (`mul_add`) is exact
 //! everywhere; it is an instruction in the versions for x86-64, and elsewhere can be a slow call of
 //! the library.
+//!
+//! Builds with debug assertions have the version for every machine alone: as a rule they are not
+//! optimised, and would compile the same loops three times.
 
 /// A computation that is compiled for several widths of vectors. `run` and everything it calls in
 /// its loops have to be `#[inline(always)]`.
@@ -16,17 +19,20 @@ pub(crate) trait Kernel {
     fn run(self) -> Self::Output;
 }
 
+/// Whether kernels are compiled for more than the vectors that every machine of the target has.
+const FOR_THIS_MACHINE: bool = cfg!(not(debug_assertions));
+
 /// Runs a kernel with the widest vectors of this machine.
 #[inline]
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if has_avx512() {
+        if FOR_THIS_MACHINE && has_avx512() {
             // Safety: the machine has the instructions that the function is compiled for.
             #[allow(unsafe_code)]
             return unsafe { avx512(kernel) };
         }
-        if has_avx2() {
+        if FOR_THIS_MACHINE && has_avx2() {
             // Safety: as above.
             #[allow(unsafe_code)]
             return unsafe { avx2(kernel) };
@@ -82,12 +88,12 @@ pub(crate) trait VectorKernel {
 pub(crate) fn dispatch_vectors<K: VectorKernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if has_avx512() {
+        if FOR_THIS_MACHINE && has_avx512() {
             // Safety: the machine has the instructions that the function is compiled for.
             #[allow(unsafe_code)]
             return unsafe { avx512(ForVectors::<K, true>(kernel)) };
         }
-        if has_avx2() {
+        if FOR_THIS_MACHINE && has_avx2() {
             // Safety: as above.
             #[allow(unsafe_code)]
             return unsafe { avx2(ForVectors::<K, false>(kernel)) };
@@ -125,9 +131,15 @@ pub(crate) fn vector_versions<K: VectorKernel + Clone>(kernel: &K) -> Vec<K::Out
 pub(crate) fn versions<K: Kernel + Clone>(kernel: &K) -> Vec<K::Output> {
     let mut results = vec![kernel.clone().run(), dispatch(kernel.clone())];
     #[cfg(target_arch = "x86_64")]
-    if has_avx2() {
-        // Safety: the feature was detected.
-        results.push(unsafe { avx2(kernel.clone()) });
+    {
+        if has_avx2() {
+            // Safety: the features were detected.
+            results.push(unsafe { avx2(kernel.clone()) });
+        }
+        if has_avx512() {
+            // Safety: as above.
+            results.push(unsafe { avx512(kernel.clone()) });
+        }
     }
     results
 }
