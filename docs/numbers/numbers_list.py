@@ -376,8 +376,8 @@ def cells(row: str, column: int) -> Extract:
     """A cell of the table of `structure`: blocks 1, operations 2, calls 3, angle additions 4, times 8."""
 
     def extract(output: Output) -> str:
-        line = find(output, rf"^\| {re.escape(row)} \| (.*) \|$").group(1)
-        return line.split(" | ")[column - 1].replace("+ 1 n", "+ n").replace("→ 1 n", "→ n")
+        line = find(output, rf"^\| {re.escape(row)} +\| (.*) \|$").group(1)
+        return line.split(" | ")[column - 1].strip().replace("+ 1 n", "+ n").replace("→ 1 n", "→ n")
 
     return extract
 

@@ -13,10 +13,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape, Symbols};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
 use sve_examples::gaussian::{Gaussian, Scheme};
 use sve_examples::palette;
 use sve_examples::report::{one_row, report};
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -272,8 +273,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 
 fn caption(fit: &Fit) -> String {
     format!(
-        "Left and middle: means of q and q² over {SAMPLE} oscillators at each time, with the errors of the means, and the means of the midpoint rule for the first guess and for the fit. \
-         Right: the iterates of the method of Gauss and Newton with {PATHS} paths, and the ellipses of one and two standard errors: k = {:.4} ± {:.4}, σ = {:.4} ± {:.4}.",
+        "Left and middle: means of q and q² over {SAMPLE} oscillators at each time, with bars of one standard error on either side, and the means of the midpoint rule, h = {H}, for the first guess and for the fit. \
+         Right: the iterates of the method of Gauss and Newton with {PATHS} paths, the first of which lie outside the picture, and the ellipses of one and two standard errors: k = {:.4} ± {:.4}, σ = {:.4} ± {:.4}. \
+         Seeds: 1 of the model's paths, 101 to 112 of the data.",
         fit.last()[0],
         fit.error(0),
         fit.last()[1],
@@ -285,26 +287,28 @@ fn checks(found: &Fit, exact: &Fit) -> Result<Vec<Check>, EnsembleError> {
     let mut checks = Vec::new();
     for (i, name) in ["k", "σ"].into_iter().enumerate() {
         let (value, error) = (found.last()[i], found.error(i));
-        let why = format!("the value of the data; 4 errors of {error:.1e}");
-        checks.push(Check::new(name, value).near(TRUTH[i], 4.0 * error, why));
+        let what = format!("{name} against the value of the data");
+        let why = format!("4 errors of {}", number(error, 2));
+        checks.push(Check::new(what, value).near(TRUTH[i], 4.0 * error, why));
         // The variance of the model's means, beside the variance of the data.
         let own = error * (SAMPLE as f64 / PATHS as f64).sqrt();
-        let why = "the fit with exact means; 4 errors of the paths";
-        checks.push(Check::new(name, value).near(exact.last()[i], 4.0 * own, why));
+        let what = format!("{name} against the fit with exact means");
+        let why = "4 errors of the paths";
+        checks.push(Check::new(what, value).near(exact.last()[i], 4.0 * own, why));
     }
     let freedom = (2 * TIMES - 2) as f64;
     let why = format!("{freedom} degrees of freedom; 4 standard deviations");
     let allowed = 4.0 * (2.0 * freedom).sqrt();
     checks.push(Check::new("χ²", found.chi_squared).near(freedom, allowed, why));
     let (summary, exact) = (run(found.last())?, exactly(found.last()));
-    for (column, by) in ["k", "sigma"].into_iter().enumerate() {
+    for (column, (by, name)) in [("k", "k"), ("sigma", "σ")].into_iter().enumerate() {
         let Some(derivative) = summary.derivative("q²", by) else {
             continue;
         };
         let (mean, error) = (derivative.mean()[TIMES], derivative.standard_error()[TIMES]);
         let expected = exact[TIMES - 1].slopes[(1, column)];
         let why = "the exact derivative at the last time; 4.5 standard errors";
-        let what = format!("∂E[q²]/∂{by}");
+        let what = format!("∂E[q²]/∂{name}");
         checks.push(Check::new(what, mean).near(expected, 4.5 * error, why));
     }
     let iterations = (found.iterates.len() - 1) as f64;
@@ -352,7 +356,7 @@ fn figure(data: &[Measurement], fit: &Fit) -> Figure {
         [1260, 400],
         vec![
             panel(0, "q", -1.3..1.6).legend(Corner::TopRight),
-            panel(1, "q²", 0.0..2.0).legend(Corner::TopLeft),
+            panel(1, "q²", 0.0..2.6).legend(Corner::TopLeft),
             iterates(fit),
         ],
     )
@@ -374,13 +378,8 @@ fn iterates(fit: &Fit) -> Panel {
     };
     let path = fit.iterates.iter().map(|x| (x[0], x[1])).collect();
     let cross = Pen {
-        color: palette::BLACK,
         line: None,
-        symbol: Some(Symbols {
-            shape: Shape::Cross,
-            radius: 5.0,
-            count: None,
-        }),
+        ..Pen::line(palette::BLACK, 1.0).symbols(Shape::Cross, 1)
     };
     let walk = Pen {
         symbol: Pen::dots(palette::BLUE, 3.0).symbol,
@@ -396,5 +395,5 @@ fn iterates(fit: &Fit) -> Panel {
     .with(Layer::new("1 and 2 standard errors", ellipse(1.0), line))
     .with(Layer::new("", ellipse(2.0), line).unlisted())
     .with(Layer::new("Gauss–Newton", path, walk))
-    .with(Layer::new("values of the data", vec![TRUTH.into()], cross))
+    .with(Layer::new("true values", vec![TRUTH.into()], cross))
 }

@@ -188,11 +188,15 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         Check::new("change of the momentum / Σ|p|", push).near(0.0, 1e-14, rounding),
         Check::new("change of the angular momentum / Σ|p|", turn).near(0.0, 1e-14, rounding),
     ];
-    let caption = "Left: the stars at the end. Middle: the energy error. Right: the radius with half of the mass, and the ratio of 2T to the virial of the forces.";
+    let caption = format!(
+        "{STARS} stars, softening length {SOFTENING}, h = {H}, seed 1. Left: the stars at the end with |x| and |y| below 2. Middle: the relative energy error. \
+         Right: the radius with half of the mass over that of Plummer's model, and 2T over the virial of the forces, which is 1 in the mean. \
+         A start of {STARS} stars with softened forces is some per cent from equilibrium."
+    );
     report(
         "A cluster of stars",
         &figure(&samples, &end),
-        caption,
+        &caption,
         &checks,
     )
 }
@@ -200,8 +204,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 fn figure(samples: &Samples, end: &Stars) -> Figure {
     let axis = |name| Axis::new(name, -2.0..2.0);
     let is_shown = |q: &&Vector3<f64>| q.x.abs() < 2.0 && q.y.abs() < 2.0;
-    let stars = end.q.iter().filter(is_shown).map(|q| (q.x, q.y)).collect();
-    let left = Panel::new(format!("Stars, t = {UNTIL}"), axis("x"), axis("y"))
+    let stars: Vec<_> = end.q.iter().filter(is_shown).collect();
+    let title = format!("{} of {STARS} stars, t = {UNTIL}", stars.len());
+    let stars = stars.iter().map(|q| (q.x, q.y)).collect();
+    let left = Panel::new(title, axis("x"), axis("y"))
         .equal()
         .with(Layer::new("", stars, Pen::dots(BLACK, 1.0)));
     let time = || Axis::new("time t", 0.0..UNTIL);
@@ -217,14 +223,18 @@ fn figure(samples: &Samples, end: &Stars) -> Figure {
         Pen::line(VERMILION, 1.2),
     ));
     let right = Panel::new(
-        "Equilibrium",
+        "Does the cluster keep its size?",
         time(),
-        Axis::new("radius and ratio", 0.0..1.5),
+        Axis::new("ratio to equilibrium", 0.85..1.15),
     )
     .legend(Corner::BottomRight)
     .with(Layer::new(
         "half-mass radius",
-        samples.radii.clone(),
+        samples
+            .radii
+            .iter()
+            .map(|&(t, r)| (t, r / HALF_MASS))
+            .collect(),
         Pen::line(BLUE, 1.4),
     ))
     .with(Layer::new(

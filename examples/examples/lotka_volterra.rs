@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::envelope::range_of;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLUE, ORANGE};
+use sve_examples::palette::{BLACK, BLUE, ORANGE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::Variational;
 use sve_runtime::plan::DegenerateStep;
@@ -119,29 +119,43 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let keeps =
         |kind: Option<DegenerateStep>| one(kind.is_some_and(DegenerateStep::keeps_two_form));
     let checks = [
-        Check::new("as written: keeps ω", keeps(written.plan().degenerate)).near(
-            1.0,
+        Check::new(
+            "as written: the plan keeps the two-form (1 yes, 0 no)",
+            keeps(written.plan().degenerate),
+        )
+        .near(1.0, 0.0, "what the plan says"),
+        Check::new(
+            "as written: change of the two-form in a step",
+            area_change(&written, H)?,
+        )
+        .near(0.0, 1e-14, "rounding"),
+        Check::new("as written: largest |ΔH|, first tenth", exact_first).near(
             0.0,
-            "what the plan says",
+            0.013,
+            "order h²",
         ),
-        Check::new("two-form, one step", area_change(&written, H)?).near(0.0, 1e-14, "rounding"),
-        Check::new("largest |ΔH|, first 10⁴ steps", exact_first).near(0.0, 0.013, "order h²"),
-        Check::new("last tenth over first", exact_last / exact_first).near(
-            1.0,
-            1e-3,
-            "no drift in 10⁵ steps",
-        ),
-        Check::new("disguised: keeps ω", keeps(disguised.plan().degenerate)).near(
-            0.0,
-            0.0,
-            "what the plan says",
-        ),
-        Check::new("order of its two-form", (coarse / fine).log2()).near(5.0, 0.3, "O(h⁵)"),
-        Check::new("its |ΔH|, first tenth", drifting_first).reported("drifts"),
-        Check::new("its |ΔH|, last tenth", drifting_last).reported("drifts"),
+        Check::new(
+            "as written: |ΔH|, last tenth over first",
+            exact_last / exact_first,
+        )
+        .near(1.0, 1e-3, "no drift in 10⁵ steps"),
+        Check::new(
+            "disguised: the plan keeps the two-form (1 yes, 0 no)",
+            keeps(disguised.plan().degenerate),
+        )
+        .near(0.0, 0.0, "what the plan says"),
+        Check::new(
+            "disguised: order of the change of the two-form",
+            (coarse / fine).log2(),
+        )
+        .near(5.0, 0.3, "O(h⁵)"),
+        Check::new("disguised: largest |ΔH|, first tenth", drifting_first).reported("drifts"),
+        Check::new("disguised: largest |ΔH|, last tenth", drifting_last).reported("drifts"),
     ];
     let figure = figure(&written, &exact, &drifting)?;
-    let caption = "Left: orbits of the step in the internal form, and one path with noise. Right: the range of the energy error in each hundredth of the time, of the same equations in two gauges.";
+    let caption = "Left: orbits by L without the velocity of y, h = 0.02, and one path with noise, σ = 0.15, seed 4, until t = 30. \
+        Right: the range of the energy error in each hundredth of the time, by two Lagrangians with the same equations; lines are its middle. \
+        The table calls L without the velocity of y “as written”, and L with a cubic total derivative “disguised”.";
     report("Predator and prey", &figure, caption, &checks)
 }
 
@@ -151,7 +165,7 @@ fn figure(
     drifting: &[(f64, f64)],
 ) -> Result<Figure, StepError> {
     let mut left = Panel::new(
-        "Orbits",
+        "Orbits, with and without noise",
         Axis::new("prey x", 0.0..4.2),
         Axis::new("predators y", 0.0..6.6),
     )
@@ -184,7 +198,7 @@ fn figure(
         "L with a cubic total derivative",
         drifting,
         100,
-        ORANGE,
+        BLACK,
     ))
     .with(range_of("L without the velocity of y", exact, 100, BLUE));
     Ok(one_row("lotka_volterra", [1000, 460], vec![left, right]))

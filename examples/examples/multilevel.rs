@@ -23,7 +23,8 @@ use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
 use sve_examples::palette;
 use sve_examples::report::report;
-use sve_runtime::ensemble::MultilevelEstimate;
+use sve_runtime::ensemble::{Level, MultilevelEstimate};
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 /// The time of the mean.
@@ -206,7 +207,7 @@ where
             plain.push((error, seconds));
             let deepest = self.steps << (finest.levels().len() - 1);
             let bias = ((self.mean_of_rule)(deepest) - self.exact).abs();
-            checks.push(Check::new(format!("{}: mean for an error of {error:e}, {deepest} steps on the last level, {steps} of plain paths", self.name), finest.mean()).near(self.exact, bias + 4.5 * finest.standard_error(), "the exact bias of the last level and 4.5 standard errors"));
+            checks.push(Check::new(format!("{}: mean for an error of {}, {deepest} steps on the last level, {steps} of plain paths", self.name, number(error, 1)), finest.mean()).near(self.exact, bias + 4.5 * finest.standard_error(), "the exact bias of the last level and 4.5 standard errors"));
         }
         println!("{}\n{finest}\n", self.name);
         checks.extend(self.check_errors()?);
@@ -243,7 +244,9 @@ where
     }
 }
 
-fn panel(name: &str, times: &Times) -> Panel {
+/// Draws the times of a problem of a weak order, which determines the slope of the time of plain
+/// paths.
+fn panel(name: &str, times: &Times, order: f64) -> Panel {
     let layer = |name: &str, times: &[(f64, [f64; 2])], color, shape| {
         let points = times.iter().map(|(x, y)| (x.log10(), y[0].log10()));
         let bars = times.iter().map(|(_, y)| (y[0].log10(), y[1].log10()));
@@ -255,12 +258,24 @@ fn panel(name: &str, times: &Times) -> Panel {
         .collect();
     let low = all.iter().copied().fold(f64::INFINITY, f64::min).floor();
     let high = all.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
+    let guide = |times: &[(f64, [f64; 2])], slope: f64| {
+        let [.., (error, seconds)] = times else {
+            return Vec::new();
+        };
+        let (x, y) = (error.log10(), seconds[0].log10());
+        vec![(x, y), (x + 1.5, y + 1.5 * slope)]
+    };
+    let slope = -2.0 - 1.0 / order;
+    let grey = Pen::dashed(palette::GREY, 1.2, (5.0, 3.0));
+    let slopes = format!("slopes {} and −2", number(slope, 2));
     Panel::new(
-        format!("Time to error, {name}; bars up to the median"),
-        Axis::powers("root of the mean squared error", -4.0..-1.4),
+        format!("Time to error, {name}"),
+        Axis::powers("root of the mean squared error", -3.7..-1.4),
         Axis::powers("seconds, one thread", low..high),
     )
     .legend(Corner::TopRight)
+    .with(Layer::new(slopes, guide(&times.plain, slope), grey))
+    .with(Layer::new("", guide(&times.multilevel, -2.0), grey).unlisted())
     .with(layer(
         "plain Monte Carlo",
         &times.plain,
@@ -275,36 +290,36 @@ fn panel(name: &str, times: &Times) -> Panel {
     ))
 }
 
-/// Draws variances and means of the levels, as powers.
-fn levels(name: &str, estimate: &MultilevelEstimate) -> Panel {
-    let of = |value: fn(&sve_runtime::ensemble::Level) -> f64| -> Vec<_> {
+/// Draws a quantity of the levels of both problems, as powers.
+fn levels(
+    quantity: &str,
+    estimates: [(&str, &MultilevelEstimate); 2],
+    value: fn(&Level) -> f64,
+) -> Panel {
+    let pens = [
+        (palette::GREEN, Shape::Triangle),
+        (palette::PURPLE, Shape::Circle),
+    ];
+    let series = estimates.map(|(name, estimate)| {
         let levels = estimate.levels().iter().enumerate();
-        levels
-            .map(|(l, level)| (l as f64, value(level).abs().log10()))
-            .collect()
-    };
-    let (variances, means) = (of(|l| l.variance), of(|l| l.mean));
-    let last = variances.len() as f64;
-    let all = variances.iter().chain(&means).map(|point| point.1);
-    let low = all.fold(0.0, f64::min).floor();
-    let count = variances.len();
-    let pen = |color, shape| Pen::line(color, 1.5).symbols(shape, count);
-    Panel::new(
-        format!("Levels, {name}"),
-        Axis::new("level", -0.3..last - 0.7),
-        Axis::powers("level 0, and differences", low..1.0),
+        let points = levels.map(|(l, level)| (l as f64, value(level).log10()));
+        (name, points.collect::<Vec<_>>())
+    });
+    let all = series.iter().flat_map(|(_, points)| points);
+    let (last, low) = all.fold((0.0, 0.0), |(last, low): (f64, f64), point| {
+        (last.max(point.0), low.min(point.1))
+    });
+    let mut panel = Panel::new(
+        format!("Level 0 and differences: {quantity}"),
+        Axis::new("level", -0.3..last + 0.3),
+        Axis::powers(quantity, low - 0.3..0.8),
     )
-    .legend(Corner::TopRight)
-    .with(Layer::new(
-        "variance of a path",
-        variances,
-        pen(palette::GREEN, Shape::Triangle),
-    ))
-    .with(Layer::new(
-        "mean",
-        means,
-        pen(palette::PURPLE, Shape::Circle),
-    ))
+    .legend(Corner::TopRight);
+    for ((name, points), (color, shape)) in series.into_iter().zip(pens) {
+        let pen = Pen::line(color, 1.5).symbols(shape, points.len());
+        panel = panel.with(Layer::new(name, points, pen));
+    }
+    panel
 }
 
 /// Returns checks of the ratios of times, and of the decrease of the variances.
@@ -314,8 +329,8 @@ fn compare(name: &str, times: &Times) -> Vec<Check> {
         .map(|(multilevel, plain)| {
             Check::new(
                 format!(
-                    "{name}: time of plain Monte Carlo over that of levels, error {:e}",
-                    plain.0
+                    "{name}: time of plain Monte Carlo over that of levels, error {}",
+                    number(plain.0, 1)
                 ),
                 plain.1[0] / multilevel.1[0],
             )
@@ -343,19 +358,26 @@ fn compare(name: &str, times: &Times) -> Vec<Check> {
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let (kubo, oscillator) = (kubo(), oscillator());
     let (first, second) = (kubo.measure()?, oscillator.measure()?);
+    let both = [
+        (kubo.name, &first.finest),
+        (oscillator.name, &second.finest),
+    ];
     let figure = Figure {
         name: "multilevel",
         width: 1080,
         rows: vec![
             Row {
                 height: 400,
-                panels: vec![panel(kubo.name, &first), panel(oscillator.name, &second)],
+                panels: vec![
+                    panel(kubo.name, &first, kubo.weak_order),
+                    panel(oscillator.name, &second, oscillator.weak_order),
+                ],
             },
             Row {
                 height: 340,
                 panels: vec![
-                    levels(kubo.name, &first.finest),
-                    levels(oscillator.name, &second.finest),
+                    levels("variance of a path", both, |level| level.variance),
+                    levels("|mean|", both, |level| level.mean.abs()),
                 ],
             },
         ],
@@ -364,8 +386,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     checks.extend(compare(oscillator.name, &second));
     checks.extend(first.checks);
     checks.extend(second.checks);
-    let caption = "Above: the shortest time that an error costs, with bars up to the median of the repetitions, half of whose square is bias and half sampling. Plain Monte Carlo takes the longest step with so small a bias, which it is told. \
-        Left: weak order 1, where the time of plain paths grows like the inverse cube of the error, and that of levels like the inverse square. Right: weak order 2, where a few steps are enough for \
-        plain paths and there is little to win. Below: variance and mean of level 0, then of the differences between levels, in the run with the smallest error.";
+    let caption = "Above: the time that an error costs, seed 1 of the levels and 2 of plain paths. Half of the squared error is bias, half is sampling. Symbols are the shortest of repeated runs; bars end at the median. \
+        Plain Monte Carlo is given the longest step whose bias is small enough; its time is computed from that of a path. Left: weak order 1; the time of plain paths grows like the inverse cube of the error, and that of levels, once the error is small, like the inverse square. \
+        Right: weak order 2; a few steps are enough for plain paths, and there is little to win. Below: variance and mean of level 0, then of the differences between levels, in the run with the smallest error.";
     report("The multilevel method", &figure, caption, &checks)
 }

@@ -17,7 +17,7 @@ use rand::{RngExt, SeedableRng};
 use sve_examples::check::Check;
 use sve_examples::directions::direction;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLACK, BLUE, ORANGE, PURPLE};
+use sve_examples::palette::{BLACK, BLUE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::Blocking;
 use sve_runtime::nalgebra::Vector3;
@@ -147,7 +147,7 @@ fn start() -> Beads {
 }
 
 /// Returns of a chain the means of |b|, |b|² and cos θ, the squared end-to-end distance R², and the
-/// squared way of the centre.
+/// squared displacement of the centre.
 fn quantities(chain: &[Vector3<f64>], first: &[Vector3<f64>]) -> [f64; 5] {
     let bonds: Vec<Vector3<f64>> = chain.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let over = 1.0 / bonds.len() as f64;
@@ -171,10 +171,16 @@ fn end_to_end([length, square]: [f64; 2], cosine: f64) -> f64 {
     bonds as f64 * square + 2.0 * length * length * pairs
 }
 
-/// Returns the mean of the squared way of the centre after a time, from equilibrium.
-fn way(t: f64) -> f64 {
+/// Returns the mean squared displacement of the centre after a time, from equilibrium.
+fn displacement(t: f64) -> f64 {
     let turns = FRICTION * t;
     6.0 * TEMPERATURE / (BEADS as f64 * FRICTION * FRICTION) * (turns - 1.0 + (-turns).exp())
+}
+
+/// Returns the relative standard error of the mean squared displacement of all chains: that of a
+/// chain is the square of a vector of three normal numbers, with the relative variance 2/3.
+fn of_chains() -> f64 {
+    (2.0 / (3 * CHAINS) as f64).sqrt()
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
@@ -221,32 +227,34 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         Check::new(name, values.mean()).near(expected, 4.0 * error, "4 standard errors")
     };
     let last = samples[samples.len() - 1];
-    // the way is a vector of three normal numbers: its square has the relative variance 2/3
-    let of_chains = (2.0 / (3 * CHAINS) as f64).sqrt();
     let checks = [
         within("⟨|b|⟩", 0, lengths[0]),
         within("⟨|b|²⟩", 1, lengths[1]),
         within("⟨cos θ⟩", 2, cosine),
         within("⟨R²⟩", 3, r2),
-        Check::new("way² of the centres at the end", last.1[4]).near(
-            way(last.0),
-            3.0 * of_chains * way(last.0),
+        Check::new("mean squared displacement at the end", last.1[4]).near(
+            displacement(last.0),
+            3.0 * of_chains() * displacement(last.0),
             "3 standard errors of 800 chains",
         ),
     ];
-    let caption = "Left: 12 of the chains at the end, side by side. Middle: the squared end-to-end distance. Right: the squared way of the centres of the chains.";
+    let caption = "Chains of 20 beads of mass 1, h = 0.01, seed 3. Left: the chains at the end, in the plane of x and y. Middle: the mean squared end-to-end distance. \
+        Right: the mean squared displacement of the centres of the chains over that of a free particle of mass 20 in the same bath. Bands: two standard errors of 800 chains on either side.";
     let figure = figure(&samples, r2, &end);
     report("Stiff chains in a bath", &figure, caption, &checks)
 }
 
 fn figure(samples: &[(f64, [f64; 5])], r2: f64, end: &Beads) -> Figure {
+    let axis = |name, to| Axis {
+        labels: 0,
+        ..Axis::new(name, -10.0..to)
+    };
     let mut left = Panel::new(
-        "Chains",
-        Axis::new("x", -10.0..50.0),
-        Axis::new("y", -10.0..40.0),
+        "12 of 800 chains, moved apart",
+        axis("x", 50.0),
+        axis("y", 40.0),
     )
     .equal();
-    let pens = [BLUE, ORANGE, PURPLE, BLACK];
     for (k, chain) in end.q.chunks(BEADS).take(12).enumerate() {
         let place = |q: &Vector3<f64>| {
             let moved = q - chain[0];
@@ -256,31 +264,46 @@ fn figure(samples: &[(f64, [f64; 5])], r2: f64, end: &Beads) -> Figure {
             )
         };
         let points = chain.iter().map(place).collect();
-        left = left.with(Layer::new("", points, Pen::line(pens[k % 4], 1.4)));
+        left = left.with(Layer::new("", points, Pen::line(BLUE, 1.4)));
     }
-    let until = samples[samples.len() - 1].0;
-    let time = || Axis::new("time t", 0.0..until);
-    let of = |k: usize| samples.iter().map(|s| (s.0, s.1[k])).collect::<Vec<_>>();
-    let middle = Panel::new(
-        "End-to-end distance",
-        time(),
-        Axis::new("⟨R²⟩", 0.0..1.5 * r2),
-    )
-    .legend(Corner::BottomRight)
-    .with(Layer::new(
-        "equilibrium",
-        vec![(0.0, r2), (until, r2)],
-        Pen::dashed(BLACK, 1.4, (5.0, 3.0)),
-    ))
-    .with(Layer::new("800 chains", of(3), Pen::line(BLUE, 1.4)));
-    let exact = samples.iter().map(|s| (s.0, way(s.0))).collect();
-    let right = Panel::new("Centres", time(), Axis::new("way²", 0.0..1.2 * way(until)))
-        .legend(Corner::BottomRight)
-        .with(Layer::new(
-            "free particle of mass N",
-            exact,
-            Pen::dashed(BLACK, 1.4, (5.0, 3.0)),
-        ))
-        .with(Layer::new("800 chains", of(4), Pen::line(BLUE, 1.4)));
+    let mut squares = Blocking::new();
+    let of_chain = |chain: &[Vector3<f64>]| (chain[BEADS - 1] - chain[0]).norm_squared();
+    squares.extend(end.q.chunks(BEADS).map(of_chain));
+    let error = squares.standard_error().unwrap_or(f64::NAN);
+    let middle = beside_exact(
+        "End-to-end distance of 800 chains",
+        Axis::new("⟨R²⟩", 54.0..68.0),
+        ("equilibrium", r2, 2.0 * error),
+        samples.iter().map(|s| (s.0, s.1[3])).collect(),
+    );
+    let right = beside_exact(
+        "Displacement of the centres of 800 chains",
+        Axis::new("ratio to a free particle", 0.88..1.12),
+        ("free particle", 1.0, 2.0 * of_chains()),
+        samples
+            .iter()
+            .map(|s| (s.0, s.1[4] / displacement(s.0)))
+            .collect(),
+    );
     one_row("polymer", [1200, 400], vec![left, middle, right])
+}
+
+/// Draws a course beside its exact value with a band.
+fn beside_exact(
+    title: &str,
+    y: Axis,
+    (name, value, band): (&str, f64, f64),
+    course: Vec<(f64, f64)>,
+) -> Panel {
+    let until = course[course.len() - 1].0;
+    let exact = vec![(0.0, value), (until, value)];
+    let ends = vec![(value - band, value + band); 2];
+    Panel::new(title, Axis::new("time t", 0.0..until), y)
+        .legend(Corner::BottomRight)
+        .with(Layer::new(name, exact, Pen::dashed(BLACK, 1.4, (5.0, 3.0))).band(ends))
+        .with(Layer::new(
+            "mean of the chains",
+            course,
+            Pen::line(BLUE, 1.4),
+        ))
 }

@@ -47,6 +47,9 @@ impl Ring {
 const H: f64 = 0.1 * FRAC_1_SQRT_2;
 const SIMPLE: f64 = 0.1;
 
+/// Names of the numbers of coordinates.
+const NAMES: [&str; 3] = ["10²", "10⁴", "10⁶"];
+
 /// Numbers of coordinates, each with a step and the number of steps from one sample to the next.
 const PATHS: [(usize, f64, u64); 4] = [
     (100, H, 2000),
@@ -186,8 +189,7 @@ const APART: [usize; 6] = [1, 2, 4, 8, 16, 32];
 
 fn checks(walks: &[Walk], simple: &Walk) -> Vec<Check> {
     let mut checks = Vec::new();
-    for walk in walks {
-        let n = walk.n;
+    for (walk, n) in walks.iter().zip(NAMES) {
         let predicted = walk.predicted() * (walk.every as f64).sqrt();
         checks.push(
             Check::new(
@@ -221,12 +223,16 @@ fn checks(walks: &[Walk], simple: &Walk) -> Vec<Check> {
                 format!("n = {n}: error of `hamiltonian` / ε"),
                 walk.error(1) / f64::EPSILON,
             )
-            .near(0.0, 2.0 + 0.05 * (n as f64).sqrt(), "rounding of n terms"),
+            .near(
+                0.0,
+                2.0 + 0.05 * (walk.n as f64).sqrt(),
+                "rounding of n terms",
+            ),
         );
     }
     checks.push(
         Check::new(
-            format!("n = {}, h = 0.1: whole change, likewise", simple.n),
+            "n = 10⁴, h = 0.1: whole change, in standard deviations",
             simple.whole(),
         )
         .reported("a drift: h is near a simple fraction"),
@@ -240,7 +246,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     bar.finish_and_clear();
     let [first, second, third, simple] = walks;
     let (walks, simple) = ([first?, second?, third?], simple?);
-    let caption = "Left: the change of the conserved energy by rounding, root mean square, in parts of the energy, with h = 0.07 and 0.1; lines are the walks of rounding errors that are independent from step to step. Right: the errors of sums of the energy, against two numbers with compensation.";
+    let caption = "Starts of seed 1. Left: the change of the conserved energy by rounding, root mean square, in parts of the energy, with h = 0.1/√2, which is not near a simple fraction, and with h = 0.1 (black). \
+        Lines are the walks of rounding errors that are independent from step to step; that of h = 0.1 is the line of n = 10⁴. \
+        Right: the errors of sums of the energy, against a sum in two numbers with compensation. “Derived” is the sum of the function <code>hamiltonian</code> of the library.";
     report(
         "Rounding in the energy",
         &figure(&walks, &simple),
@@ -252,10 +260,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 fn figure(walks: &[Walk], simple: &Walk) -> Figure {
     let mut left = Panel::new(
         "Walk of the energy",
-        Axis::powers("steps", 0.5..5.6),
+        Axis::powers("steps between samples", 0.5..5.6),
         Axis::powers("relative change of the energy", -19.0..-14.0),
     );
-    let names = ["n = 10²", "n = 10⁴", "n = 10⁶", "n = 10⁴, h = 0.1"];
+    let names = NAMES.into_iter().chain(["10⁴, h = 0.1"]);
     let colors = [BLUE, VERMILION, GREEN, BLACK];
     for ((walk, name), color) in walks.iter().chain([simple]).zip(names).zip(colors) {
         let at = |apart: usize, change: f64| {
@@ -272,7 +280,7 @@ fn figure(walks: &[Walk], simple: &Walk) -> Figure {
         }
         left = left
             .with(Layer::new("", dots.to_vec(), Pen::dots(color, 3.0)))
-            .note((steps + 0.15, end), name, color);
+            .note((steps + 0.15, end), format!("n = {name}"), color);
     }
     let of = |error: &dyn Fn(&Walk) -> f64| {
         let points = walks
@@ -282,8 +290,8 @@ fn figure(walks: &[Walk], simple: &Walk) -> Figure {
     };
     let pen = |color, shape| Pen::line(color, 1.4).symbols(shape, walks.len());
     let right = Panel::new(
-        "Error of the sum",
-        Axis::powers("n", 1.8..6.2),
+        "Error of the sum of the energy",
+        Axis::powers("coordinates n", 1.8..6.2),
         Axis::powers("relative error", -18.5..-12.5),
     )
     .legend(Corner::TopLeft)
@@ -293,7 +301,7 @@ fn figure(walks: &[Walk], simple: &Walk) -> Figure {
         pen(BLACK, Shape::Square),
     ))
     .with(Layer::new(
-        "hamiltonian",
+        "derived",
         of(&|w| w.error(1)),
         pen(BLUE, Shape::Disc),
     ))

@@ -5,6 +5,8 @@
 
 use std::fmt::Write as _;
 
+use sve_runtime::plot::page;
+
 /// One measured number.
 #[derive(Clone, Debug)]
 pub struct Check {
@@ -86,10 +88,8 @@ impl Check {
         }
     }
 
-    /// Returns the cells of the row: quantity, measured, expected, allowed, verdict, reason. A
-    /// function writes numbers with so many significant digits.
-    pub fn cells(&self, digits: fn(f64, usize) -> String) -> [String; 6] {
-        let number = |x| digits(x, DIGITS);
+    /// Returns the cells of the row: quantity, measured, expected, allowed, verdict, reason.
+    pub fn cells(&self) -> [String; 6] {
         let what = self.what.clone();
         match &self.verdict {
             Verdict::Compared {
@@ -100,7 +100,7 @@ impl Check {
                 what,
                 number(self.measured),
                 number(*expected),
-                format!("± {}", digits(*tolerance, 2)),
+                format!("± {}", page::number(*tolerance, 2)),
                 if self.failed() { "OFF" } else { "ok" }.to_owned(),
                 reason.clone(),
             ],
@@ -123,9 +123,6 @@ impl Check {
     }
 }
 
-/// Significant digits of a number in a table.
-const DIGITS: usize = 6;
-
 /// Names of the columns of [`Check::cells`].
 pub const COLUMNS: [&str; 6] = [
     "quantity", "measured", "expected", "allowed", "verdict", "reason",
@@ -133,32 +130,14 @@ pub const COLUMNS: [&str; 6] = [
 
 /// Returns a number as a table shows it, with six significant digits.
 pub fn number(x: f64) -> String {
-    digits(x, DIGITS)
-}
-
-fn digits(x: f64, significant: usize) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return x.to_string();
-    }
-    let exponent = x.abs().log10().floor() as i32;
-    if (-3..6).contains(&exponent) {
-        let decimals = usize::try_from(significant as i32 - 1 - exponent).unwrap_or(0);
-        let text = format!("{x:.decimals$}");
-        if text.contains('.') {
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            text
-        }
-    } else {
-        format!("{x:.*e}", significant - 1)
-    }
+    page::number(x, 6)
 }
 
 /// Returns the table of one figure as text. It omits the reasons if numbers agree, since lines have
 /// to fit a terminal.
 pub fn table(title: &str, checks: &[Check]) -> String {
     let row = |check: &Check| {
-        let mut cells = check.cells(digits);
+        let mut cells = check.cells();
         if !check.failed() && matches!(check.verdict, Verdict::Compared { .. }) {
             cells[5].clear();
         }
@@ -211,10 +190,13 @@ mod tests {
     }
 
     #[test]
-    fn numbers_have_their_digits() {
-        assert_eq!(number(1000.5), "1000.5");
-        assert_eq!(number(-5.294_962_7), "-5.29496");
-        assert_eq!(number(1.471_76e87), "1.47176e87");
-        assert_eq!(digits(0.000_05, 2), "5.0e-5");
+    fn numbers_of_a_table_have_a_minus_and_powers() {
+        let check = Check::new("x", -5.294_962_7).near(-5.3, 0.000_05, "");
+        let text = table("t", &[check, Check::new("y", 1.471_76e87)]);
+        assert!(
+            text.contains("−5.29496") && text.contains("± 5·10⁻⁵"),
+            "{text}"
+        );
+        assert!(text.contains("1.47176·10⁸⁷"), "{text}");
     }
 }

@@ -51,9 +51,7 @@ pub fn html(title: &str, head: &str, sections: &[Section<'_>], foot: &str) -> St
 fn table(checks: &[Check]) -> String {
     let class = |check: &Check| if check.failed() { "off" } else { "" };
     let rows = checks.iter();
-    let mut rows: Vec<_> = rows
-        .map(|check| (class(check), check.cells(plot::number)))
-        .collect();
+    let mut rows: Vec<_> = rows.map(|check| (class(check), check.cells())).collect();
     let mut shared: Vec<String> = Vec::new();
     for (_, cells) in &rows {
         let reason = &cells[REASON];

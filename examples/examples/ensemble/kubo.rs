@@ -14,6 +14,7 @@ use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::gaussian::expectation;
 use sve_examples::palette;
 use sve_examples::report::one_row;
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 use crate::{Options, Report, known_difference, mean};
@@ -187,7 +188,7 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         title: "Phase of the Kubo oscillator",
         figure: draw(counts, options.paths, &exact, &rule),
         caption: format!(
-            "a = σ = 1, start (1, 0), h = {H}, t = {:.0}, {} paths. The phase of the exact solution is a wrapped normal of mean at and \
+            "a = σ = 1, start (1, 0), h = {H}, t = {:.0}, {} paths. The phase of the exact solution is a wrapped normal of mean a·t and \
              variance σ²t. The midpoint rule turns by 2 atan(x/2) where the solution turns by x, so its distribution differs by O(h), \
              less than can be seen here; right, what is left when the wrapped normal is taken away.",
             TIME, options.paths
@@ -223,14 +224,14 @@ fn fit(
     let deviation = (2.0 * freedom + 4.0 * expected_difference).sqrt();
     let z = (chi2 - freedom - expected_difference) / deviation;
     Check::new(
-        format!("χ² of the histogram against {name} (z = {z:.2})"),
+        format!("χ² of the histogram against {name} (z = {})", number(z, 2)),
         chi2,
     )
     .near(
         freedom + expected_difference,
         // The tail of χ² is longer than a normal's: it exceeds 5.1 deviations with probability 1e-5.
         5.1 * deviation,
-        "degrees of freedom, and the error of the rule's distribution; false alarm about 1e-5",
+        "degrees of freedom, and the error of the rule's distribution; false alarm about 10⁻⁵",
     )
 }
 
@@ -281,7 +282,7 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
     let difference = Panel::new(
         "Kubo oscillator: density less the wrapped normal",
         Axis::angle("phase θ", -PI..PI),
-        Axis::new("difference", -0.02..0.02),
+        Axis::new("difference", -0.012..0.012),
     )
     .legend(Corner::TopLeft)
     .with(Layer::new(
@@ -291,12 +292,12 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
     ))
     .with(Layer::new("", band(-1.0).collect(), dashed).unlisted())
     .with(Layer::new(
-        "the midpoint rule's distribution",
+        "midpoint rule, its distribution",
         fine(&|theta| rule.density(theta) - exact.density(theta)),
-        Pen::line(palette::VERMILION, 1.2),
+        Pen::line(palette::BLUE, 1.2),
     ))
     .with(Layer::new(
-        "midpoint rule",
+        "midpoint rule, histogram",
         dots.collect(),
         Pen::dots(palette::BLUE, 2.0),
     ));

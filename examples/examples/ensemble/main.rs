@@ -21,6 +21,7 @@ use sve_examples::check::{self, Check};
 use sve_examples::figure::Figure;
 use sve_examples::page::{self, Section};
 use sve_examples::render;
+use sve_runtime::plot::page::number;
 
 /// Runs ensembles of which the expectation is known and compares. Ends with status 1 where a number
 /// is off.
@@ -60,16 +61,17 @@ pub(crate) fn mean(
 ) -> Check {
     let z = (measured - expected) / standard_error;
     let factor = sve_examples::gaussian::standard_errors(paths as f64);
-    Check::new(format!("{} (z = {z:.2})", what.as_ref()), measured).near(
+    let what = format!("{} (z = {})", what.as_ref(), number(z, 2));
+    Check::new(what, measured).near(
         expected,
         factor * standard_error,
-        format!("{reason}; {factor:.1} standard errors allowed (false alarm 1e-4)"),
+        format!("{reason}; {factor:.1} standard errors allowed (false alarm 10⁻⁴)"),
     )
 }
 
 /// Compares a number with a reference from which it differs by a known bias, at most `known`, and
-/// by scatter. The text gives both parts of the difference, and no z-score, which the bias would
-/// make large.
+/// by scatter. The reason gives both parts of the difference. There is no z-score, which the bias
+/// would make large.
 pub(crate) fn known_difference(
     what: impl AsRef<str>,
     measured: f64,
@@ -77,21 +79,15 @@ pub(crate) fn known_difference(
     standard_error: f64,
     (known, why): (f64, &str),
 ) -> Check {
-    let off = 100.0 * (measured / expected - 1.0);
-    let parts = [known, STANDARD_ERRORS * standard_error].map(|x| (100.0 * x / expected).abs());
-    Check::new(
-        format!(
-            "{} (differs by {off:+.2} %; allowed {:.2} % for {why}, {:.2} % for scatter)",
-            what.as_ref(),
-            parts[0],
-            parts[1]
-        ),
-        measured,
-    )
-    .near(
+    let scatter = STANDARD_ERRORS * standard_error;
+    let [off, bias, rest] =
+        [measured - expected, known.abs(), scatter].map(|x| number(100.0 * x / expected.abs(), 2));
+    Check::new(what.as_ref(), measured).near(
         expected,
-        STANDARD_ERRORS * standard_error + known,
-        format!("{why}, and {STANDARD_ERRORS} standard errors"),
+        scatter + known,
+        format!(
+            "differs by {off} %; allowed are {bias} % for {why}, and {rest} % for scatter, {STANDARD_ERRORS} standard errors"
+        ),
     )
 }
 

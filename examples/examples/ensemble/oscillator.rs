@@ -10,7 +10,7 @@ use std::array::from_fn;
 use std::error::Error;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape, Spread};
 use sve_examples::gaussian::{Matrix, Scheme};
 use sve_examples::palette::{self, Color};
 use sve_examples::report::one_row;
@@ -108,9 +108,10 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         title: "Figure 3 of the paper with many paths: mean energy of the stochastic linear oscillator",
         figure: draw(&curves),
         caption: format!(
-            "σ = 1, start (1, 0), h = {H}, {} paths, the same for all methods. Lines: expectation of each method by its \
-             moment recursion. The means of the other symplectic rules are not distinguishable from that of the midpoint rule \
-             in the left panel; the lower panel shows their differences, in which the scatter of the paths cancels.",
+            "σ = 1, start (1, 0), h = {H}, {} paths, the same for all methods. Symbols: means over the paths; lines: expectation of each \
+             method by its moment recursion. The means of the other symplectic rules are not distinguishable from that of the midpoint rule \
+             on the left; the right panel shows their differences, in which the scatter of the paths cancels. Middle: all times have the same \
+             paths, so that differences at neighbouring times are alike.",
             options.paths
         ),
         checks: curves
@@ -216,43 +217,45 @@ fn checks(options: &Options, curve: &Curve) -> Vec<Check> {
 }
 
 fn draw(curves: &[Curve]) -> Figure {
-    let horizon = LONG as f64 * H;
     let whole = Panel::new(
         "Linear oscillator: mean energy",
-        Axis::new("time t", 0.0..horizon),
-        Axis::new("mean energy", 0.0..1.2 * (0.5 + 0.5 * horizon)),
+        Axis::powers("time t", 0.0..3.4),
+        Axis::powers("mean energy", -0.3..4.0),
     );
     let (euler, rules): (Vec<_>, Vec<_>) = curves.iter().partition(|curve| !curve.variational);
     // The means of the other symplectic rules are not distinguishable from that of the first one.
     let shown = euler.into_iter().chain(rules[..1].iter().copied());
     let whole = shown.fold(whole, means).legend(Corner::Below);
     let others = rules[1..].iter();
-    let pairs = others.map(|curve| paired(curve, rules[0]));
-    let pairs: Vec<Layer> = pairs.flatten().collect();
-    let names = [
-        "Midpoint rule: mean energy less its expectation",
-        "Mean energy less that of the midpoint rule, same paths",
+    let pairs: Vec<Layer> = others.flat_map(|curve| paired(curve, rules[0])).collect();
+    let panels = vec![
+        whole,
+        early(
+            "Midpoint rule: mean energy less its expectation",
+            error(rules[0]).into(),
+        ),
+        early(
+            "Mean energy less that of the midpoint rule, same paths",
+            pairs,
+        ),
     ];
-    let mut figure = one_row(
-        "energy",
-        [1110, 440],
-        vec![whole, early(names[0], error(rules[0]).into())],
-    );
-    figure.rows.push(Row {
-        height: 340,
-        panels: vec![early(names[1], pairs)],
-    });
-    figure
+    one_row("energy", [1260, 440], panels)
 }
 
 /// Draws layers up to an early time.
 fn early(title: &str, layers: Vec<Layer>) -> Panel {
-    let points = layers.iter().flat_map(|layer| &layer.points);
-    let largest = points.fold(1e-3, |most: f64, point| most.max(point.1.abs()));
+    let values = |layer: &Layer| match &layer.spread {
+        Spread::Band(ends) => ends.iter().flat_map(|end| [end.0, end.1]).collect(),
+        _ => layer.points.iter().map(|point| point.1).collect::<Vec<_>>(),
+    };
+    let values = layers.iter().flat_map(values);
+    let (low, high) = values.fold((0.0, 1e-3), |(low, high): (f64, f64), value| {
+        (low.min(value), high.max(value))
+    });
     let panel = Panel::new(
         title,
         Axis::new("time t", 0.0..EARLY as f64 * H),
-        Axis::new("difference", -1.1 * largest..1.1 * largest),
+        Axis::new("difference", 1.1 * low - 0.1 * high..1.1 * high - 0.1 * low),
     );
     layers
         .into_iter()
@@ -260,28 +263,29 @@ fn early(title: &str, layers: Vec<Layer>) -> Panel {
         .legend(Corner::Below)
 }
 
-/// Draws means of a method as symbols on its exact line.
-fn means(panel: Panel, curve: &Curve) -> Panel {
-    let steps = LONG.min(curve.exact.len() - 1);
-    let line = (0..=steps).step_by(steps.div_ceil(2000));
-    let line = line.map(|k| (k as f64 * H, curve.exact[k].0)).collect();
-    let means = curve.times.iter().zip(&curve.means);
-    let points: Vec<(f64, f64)> = means.map(|(&t, &mean)| (t, mean)).collect();
-    let count = points.len().div_ceil((LONG / (40 * EVERY)).max(1));
-    let marks = Pen::line(curve.color, 1.0).symbols(curve.shape, count);
-    panel
-        .with(Layer::new("", line, Pen::line(curve.color, 1.2)).unlisted())
-        .with(Layer::new(
-            curve.name,
-            points,
-            Pen {
-                line: None,
-                ..marks
-            },
-        ))
+/// Returns whole numbers that grow by a factor, from 1 up to a last one.
+fn growing(factor: f64, last: usize) -> impl Iterator<Item = usize> {
+    #[allow(clippy::cast_sign_loss)] // a count
+    let next = move |&k: &usize| Some((factor * k as f64).ceil() as usize);
+    std::iter::successors(Some(1), next).take_while(move |&k| k <= last)
 }
 
-/// Returns the band of one exact standard error on either side of the expectation, whose points are
+/// Draws means of a method as symbols on its exact line, both by their logarithms.
+fn means(panel: Panel, curve: &Curve) -> Panel {
+    let line = growing(1.02, curve.exact.len() - 1);
+    let line = line.map(|k| ((k as f64 * H).log10(), curve.exact[k].0.log10()));
+    let points = growing(1.5, curve.means.len() - 1);
+    let points = points.map(|k| (curve.times[k].log10(), curve.means[k].log10()));
+    let points: Vec<_> = points.collect();
+    let marks = Pen {
+        line: None,
+        ..Pen::line(curve.color, 1.0).symbols(curve.shape, points.len())
+    };
+    let line = Layer::new("", line.collect(), Pen::line(curve.color, 1.2)).unlisted();
+    panel.with(line).with(Layer::new(curve.name, points, marks))
+}
+
+/// Returns the band of two exact standard errors on either side of the expectation, whose points are
 /// at the upper edge, and the mean less its expectation.
 fn error(curve: &Curve) -> [Layer; 2] {
     let (mut edge, mut ends, mut points) = (Vec::new(), Vec::new(), Vec::new());
@@ -292,8 +296,8 @@ fn error(curve: &Curve) -> [Layer; 2] {
         .enumerate()
         .take(EARLY / EVERY + 1)
     {
-        edge.push((curve.times[k], error));
-        ends.push((-error, error));
+        edge.push((curve.times[k], 2.0 * error));
+        ends.push((-2.0 * error, 2.0 * error));
         points.push((curve.times[k], curve.means[k] - mean));
     }
     let none = Pen {
@@ -302,7 +306,7 @@ fn error(curve: &Curve) -> [Layer; 2] {
     };
     let pen = Pen::line(curve.color, 1.2).symbols(curve.shape, EARLY / EVERY);
     [
-        Layer::new("± one standard error", edge, none).band(ends),
+        Layer::new("± two standard errors", edge, none).band(ends),
         Layer::new(curve.name, points, pen),
     ]
 }

@@ -12,7 +12,7 @@
 use std::error::Error;
 
 use sve_examples::check::Check;
-use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen};
+use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
 use sve_examples::palette;
 use sve_runtime::prelude::*;
 
@@ -132,9 +132,21 @@ where
     Ok(Exponent([a[0], a[1], a[2], c]).value(POINT))
 }
 
-/// Solves at many points and three times, and at the known point with a million paths.
-pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
-    let motion = Integrator::new(Oscillator, Midpoint);
+/// Returns an ensemble with the weight of the problem.
+fn ensemble(
+    motion: &Integrator<Oscillator, Midpoint>,
+    paths: u64,
+) -> Ensemble<'_, Integrator<Oscillator, Midpoint>> {
+    Ensemble::new(motion)
+        .paths(paths)
+        .seed(1)
+        .steps(1.0 / 16.0, 32)
+        .weight(|_, state| potential(state))
+        .terminal("u", |_, _| 1.0)
+}
+
+/// Compares the solution at the known point, by a million paths.
+fn at_the_point(motion: &Integrator<Oscillator, Midpoint>) -> Result<Vec<Check>, Box<dyn Error>> {
     let mut checks = vec![
         Check::new("1: closed form at (0.7, −0.4), t = 2", exact(TIME, POINT)).near(
             VALUE,
@@ -142,19 +154,11 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
             "the value to 12 digits",
         ),
     ];
-    let (h, steps) = (1.0 / 16.0, 32);
     let [q, p] = POINT;
-    let ensemble = |paths| {
-        Ensemble::new(&motion)
-            .paths(paths)
-            .seed(1)
-            .steps(h, steps)
-            .weight(|_, state| potential(state))
-            .terminal("u", |_, _| 1.0)
-    };
-    let summary = ensemble(1_000_000).start(State::new([q], [p])).run()?;
+    let start = State::new([q], [p]);
+    let summary = ensemble(motion, 1_000_000).start(start).run()?;
     let (u, error) = (summary["u"].mean()[1], summary["u"].standard_error()[1]);
-    let bias = mean_of_steps(&motion, 32, [0.5, 0.5], KAPPA)? - VALUE;
+    let bias = mean_of_steps(motion, 32, [0.5, 0.5], KAPPA)? - VALUE;
     checks.push(mean(
         "1: u by 10⁶ paths, `midpoint`, h = 1/16".to_owned(),
         u,
@@ -163,40 +167,52 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         bias,
     ));
     let spread =
-        (mean_of_steps(&motion, 32, [0.5, 0.5], 2.0 * KAPPA)? - (VALUE + bias).powi(2)).sqrt();
+        (mean_of_steps(motion, 32, [0.5, 0.5], 2.0 * KAPPA)? - (VALUE + bias).powi(2)).sqrt();
     checks.push(Check::new("1: its standard error", error).near(
         spread * 1e-3,
         5e-3 * spread * 1e-3,
         "the exact variance of the weight of a path",
     ));
+    Ok(checks)
+}
 
+/// Solves at the known point, and at many points and two times.
+pub(crate) fn solve() -> Result<([Panel; 2], Vec<Check>), Box<dyn Error>> {
+    let motion = Integrator::new(Oscillator, Midpoint);
+    let mut checks = at_the_point(&motion)?;
     let points: Vec<State<[f64; 1]>> = (-12..=12)
         .map(|k| State::new([0.25 * f64::from(k)], [0.0]))
         .collect();
     // each point has paths of its own
     let summaries = points.iter().zip(0..).map(|(point, number)| {
         let noise = Wiener::new(1).path(20_000 * number);
-        let ensemble = ensemble(20_000).every(8).noise(noise);
+        let ensemble = ensemble(&motion, 20_000).every(8).noise(noise);
         ensemble.start(*point).run()
     });
     let summaries = summaries.collect::<Result<Vec<_>, _>>()?;
     let mut worst = 0.0_f64;
-    let mut panel = Panel::new(
-        "Parabolic equation: u(t, q, 0) at 25 points",
+    let mut values = Panel::new(
+        "Solution u(t, q, 0) at 25 points",
         Axis::new("q", -3.2..3.2),
         Axis::new("u", 0.0..1.05),
     )
     .legend(Corner::TopRight);
+    let mut errors = Panel::new(
+        "Error of u at these points",
+        Axis::new("q", -3.2..3.2),
+        Axis::new("mean less closed form", -0.007..0.007),
+    )
+    .legend(Corner::TopRight);
     let pens = [
-        Pen::line(palette::BLUE, 1.5),
-        Pen::dashed(palette::VERMILION, 1.5, (7.0, 4.0)),
+        Pen::line(palette::BLUE, 1.5).symbols(Shape::Disc, points.len()),
+        Pen::dashed(palette::VERMILION, 1.5, (7.0, 4.0)).symbols(Shape::Square, points.len()),
     ];
     for (record, pen) in [2, 4].into_iter().zip(pens) {
         let time = 0.5 * record as f64;
         let exponent = Exponent::exact(time);
         let curve = (-320..=320).map(|k| 0.01 * f64::from(k));
         let curve = curve.map(|q| (q, exponent.value([q, 0.0]))).collect();
-        let mut found = Vec::new();
+        let (mut found, mut differences, mut bars) = (Vec::new(), Vec::new(), Vec::new());
         for (point, summary) in points.iter().zip(&summaries) {
             let (u, error) = (
                 summary["u"].mean()[record],
@@ -207,17 +223,23 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
             // the bias of the rule is below 10⁻³ of u
             let expected = exponent.value([q, 0.0]);
             worst = worst.max((u - expected).abs() / (error + 1e-3 * expected / 4.5));
+            let difference = u - expected;
+            differences.push((q + 0.08 * (time - 1.5), difference));
+            bars.push((difference - 2.0 * error, difference + 2.0 * error));
         }
-        panel = panel
-            .with(Layer::new(format!("t = {time}"), curve, pen))
-            .with(
-                Layer::new(
-                    format!("paths, t = {time}"),
-                    found,
-                    Pen::dots(pen.color, 3.0),
-                )
-                .unlisted(),
-            );
+        let label = format!("t = {time}");
+        let dots = Pen { line: None, ..pen };
+        values = values
+            .with(Layer::new(
+                label.clone(),
+                curve,
+                Pen {
+                    symbol: None,
+                    ..pen
+                },
+            ))
+            .with(Layer::new(format!("paths, {label}"), found, dots).unlisted());
+        errors = errors.with(Layer::new(label, differences, dots).bars(bars));
     }
     checks.push(
         Check::new(
@@ -226,5 +248,5 @@ pub(crate) fn solve() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         )
         .near(0.0, 4.5, "a false alarm in 3,000"),
     );
-    Ok((panel, checks))
+    Ok(([values, errors], checks))
 }

@@ -12,6 +12,7 @@ use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
 use sve_examples::palette::{self, Color};
 use sve_runtime::baseline::EulerMaruyama;
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 use crate::quadratic::{KAPPA, Oscillator, POINT, TIME, exact, mean_of_steps, potential};
@@ -143,7 +144,7 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
             |steps| of_ensemble(&midpoint, steps),
         )?,
         measured(
-            "`stormer_verlet`",
+            "Störmer–Verlet",
             (palette::GREEN, Shape::Square),
             &verlet,
             (trapezoid, 2.0),
@@ -165,9 +166,9 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         )?,
     ];
     let mut panel = Panel::new(
-        "Parabolic equation: time to error of u at (0.7, −0.4), t = 2",
+        "Time to error of u at (0.7, −0.4), t = 2",
         Axis::powers("root of the mean squared error", -5.8..-1.6),
-        Axis::powers("seconds of all paths, on one thread", -5.0..5.0),
+        Axis::powers("computed seconds on one thread", -5.0..5.0),
     )
     .legend(Corner::TopRight);
     let mut checks = Vec::new();
@@ -210,7 +211,8 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         checks.push(
             Check::new(
                 format!(
-                    "1: time of naive Euler–Maruyama over `midpoint` for an error of {error:e}"
+                    "1: time of naive Euler–Maruyama over `midpoint` for an error of {}",
+                    number(error, 1)
                 ),
                 ratio,
             )

@@ -4,7 +4,7 @@
 //! The step without structure is one Newton iteration in all unknowns of the rule, displacement,
 //! velocity and momentum, with the full symbolic Jacobian. It computes all values in each
 //! iteration, as generic code would. Solver and stopping rule are the same. Prints the table, and
-//! writes it with a picture to `target/structure/`.
+//! writes a page with the table and a picture to `target/structure/`.
 
 mod scenes;
 
@@ -21,6 +21,7 @@ use sve_examples::{palette, render};
 use sve_runtime::__private::Unstructured;
 use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::Variational;
+use sve_runtime::plot::page::{self, number};
 use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, StateOf, System};
 
@@ -184,25 +185,41 @@ where
     Ok(f64::from(sum) / increments.len() as f64)
 }
 
-/// Returns the table of the differences between the step without structure and the derived step.
-fn markdown(rows: &[Row]) -> Result<String, std::fmt::Error> {
+/// Names of the columns of the table.
+const HEAD: [&str; 10] = [
+    "scene, rule",
+    "blocks",
+    "operations",
+    "calls",
+    "additions",
+    "n",
+    "state",
+    "beside it",
+    "ns a step",
+    "ratio",
+];
+
+/// Returns the table of the differences between the step without structure and the derived step, in
+/// columns of equal width.
+fn markdown(rows: &[[String; 10]]) -> Result<String, std::fmt::Error> {
+    let long = |text: &str| text.chars().count();
+    let width = |column: usize| {
+        let cells = rows.iter().map(|row| long(&row[column]));
+        cells.fold(long(HEAD[column]), usize::max)
+    };
+    let widths: [usize; 10] = std::array::from_fn(width);
+    let line = |cells: [&str; 10]| {
+        let padded = cells.iter().zip(widths);
+        let padded: Vec<_> = padded
+            .map(|(cell, width)| format!("{cell:width$}"))
+            .collect();
+        format!("| {} |", padded.join(" | "))
+    };
     let mut text = String::new();
-    let head = [
-        "scene, rule",
-        "blocks",
-        "operations",
-        "calls",
-        "additions",
-        "n",
-        "state",
-        "beside it",
-        "ns a step",
-        "ratio",
-    ];
-    writeln!(text, "| {} |", head.join(" | "))?;
-    writeln!(text, "|{}", " --- |".repeat(head.len()))?;
+    writeln!(text, "{}", line(HEAD))?;
+    writeln!(text, "{}", line(["---"; 10]))?;
     for row in rows {
-        writeln!(text, "| {} |", cells(row).join(" | "))?;
+        writeln!(text, "{}", line(row.each_ref().map(String::as_str)))?;
     }
     Ok(text)
 }
@@ -252,12 +269,14 @@ fn figure(rows: &[Row]) -> Figure {
     let last = unstructured
         .iter()
         .fold(2.0, |last: f64, point| last.max(point.0));
-    let mut times = Axis::powers("nanoseconds a step", 0.0..last + 1.6);
+    // The names of the scenes stand left of all times.
+    let first = -0.9;
+    let mut times = Axis::powers("time of a step (ns)", first..last + 0.6);
     times.labels = 8;
     let mut scenes = Axis::new("", 0.0..rows.len() as f64 + 1.0);
     scenes.labels = 0;
     let mut panel = Panel::new(
-        "Time of a step, with the structure of the scene and without",
+        "Time of a step, with the structure of the scene and without, and the ratio of the times",
         times,
         scenes,
     );
@@ -267,10 +286,11 @@ fn figure(rows: &[Row]) -> Figure {
         panel = panel
             .with(Layer::new("", vec![low, high], Pen::line(palette::GREY, 1.0)).unlisted())
             .note(
-                (high.0 + 0.04, high.1),
-                format!("{}: ratio {ratio:.1}", row.scene.replace('`', "")),
+                (first + 0.05, high.1),
+                row.scene.replace('`', ""),
                 palette::BLACK,
-            );
+            )
+            .note((high.0 + 0.06, high.1), number(ratio, 2), palette::BLACK);
     }
     let mut open = Pen::dots(palette::VERMILION, 3.5);
     if let Some(symbols) = &mut open.symbol {
@@ -284,11 +304,7 @@ fn figure(rows: &[Row]) -> Figure {
         ))
         .with(Layer::new("without", unstructured, open))
         .legend(Corner::TopRight);
-    one_row(
-        "structure",
-        [1080, 80 + 22 * rows.len() as u32],
-        vec![panel],
-    )
+    one_row("structure", [860, 80 + 22 * rows.len() as u32], vec![panel])
 }
 
 /// The explanation of the columns.
@@ -302,14 +318,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut rows = Rows::default();
     every_scene(&mut rows);
     let rows: Vec<Row> = rows.0.into_iter().collect::<Result<_, _>>()?;
-    let table = markdown(&rows)?;
+    let cells: Vec<_> = rows.iter().map(cells).collect();
+    let table = markdown(&cells)?;
     println!("{table}\n{LEGEND}");
     let folder = Path::new("target/structure");
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join("structure.md"), &table)?;
     let figure = figure(&rows);
-    std::fs::write(folder.join("structure.svg"), render::svg(&figure)?)?;
+    let svg = render::svg(&figure)?;
+    std::fs::write(folder.join("structure.svg"), &svg)?;
     std::fs::write(folder.join("structure.png"), render::png(&figure)?)?;
-    println!("table and picture: {}", folder.display());
+    let cells: Vec<_> = cells.into_iter().map(|row| ("", row.to_vec())).collect();
+    let table = page::table(&HEAD, &cells);
+    let legend = page::escape(LEGEND).replace('\n', "<br>\n");
+    let body = format!("<figure>\n{svg}\n</figure>\n{table}<p>{legend}</p>\n");
+    let page = folder.join("index.html");
+    std::fs::write(&page, page::document("The gain of structure", &body))?;
+    println!("page: {}", page.display());
     Ok(())
 }
