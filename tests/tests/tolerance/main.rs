@@ -7,7 +7,7 @@ mod systems;
 use core::f64::consts::TAU;
 
 use sve_runtime::prelude::*;
-use systems::{Ball, DoublePendulum, Kepler, Pendulum, distance, perihelion};
+use systems::{Ball, Channel, DoublePendulum, Kepler, Pendulum, distance, perihelion};
 
 /// Checks the errors at the end of a path for tolerances from 10⁻⁴ to 10⁻¹². They are below
 /// `$factor` times the tolerance, or below rounding errors.
@@ -226,6 +226,17 @@ fn a_step_ends_at_a_change_of_the_state() {
         assert!((t - f64::from(2 * k + 1)).abs() < 1e-11, "{k}: {t}");
     }
     assert!((end.q[0] - 0.5).abs() < 1e-11 && end.p[0].abs() < 1e-11);
+}
+
+/// The power that holds it there is one of zero.
+#[test]
+fn a_body_stays_in_the_middle_of_a_channel() {
+    let channel = Integrator::new(Channel, Gauss::<4>);
+    let start = State::new([1.0, 0.0], [0.0, 0.0]);
+    let path = channel.trajectory(start, 0.1, NoNoise).tolerance(1e-10);
+    let end = path.until(3.0).last().unwrap().unwrap();
+    assert!((end.q[0] - 3.0_f64.cos()).abs() < 1e-9, "{end:?}");
+    assert_eq!((end.q[1], end.p[1]), (0.0, 0.0));
 }
 
 /// The path back ends at the start.

@@ -85,6 +85,16 @@ impl Wall {
     }
 }
 
+/// Walls of a channel whose forces grow with a power of the distance from its middle.
+pub(crate) struct Channel;
+
+#[variational(gauss(4))]
+impl Channel {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1] - q[0] * q[0]) - (q[1] * q[1]).powf(1.3)
+    }
+}
+
 /// Returns the largest difference of two states.
 pub(crate) fn distance<const N: usize>(a: &State<[f64; N]>, b: &State<[f64; N]>) -> f64 {
     let numbers = a.q.iter().chain(&a.p).zip(b.q.iter().chain(&b.p));

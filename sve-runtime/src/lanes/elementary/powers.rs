@@ -62,13 +62,15 @@ fn log2_in_parts(x: f64) -> (f64, f64) {
     (result, small - ((result - k) - large))
 }
 
-/// Returns `xʸ`, to 1.3 units in the last place, for x positive, normal and finite, and
-/// `|y log₂ x| ≤ 1021`; NaN otherwise.
+/// Returns `xʸ`, to 1.3 units in the last place, for x positive, normal and finite, or zero; NaN
+/// otherwise.
 #[inline(always)]
 pub fn powf(x: f64, y: f64) -> f64 {
     let (log, log_rest) = log2_in_parts(x);
     let first = cut(y);
-    exp2_of_sum(first * log, (y - first) * log + y * log_rest)
+    let power = exp2_of_sum(first * log, (y - first) * log + y * log_rest);
+    let of_zero = select(y > 0.0, 0.0, select(y < 0.0, f64::INFINITY, 1.0 + y));
+    select(x == 0.0, of_zero, power)
 }
 
 /// Returns `xʸ lnⁿ x` for the arguments of [`powf`] and [`ln`].
@@ -82,8 +84,8 @@ pub fn power_log(x: f64, y: f64, n: i32) -> f64 {
     result
 }
 
-/// Returns the cube root, to 0.7 units in the last place, of a normal and finite number; NaN
-/// otherwise.
+/// Returns the cube root, to 0.7 units in the last place, of a normal and finite number or zero;
+/// NaN otherwise.
 ///
 /// The exponent gives a guess to 5 bits, a polynomial improves it to 23 bits, and one step of
 /// Newton's method to rounding (FreeBSD, `s_cbrt.c`).
@@ -115,7 +117,11 @@ pub fn cbrt(x: f64) -> f64 {
     let t = f64::from_bits(better.to_bits().wrapping_add(1 << 29) & !((1 << 30) - 1));
     let quotient = size / (t * t);
     let root = t + t * ((quotient - t) / (2.0 * t + quotient));
-    f64::from_bits(root.to_bits() | x.to_bits() & SIGN)
+    select(
+        x == 0.0,
+        x,
+        f64::from_bits(root.to_bits() | x.to_bits() & SIGN),
+    )
 }
 
 /// Returns `√(x² + y²)`, to 1.3 units in the last place; NaN where the sum of squares is not

@@ -213,7 +213,7 @@ fn ranges_end_where_they_are_said_to() {
         (acosh, 1.0, 1.0f64.next_down()),
         (atanh, 1.0f64.next_down(), 1.0),
         (asin, 1.0, up(1.0)),
-        (cbrt, f64::MIN_POSITIVE, 0.0),
+        (cbrt, f64::MIN_POSITIVE, f64::MIN_POSITIVE / 2.0),
     ];
     for (i, (f, last, beyond)) in ends.into_iter().enumerate() {
         assert!(f(last).is_finite() && f(beyond).is_nan(), "{i}: {last:e}");
@@ -233,7 +233,8 @@ fn ranges_end_where_they_are_said_to() {
         assert!(atan2(y, x).is_nan(), "{y} {x}");
     }
     for (x, y) in [
-        (0.0, 1.0),
+        (5e-324, 1.0),
+        (0.0, nan),
         (-2.0, 2.0),
         (nan, 0.0),
         (1.0, nan),
@@ -340,6 +341,11 @@ fn zeros_ones_and_tiny_numbers_are_exact() {
     assert_eq!(
         (tanh(20.0), tanh(-f64::INFINITY), cbrt(-27.0)),
         (1.0, -1.0, -3.0)
+    );
+    assert_eq!((cbrt(0.0).to_bits(), cbrt(-0.0).to_bits()), (0, SIGN));
+    assert_eq!(
+        (powf(0.0, 1.3), powf(-0.0, -0.7), powf(0.0, 0.0)),
+        (0.0, f64::INFINITY, 1.0)
     );
     let (x, y) = (2.5, -0.4);
     assert_eq!(power_log(x, y, 0), powf(x, y));
