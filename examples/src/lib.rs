@@ -8,6 +8,7 @@ pub mod check;
 pub mod directions;
 pub mod envelope;
 pub mod gaussian;
+pub mod hues;
 pub mod machine;
 pub mod page;
 pub mod render;
