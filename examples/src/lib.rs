@@ -4,6 +4,7 @@
 //! measured with expected numbers. [`gaussian`] computes expectations of linear schemes without
 //! Monte Carlo.
 
+pub mod cells;
 pub mod check;
 pub mod directions;
 pub mod envelope;
