@@ -230,12 +230,12 @@ mod tests {
     use super::*;
 
     /// Returns a function that says whether a black path 2 CSS pixels wide covers a pixel.
-    fn painted(path: &[BackendCoord]) -> impl Fn(i32, i32) -> bool + use<> {
+    fn painted(path: &[BackendCoord]) -> impl Fn(usize, usize) -> bool + use<> {
         let mut pixels = vec![255; 3 * 40 * 40];
         let style = stroke(BLACK, 2.0);
         let drawn = Raster::new(&mut pixels, (40, 40)).draw_path(path.iter().copied(), &style);
         assert!(drawn.is_ok());
-        move |x, y| pixels[3 * (y * 40 + x) as usize] == 0
+        move |x, y| pixels[3 * (y * 40 + x)] == 0
     }
 
     #[test]
