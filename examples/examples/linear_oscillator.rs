@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
+use sve_examples::hues;
 use sve_examples::palette;
 use sve_examples::report::{one_row, report};
 
@@ -85,7 +86,7 @@ fn figure(times: &[f64], methods: [(&str, &[(f64, f64)]); 3]) -> Figure {
             let bars = means
                 .iter()
                 .map(|(mean, error)| ((mean - 2.0 * error).log10(), (mean + 2.0 * error).log10()));
-            let color = [palette::SKY, palette::VERMILION, palette::ORANGE][k];
+            let color = [hues::ENDPOINT, palette::VERMILION, palette::ORANGE][k];
             let pen = Pen {
                 color,
                 line: None,

@@ -4,10 +4,12 @@
 //! measured with expected numbers. [`gaussian`] computes expectations of linear schemes without
 //! Monte Carlo.
 
+pub mod cells;
 pub mod check;
 pub mod directions;
 pub mod envelope;
 pub mod gaussian;
+pub mod hues;
 pub mod machine;
 pub mod page;
 pub mod render;

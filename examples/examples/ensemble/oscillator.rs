@@ -12,6 +12,7 @@ use std::error::Error;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape, Spread};
 use sve_examples::gaussian::{Matrix, Scheme};
+use sve_examples::hues;
 use sve_examples::palette::{self, Color};
 use sve_examples::report::one_row;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
@@ -85,21 +86,21 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         curve(
             options,
             "midpoint rule",
-            (palette::BLUE, Shape::Square),
+            (hues::MIDPOINT, Shape::Square),
             &Integrator::new(OSCILLATOR, Midpoint),
             LONG,
         )?,
         curve(
             options,
             "initial-point rule",
-            (palette::GREEN, Shape::Disc),
+            (hues::INITIAL_POINT, Shape::Disc),
             &Integrator::new(OSCILLATOR, InitialPoint),
             LONG,
         )?,
         curve(
             options,
             "endpoint rule",
-            (palette::SKY, Shape::Circle),
+            (hues::ENDPOINT, Shape::Circle),
             &Integrator::new(OSCILLATOR, Endpoint),
             LONG,
         )?,

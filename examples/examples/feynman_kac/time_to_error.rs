@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
+use sve_examples::hues;
 use sve_examples::palette::{self, Color};
 use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::plot::page::number;
@@ -138,28 +139,28 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
     let all = [
         measured(
             "`midpoint`",
-            (palette::BLUE, Shape::Circle),
+            (hues::MIDPOINT, Shape::Circle),
             &midpoint,
             (trapezoid, 2.0),
             |steps| of_ensemble(&midpoint, steps),
         )?,
         measured(
             "Störmer–Verlet",
-            (palette::GREEN, Shape::Square),
+            (hues::STORMER_VERLET, Shape::Square),
             &verlet,
             (trapezoid, 2.0),
             |steps| of_ensemble(&verlet, steps),
         )?,
         measured(
             "`endpoint`",
-            (palette::ORANGE, Shape::Triangle),
+            (hues::ENDPOINT, Shape::Triangle),
             &endpoint,
             (trapezoid, 1.0),
             |steps| of_ensemble(&endpoint, steps),
         )?,
         measured(
             "Euler–Maruyama, naive",
-            (palette::VERMILION, Shape::Cross),
+            (palette::GREY, Shape::Cross),
             &euler,
             ([1.0, 0.0], 1.0),
             |steps| Ok(naive(steps)),

@@ -10,12 +10,10 @@
 //! with the density w it is ⟨d²⟩ N/(N − 1), with ⟨d²⟩ = ∫ W₂ Wᴺ⁻¹ dk / ∫ Wᴺ dk where W and W₂ are
 //! the Fourier transforms of w and d²w.
 
-use std::ops::Range;
-
 use indicatif::ProgressBar;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
-use sve_examples::palette::{BLACK, BLUE, Color, ORANGE};
+use sve_examples::palette::{BLACK, BLUE, Color, ORANGE, PURPLE};
 use sve_runtime::prelude::*;
 
 use crate::{ALPHA, MASSES, Mode};
@@ -305,32 +303,35 @@ impl Heats {
     pub(crate) fn panels(&self) -> Vec<Panel> {
         let (linear, other) = (&self.linear, &self.other);
         let of_step = linear.modes.iter().map(|mode| linear.of_step(mode));
-        let one = || vec![1.0; MASSES];
-        let exact = vec![self.exact; MASSES];
+        let errors = |part: usize, exact: f64| -> Vec<(f64, f64)> {
+            let parts = other.part(part).into_iter();
+            parts
+                .map(|(mean, error)| (mean / exact - 1.0, error / exact))
+                .collect()
+        };
         vec![
             panel(
                 &format!("Linear springs in a bath, h = {}", LONG.0),
-                0.7..1.25,
+                Axis::new("in parts of T", 0.8..1.05),
             )
-            .with(line("exact ω²⟨Q²⟩", one(), None))
-            .with(line("exact ⟨P²⟩", of_step.collect(), Some((5.0, 3.0))))
+            .with(line(vec![1.0; MASSES]))
+            .with(line(of_step.collect()))
             .with(dots("ω²⟨Q²⟩", &linear.part(0), BLUE, Shape::Disc))
             .with(dots("⟨P²⟩", &linear.part(1), ORANGE, Shape::Square)),
             panel(
                 &format!("Springs with α and β in a bath, h = {}", SHORT.0),
-                0.3..1.6,
+                Axis::new("mean / exact − 1", -0.03..0.03),
             )
-            .with(line("equipartition", one(), None))
-            .with(line("exact ω²⟨Q²⟩", exact, Some((5.0, 3.0))))
-            .with(dots("⟨Q ∂V/∂Q⟩", &other.part(2), BLUE, Shape::Disc))
-            .with(dots("ω²⟨Q²⟩", &other.part(0), ORANGE, Shape::Square)),
+            .with(line(vec![0.0; MASSES]))
+            .with(dots("ω²⟨Q²⟩", &errors(0, self.exact), BLUE, Shape::Disc))
+            .with(dots("⟨Q ∂V/∂Q⟩", &errors(2, 1.0), PURPLE, Shape::Diamond)),
         ]
     }
 }
 
-fn panel(title: &str, parts: Range<f64>) -> Panel {
+fn panel(title: &str, means: Axis) -> Panel {
     let modes = Axis::new("mode", 0.0..(MASSES + 1) as f64);
-    Panel::new(title, modes, Axis::new("in parts of T", parts)).legend(Corner::TopRight)
+    Panel::new(title, modes, means).legend(Corner::Below)
 }
 
 fn numbered(parts: Vec<f64>) -> Vec<(f64, f64)> {
@@ -338,9 +339,8 @@ fn numbered(parts: Vec<f64>) -> Vec<(f64, f64)> {
     parts.into_iter().enumerate().map(number).collect()
 }
 
-fn line(name: &str, parts: Vec<f64>, dash: Option<(f64, f64)>) -> Layer {
-    let pen = dash.map_or(Pen::line(BLACK, 1.2), |dash| Pen::dashed(BLACK, 1.2, dash));
-    Layer::new(name, numbered(parts), pen)
+fn line(parts: Vec<f64>) -> Layer {
+    Layer::new("exact", numbered(parts), Pen::line(BLACK, 1.2)).unlisted()
 }
 
 /// Returns means as symbols with bars of two standard errors to each side.

@@ -8,8 +8,8 @@
 //! Π₀ = g + ½ x × g + ¼ x (x·g) − ½ h (τ + T x × τ),    Π₁ = Π₀ − x × g + h τ
 //! ```
 
-use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen};
-use sve_examples::palette;
+use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
+use sve_examples::{hues, palette};
 use sve_runtime::nalgebra::Quaternion;
 use sve_runtime::prelude::*;
 
@@ -96,27 +96,33 @@ pub(crate) fn panel(errors: &Errors, rate: f64) -> Panel {
         let pairs = degrees.into_iter().zip(errors);
         pairs.map(|(x, error)| (x.log10(), error.log10())).collect()
     };
-    let layer =
-        |name, errors: &[f64], color| Layer::new(name, points(errors), Pen::line(color, 1.4));
+    let layer = |name, errors: &[f64], color, shape| {
+        let pen = Pen::line(color, 1.4).symbols(shape, STEPS.len());
+        Layer::new(name, points(errors), pen)
+    };
+    let (cayley, midpoint, verlet) = (&errors.cayley, &errors.exponential, &errors.verlet);
     Panel::new(
-        "Heavy top: which error with which steps, t = 2",
+        "Error of the attitude at t = 2",
         Axis::powers("turn in a step, degrees", 0.0..1.5),
-        Axis::powers("error of the attitude", -6.0..2.0),
+        Axis::powers("error of the attitude (rad)", -6.0..1.0),
     )
-    .legend(Corner::TopLeft)
+    .legend(Corner::Below)
     .with(layer(
-        "Cayley's chart, by hand",
-        &errors.cayley,
-        palette::ORANGE,
+        "midpoint, Cayley chart",
+        cayley,
+        palette::PURPLE,
+        Shape::Triangle,
     ))
     .with(layer(
-        "exponential chart",
-        &errors.exponential,
-        palette::BLUE,
+        "midpoint, exponential chart",
+        midpoint,
+        hues::MIDPOINT,
+        Shape::Disc,
     ))
-    .with(Layer::new(
-        "the same, Störmer and Verlet",
-        points(&errors.verlet),
-        Pen::dashed(palette::BLUE, 1.4, (5.0, 4.0)),
+    .with(layer(
+        "Störmer–Verlet",
+        verlet,
+        hues::STORMER_VERLET,
+        Shape::Square,
     ))
 }

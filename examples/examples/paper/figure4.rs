@@ -6,6 +6,7 @@ use std::ops::Range;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
 use sve_examples::gaussian::expectation;
+use sve_examples::hues;
 use sve_examples::palette;
 use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::prelude::*;
@@ -185,7 +186,7 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
     let midpoint = panel("Variational, midpoint rule").with(Layer::new(
         "midpoint rule",
         runs.midpoint.orbit(),
-        Pen::dots(palette::BLUE, 0.8),
+        Pen::dots(hues::MIDPOINT, 0.8),
     ));
     let spiral: Vec<_> = runs
         .euler
@@ -245,7 +246,7 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
     .note(
         (0.4 * options.horizon, -1.3),
         "midpoint rule and exact solution: 1".to_owned(),
-        palette::BLUE,
+        hues::MIDPOINT,
     )
     .note(
         (0.5 * options.horizon, 1.5),
@@ -274,7 +275,7 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
         .with(Layer::new(
             "midpoint rule (stays at 1)",
             decades(&runs.midpoint),
-            Pen::line(palette::BLUE, 1.6).symbols(Shape::Circle, 9),
+            Pen::line(hues::MIDPOINT, 1.6).symbols(Shape::Circle, 9),
         ))
         .with(Layer::new(
             "exact (1)",

@@ -8,6 +8,7 @@ use std::array::from_fn;
 
 use sve_examples::figure::{Pen, Shape};
 use sve_examples::gaussian::{Gaussian, Matrix, Scheme};
+use sve_examples::hues;
 use sve_examples::palette;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
 use sve_runtime::prelude::*;
@@ -86,17 +87,17 @@ pub(crate) fn entries() -> [Entry; 5] {
         ),
         entry(
             "midpoint rule",
-            Pen::line(palette::BLUE, 1.2).symbols(Shape::Cross, 13),
+            Pen::line(hues::MIDPOINT, 1.2).symbols(Shape::Cross, 13),
             Box::new(Integrator::new(OSCILLATOR, Midpoint)),
         ),
         entry(
             "initial-point rule",
-            Pen::line(palette::GREEN, 1.2).symbols(Shape::Square, 11),
+            Pen::line(hues::INITIAL_POINT, 1.2).symbols(Shape::Square, 11),
             Box::new(Integrator::new(OSCILLATOR, InitialPoint)),
         ),
         entry(
             "endpoint rule",
-            Pen::line(palette::SKY, 1.4).symbols(Shape::Circle, 9),
+            Pen::line(hues::ENDPOINT, 1.4).symbols(Shape::Circle, 9),
             Box::new(Integrator::new(OSCILLATOR, Endpoint)),
         ),
     ]

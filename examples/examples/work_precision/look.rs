@@ -4,6 +4,7 @@
 //! lines.
 
 use sve_examples::figure::{Pen, Shape, Stroke, Symbols};
+use sve_examples::hues;
 use sve_examples::palette::{self, Color};
 
 use crate::plots::Series;
@@ -22,10 +23,10 @@ const BASELINES: [&str; 6] = [
 fn hue(name: &str, number: usize) -> Color {
     let method = name.split_once(": ").map_or(name, |(_, method)| method);
     match method {
-        "midpoint" | "LeapfrogMidpoint" => palette::BLUE,
+        "midpoint" | "LeapfrogMidpoint" => hues::MIDPOINT,
         "Heun" | "EulerHeun" => palette::ORANGE,
         "Euler–Maruyama" => palette::GREY,
-        "symplectic Euler" | "SemiImplicitEuler" => palette::GREEN,
+        "symplectic Euler" | "SemiImplicitEuler" => hues::INITIAL_POINT,
         "SPaRK" | "ShARK" => palette::BLACK,
         "SlowRK" => palette::SKY,
         _ => palette::CYCLE[(number + 3) % palette::CYCLE.len()],
@@ -37,21 +38,22 @@ fn hue(name: &str, number: usize) -> Color {
 #[allow(clippy::match_same_arms)] // a line for each method
 pub(crate) fn pen(series: &Series, number: usize) -> Pen {
     let (color, shape) = match series.name.as_str() {
-        "midpoint" => (palette::BLUE, Shape::Disc),
-        "midpoint, Kahan–Li 8" => (palette::BLUE, Shape::Circle),
-        "Störmer–Verlet" => (palette::VERMILION, Shape::Square),
-        "Störmer–Verlet, Kahan–Li 8" => (palette::VERMILION, Shape::Cross),
+        "midpoint" => (hues::MIDPOINT, Shape::Disc),
+        "midpoint, Kahan–Li 8" => (hues::MIDPOINT, Shape::Circle),
+        "Störmer–Verlet" => (hues::STORMER_VERLET, Shape::Square),
+        "Störmer–Verlet, weak2" => (hues::STORMER_VERLET, Shape::Plus),
+        "Störmer–Verlet, Kahan–Li 8" => (hues::STORMER_VERLET, Shape::Cross),
         "Gauss 2" | "Gauss 4" => (palette::PURPLE, Shape::Triangle),
         "Gauss 2, stage noise" => (palette::PURPLE, Shape::Plus),
         "Gauss 3, stage noise" => (palette::BLACK, Shape::Cross),
         "Gauss 4, stage noise" => (palette::BLACK, Shape::Triangle),
         "Gauss 6" => (palette::PURPLE, Shape::Diamond),
-        "Gauss 8" | "Störmer–Verlet, weak2" => (palette::PURPLE, Shape::Plus),
+        "Gauss 8" => (palette::PURPLE, Shape::Plus),
         "Gauss 8, compensated" => (palette::PURPLE, Shape::Circle),
         "Blanes–Moan 4" => (palette::BLACK, Shape::Triangle),
         "Blanes–Moan RKN 6" => (palette::BLACK, Shape::Disc),
-        "endpoint" | "endpoint, uncorrected" => (palette::GREEN, Shape::Circle),
-        "initial point" | "initial point, uncorrected" => (palette::SKY, Shape::Diamond),
+        "endpoint" | "endpoint, uncorrected" => (hues::ENDPOINT, Shape::Circle),
+        "initial point" | "initial point, uncorrected" => (hues::INITIAL_POINT, Shape::Diamond),
         "Heun" | "heyoka: Taylor, compensated" => (palette::ORANGE, Shape::Circle),
         "Runge–Kutta 4" => (palette::BLACK, Shape::Square),
         "Euler–Maruyama" => (palette::GREY, Shape::Cross),

@@ -1,8 +1,9 @@
 //! A drawing backend of plotters on a buffer of pixels, and its PNG.
 //!
 //! plotters' own bitmap backend fills the outline of a whole thick polyline as one polygon, which
-//! is wrong for lines that cross themselves, as orbits do. Here each segment is a capsule: all
-//! pixels within half of its width. Drawing at a larger size and averaging makes edges smooth.
+//! is wrong for lines that cross themselves, as orbits do. Here each segment is painted alone: all
+//! pixels within half of its width. As in the SVG, a line ends square; its segments have round
+//! joints. Drawing at a larger size and averaging makes edges smooth.
 
 use std::convert::Infallible;
 
@@ -48,8 +49,15 @@ impl<'a> Raster<'a> {
         }
     }
 
-    /// Paints every pixel within `radius` of the segment.
-    fn capsule(&mut self, from: BackendCoord, to: BackendCoord, radius: f64, color: BackendColor) {
+    /// Paints every pixel within `radius` of the segment. Nothing is painted beyond an end that is
+    /// square.
+    fn segment(
+        &mut self,
+        [from, to]: [BackendCoord; 2],
+        is_square: [bool; 2],
+        radius: f64,
+        color: BackendColor,
+    ) {
         let reach = radius.ceil() as i32;
         let (x0, y0) = (f64::from(from.0), f64::from(from.1));
         let (dx, dy) = (f64::from(to.0) - x0, f64::from(to.1) - y0);
@@ -68,10 +76,14 @@ impl<'a> Raster<'a> {
             for y in rows {
                 let (px, py) = (f64::from(x) - x0, f64::from(y) - y0);
                 let along = if length2 > 0.0 {
-                    ((px * dx + py * dy) / length2).clamp(0.0, 1.0)
+                    (px * dx + py * dy) / length2
                 } else {
                     0.0
                 };
+                if (is_square[0] && along < 0.0) || (is_square[1] && along > 1.0) {
+                    continue;
+                }
+                let along = along.clamp(0.0, 1.0);
                 let (ex, ey) = (px - along * dx, py - along * dy);
                 if ex * ex + ey * ey <= radius * radius {
                     self.blend((x, y), color);
@@ -107,9 +119,7 @@ impl DrawingBackend for Raster<'_> {
         to: BackendCoord,
         style: &S,
     ) -> Drawn {
-        let radius = f64::from(style.stroke_width()) / 2.0;
-        self.capsule(from, to, radius, style.color());
-        Ok(())
+        self.draw_path([from, to], style)
     }
 
     fn draw_text<S: BackendTextStyle>(
@@ -160,13 +170,13 @@ impl DrawingBackend for Raster<'_> {
         path: I,
         style: &S,
     ) -> Drawn {
-        let mut points = path.into_iter();
-        let Some(mut from) = points.next() else {
-            return Ok(());
-        };
-        for to in points {
-            self.draw_line(from, to, style)?;
-            from = to;
+        let points: Vec<_> = path.into_iter().collect();
+        let radius = f64::from(style.stroke_width()) / 2.0;
+        let is_open = points.first() != points.last();
+        let count = points.len().saturating_sub(1);
+        for (k, ends) in points.windows(2).enumerate() {
+            let is_square = [is_open && k == 0, is_open && k + 1 == count];
+            self.segment([ends[0], ends[1]], is_square, radius, style.color());
         }
         Ok(())
     }
@@ -211,4 +221,31 @@ pub(crate) fn png(
 #[allow(clippy::cast_sign_loss)] // clamped to the range of a byte
 fn to_byte(x: f64) -> u8 {
     x.round().clamp(0.0, 255.0) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::draw::stroke;
+    use super::super::palette::BLACK;
+    use super::*;
+
+    /// Returns a function that says whether a black path 2 CSS pixels wide covers a pixel.
+    fn painted(path: &[BackendCoord]) -> impl Fn(usize, usize) -> bool + use<> {
+        let mut pixels = vec![255; 3 * 40 * 40];
+        let style = stroke(BLACK, 2.0);
+        let drawn = Raster::new(&mut pixels, (40, 40)).draw_path(path.iter().copied(), &style);
+        assert!(drawn.is_ok());
+        move |x, y| pixels[3 * (y * 40 + x)] == 0
+    }
+
+    #[test]
+    fn a_line_ends_square_and_has_round_joints() {
+        let line = painted(&[(10, 10), (20, 10)]);
+        assert!(line(10, 7) && line(20, 13));
+        assert!(!line(9, 10) && !line(21, 10));
+        let corner = painted(&[(10, 10), (20, 10), (20, 30)]);
+        assert!(corner(22, 8) && !corner(20, 31));
+        let closed = painted(&[(10, 10), (20, 10), (20, 20), (10, 10)]);
+        assert!(closed(9, 10));
+    }
 }

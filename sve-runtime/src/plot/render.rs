@@ -26,7 +26,9 @@ fn device_size(figure: &Figure) -> (u32, u32) {
     (width * SCALE, height * SCALE)
 }
 
-/// Returns the figure as an SVG document that can also stand inside an HTML page.
+/// Returns the figure as an SVG document that can also stand inside an HTML page. Of a layer with
+/// more than some thousand dots, the document has a part, evenly along the points; areas are drawn
+/// with lines.
 ///
 /// # Errors
 /// If it cannot be drawn.
@@ -66,7 +68,8 @@ fn raise_exponents(svg: &str) -> String {
             );
         } else {
             // The next characters of the same text return to its line.
-            let (rest, after) = part.split_at(part.find('<').filter(|_| is_raised).unwrap_or(0));
+            let end = part.find('<').unwrap_or(part.len());
+            let (rest, after) = part.split_at(if is_raised { end } else { 0 });
             if rest.trim().is_empty() {
                 raised.push_str(&part);
             } else {
@@ -116,5 +119,10 @@ mod tests {
         let raised =
             "<text font-size=\"40\">\n10<tspan dy=\"-16.0\" font-size=\"32.0\">2</tspan>\n</text>";
         assert_eq!(raise_exponents(plain), raised);
+        let two = "<text font-size=\"40\">\nω²⟨Q²⟩\n</text>";
+        let raised = "<text font-size=\"40\">\nω<tspan dy=\"-16.0\" font-size=\"32.0\">2</tspan>\
+             <tspan dy=\"16.0\">⟨Q</tspan><tspan dy=\"-16.0\" font-size=\"32.0\">2</tspan>\
+             <tspan dy=\"16.0\">⟩\n</tspan></text>";
+        assert_eq!(raise_exponents(two), raised);
     }
 }

@@ -222,7 +222,8 @@ pub struct Plan {
     /// Operations for each step size.
     pub prepare: Operations,
     /// Operations for each step, with the linear solves and without the iterations. For a system
-    /// whose `q` is a slice, those of a site that all loops with neighbouring sites read, in a sweep.
+    /// whose `q` is a slice, those of a site that all loops with neighbouring sites read, in a sweep;
+    /// loops over lists of sites are not counted.
     pub step: Operations,
     /// Operations of a step that a trajectory does not repeat, since it carries their results from
     /// the step before: the force at the end of a step is the force at the start of the next one.
@@ -326,10 +327,16 @@ impl fmt::Display for Plan {
                 writeln!(f, "    {line}")?;
             }
         }
-        writeln!(f, "  operations a step size: {}", self.prepare)?;
+        write!(f, "  operations a step size: {}", self.prepare)?;
         match self.degrees_of_freedom {
-            Self::OF_STATE => write!(f, "  operations of a sweep at an inner site: {}", self.step)?,
-            _ => write!(f, "  operations a step: {}", self.step)?,
+            // Loops over lists of sites have operations that are not counted.
+            Self::OF_STATE if self.step == Operations::default() => {}
+            Self::OF_STATE => write!(
+                f,
+                "\n  operations of a sweep at an inner site: {}",
+                self.step
+            )?,
+            _ => write!(f, "\n  operations a step: {}", self.step)?,
         }
         if self.carried != Operations::default() {
             write!(f, "\n  of which a trajectory carries: {}", self.carried)?;
@@ -354,7 +361,7 @@ impl fmt::Display for Structure<'_> {
             writeln!(f, "  {count} substeps of the composition {composition}")?;
         }
         match n {
-            Plan::OF_STATE => write!(f, "  the degrees of freedom of the state, ")?,
+            Plan::OF_STATE => write!(f, "  as many degrees of freedom as the state has, ")?,
             n => write!(f, "  {n} degree{} of freedom, ", plural(n))?,
         }
         match m {
