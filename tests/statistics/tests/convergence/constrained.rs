@@ -18,7 +18,7 @@ static SMALL: LazyLock<Paths> = LazyLock::new(|| Paths {
     count: if is_thorough() { 20 } else { 5 },
     coarsest: 7,
     levels: 4,
-    finest: 15,
+    finest: 14,
     tolerance: Tolerance {
         bias: 0.0,
         error: if is_thorough() { 0.03 } else { 0.06 },
@@ -33,7 +33,7 @@ static STEPS: LazyLock<Paths> = LazyLock::new(|| {
     } else {
         Paths {
             coarsest: 5,
-            finest: 13,
+            finest: 12,
             ..*SMALL
         }
     }
