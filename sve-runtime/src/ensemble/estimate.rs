@@ -70,14 +70,17 @@ impl MultilevelEstimate {
 impl fmt::Display for MultilevelEstimate {
     /// The estimate, and a line for each level.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mean = with_error(self.mean(), self.standard_error());
-        write!(f, "{}: {mean}, bias about {:.1e}", self.name, self.bias)?;
+        let (mean, error, bias) = (self.mean(), self.standard_error(), self.bias);
+        write!(
+            f,
+            "{}: {mean:.6e} ± {error:.1e}, bias about {bias:.1e}",
+            self.name
+        )?;
         for (number, level) in self.levels.iter().enumerate() {
-            let mean = with_error(level.mean, level.standard_error);
             write!(
                 f,
-                "\n  level {number}: h = {}, {} paths, mean {mean}, variance {:.2e}",
-                level.h, level.paths, level.variance
+                "\n  level {number}: h = {:e}, {} paths, mean {:.3e} ± {:.1e}, variance {:.2e}",
+                level.h, level.paths, level.mean, level.standard_error, level.variance
             )?;
             if level.failed > 0 {
                 write!(f, ", {} paths failed", level.failed)?;
@@ -85,17 +88,6 @@ impl fmt::Display for MultilevelEstimate {
         }
         Ok(())
     }
-}
-
-/// Writes a mean and its error up to the second digit of the error, with powers of ten if the error
-/// is very small, very large or not known.
-fn with_error(mean: f64, error: f64) -> String {
-    let first = error.log10().floor();
-    if !(-9.0..6.0).contains(&first) {
-        return format!("{mean:.6e} ± {error:.1e}");
-    }
-    let decimals = usize::try_from(1 - first as i32).unwrap_or(0);
-    format!("{mean:.decimals$} ± {error:.decimals$}")
 }
 
 /// Returns the numbers of paths that give the mean this standard error for the smallest number of

@@ -160,7 +160,7 @@ fn threads_have_the_same_bits() {
     assert_eq!(run(3), estimate);
     let text = estimate.to_string();
     assert!(
-        text.starts_with("q²: ") && text.contains("level 2: h = 0.125, 768 paths"),
+        text.starts_with("q²: ") && text.contains("level 2: h = 1.25e-1"),
         "{text}"
     );
 }
