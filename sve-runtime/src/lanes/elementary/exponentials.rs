@@ -71,7 +71,7 @@ fn reduced(x: f64) -> (f64, f64) {
 }
 
 /// Returns two normal powers of 2 whose product is 2 to the power of an integer k from −1140 to
-/// 1140. The second one is 1 where `2ᵏ` is normal.
+/// 1140. The second one is 1 for `|k| ≤ 1021`.
 #[inline(always)]
 fn powers_of_two(k: f64) -> [f64; 2] {
     let is_far = k.abs() > 1021.0;
