@@ -474,7 +474,7 @@ pub enum StepError {
     /// of the Legendre transform, which is rest where L is defined there.
     #[error(
         "no velocity with the momentum p = {p:?} was found at t = {t}, q = {q:?}, and a step needs one to start with: from a reference velocity, which is rest where L allows it, \
-         velocities were followed to {reached:.3} of the way to p, where ∂²L/∂v² is singular or ∂L/∂v has no larger value; \
+         velocities were followed to {reached:.3} of the way to p and no further: ∂²L/∂v² may be singular there, or ∂L/∂v have no larger value or change too fast; \
          the momentum found last is {distance:e} away from p; look at the range of ∂L/∂v"
     )]
     NoVelocity {

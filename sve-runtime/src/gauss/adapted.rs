@@ -9,8 +9,8 @@
 
 use super::convergence::Course;
 use super::fixed_point::{SecondOrder, SecondOrderIteration};
+use super::jacobian::velocity;
 use super::legendre::{Ahead, Coefficients, Series, integral};
-use super::newton::velocity;
 use super::partitioned::{Partitioned, PartitionedIteration};
 use super::scaled::Scaled;
 use super::stages::{Rows, at_stages, larger};

@@ -36,7 +36,7 @@
 //! (1970), sections 12.1 and 13.1, for componentwise contractions.
 
 use super::bounds::{NodeBounds, Radii, StageBounds};
-use super::newton::moves_position;
+use super::jacobian::moves_position;
 use super::room::{Distances, Extent, Needed, Room, magnitudes, momentum};
 use super::stages::Rows;
 use super::step::Step;

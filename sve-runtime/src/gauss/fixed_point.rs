@@ -17,7 +17,8 @@
 //! section VIII.6.
 
 use super::convergence::{Course, Verdict};
-use super::newton::{Solved, velocity};
+use super::jacobian::velocity;
+use super::newton::Solved;
 use super::scaled::{Scaled, SecondOrderCoefficients};
 use super::stages::{Matrix, Rows, at_stages, inverse_size, product, relative_change, sum};
 use super::step::Step;

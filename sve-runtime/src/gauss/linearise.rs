@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 
-use super::newton::{displacement, jacobian, moves_position, velocity};
+use super::jacobian::{displacement, jacobian, moves_position, velocity};
 use super::step::{Stage, Step};
 use super::tableau::Tableau;
 use crate::phase::configuration::VectorCoordinates;

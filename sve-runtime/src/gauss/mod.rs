@@ -32,6 +32,7 @@ mod connected;
 pub(crate) mod convergence;
 mod double_double;
 mod fixed_point;
+mod jacobian;
 mod legendre;
 mod linearise;
 mod memory;
@@ -212,7 +213,7 @@ pub fn nodes<const S: usize, const N: usize, const K: usize>(
 ) {
     let tableau = const { &Tableau::<S>::VALUES };
     let displacements: [[f64; N]; S] = core::array::from_fn(|i| {
-        core::array::from_fn(|n| h * tableau.b[i] * unknowns[newton::velocity::<S>(i, n)])
+        core::array::from_fn(|n| h * tableau.b[i] * unknowns[jacobian::velocity::<S>(i, n)])
     });
     for i in 0..S {
         let mut q = at_stage(i, &displacements);

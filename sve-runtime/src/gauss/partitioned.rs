@@ -6,7 +6,8 @@
 
 use super::convergence::{Course, Verdict};
 use super::fixed_point::{StageLanes, in_own_memory};
-use super::newton::{Solved, displacement, moves_position, velocity};
+use super::jacobian::{displacement, moves_position, velocity};
+use super::newton::Solved;
 use super::stages::{Matrix, Rows, at_stages, inverse_size, larger, product, relative_change, sum};
 use super::step::Step;
 use crate::lanes::dispatch::{Kernel, dispatch};

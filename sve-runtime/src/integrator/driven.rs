@@ -218,6 +218,22 @@ where
         self.open.recall(&mut prepared.prepared, numbers)
     }
 
+    fn has_compensated_step(&self) -> bool {
+        self.open.has_compensated_step()
+    }
+
+    #[inline]
+    fn compensated_step(
+        &self,
+        prepared: &mut Self::Prepared,
+        state: &mut StateOf<S::Held<'a>>,
+        low: &mut StateOf<S::Held<'a>>,
+        h: f64,
+        dw: &Self::Increments,
+    ) -> Result<(), StepError> {
+        (prepared.integrator).compensated_step(&mut prepared.prepared, state, low, h, dw)
+    }
+
     #[inline(always)]
     fn step_lanes(
         &self,

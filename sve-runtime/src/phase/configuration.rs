@@ -21,6 +21,7 @@ use crate::phase::state::State;
 
 mod bodies;
 mod flat;
+mod pairs;
 mod reduced;
 mod rotations;
 mod sites;

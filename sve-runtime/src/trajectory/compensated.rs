@@ -6,12 +6,14 @@
 use super::{RefinedTrajectory, Trajectory};
 use crate::error::StepError;
 use crate::integrator::Integrator;
+use crate::integrator::driven::Driven;
+use crate::integrator::inputs::Holding;
 use crate::method::OneStepMethod;
 use crate::noise::Noise;
 use crate::phase::configuration::{Coordinates, FlatConfiguration};
 use crate::phase::state::State;
 use crate::rule::Rule;
-use crate::system::{Dims, StateOf, System};
+use crate::system::{Dims, StateOf, System, WithInputs};
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Carries the low parts of the state from now on, starting with `low`. A resumed trajectory
@@ -57,12 +59,45 @@ const fn assert_increments<S, R: Rule<S>>() {
     );
 }
 
-impl<S, R, W: Noise, Q, const N: usize, const M: usize> Trajectory<'_, Integrator<S, R>, W>
+/// A method whose steps can carry the low parts of the state.
+#[diagnostic::on_unimplemented(
+    message = "steps of `{Self}` have no compensated sums",
+    note = "`compensated` is for trajectories of an `Integrator` of a system with a fixed number of coordinates"
+)]
+pub trait CompensatedSums: OneStepMethod {
+    /// Returns low parts that are zero.
+    fn no_low_parts() -> StateOf<Self::System>;
+}
+
+#[diagnostic::do_not_recommend]
+impl<S, R, Q, const N: usize, const M: usize> CompensatedSums for Integrator<S, R>
 where
     S: System<Dims = Dims<N, M, Q>>,
     R: Rule<S::Itself>,
     Q: Coordinates<N>,
 {
+    fn no_low_parts() -> State<Q> {
+        const {
+            assert_increments::<S::Itself, R>();
+            assert_low_parts::<Q::Flat, N>();
+        }
+        State::new(Q::origin(), Q::no_momentum())
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl<'a, S, R, F> CompensatedSums for Driven<'a, S, R, F>
+where
+    S: WithInputs,
+    Self: OneStepMethod<System = S::Held<'a>>,
+    Holding<'a, S, R>: CompensatedSums<System = S::Held<'a>>,
+{
+    fn no_low_parts() -> StateOf<S::Held<'a>> {
+        Holding::<'a, S, R>::no_low_parts()
+    }
+}
+
+impl<I: CompensatedSums, W: Noise> Trajectory<'_, I, W> {
     /// Compensates the rounding errors of the state: keeps the rounding errors of coordinates and
     /// momenta at each step, and adds them at the next one. In a run of many steps this reduces the
     /// random walk of rounding errors.
@@ -105,28 +140,15 @@ where
     /// section VIII.5.
     #[must_use]
     pub fn compensated(self) -> Self {
-        const {
-            assert_increments::<S::Itself, R>();
-            assert_low_parts::<Q::Flat, N>();
-        }
-        self.carry_low_parts(State::new(Q::origin(), Q::no_momentum()))
+        self.carry_low_parts(I::no_low_parts())
     }
 }
 
-impl<S, R, W: Noise, Q, const N: usize, const M: usize> RefinedTrajectory<'_, Integrator<S, R>, W>
-where
-    S: System<Dims = Dims<N, M, Q>>,
-    R: Rule<S::Itself>,
-    Q: Coordinates<N>,
-{
+impl<I: CompensatedSums, W: Noise> RefinedTrajectory<'_, I, W> {
     /// Compensates the rounding errors of the state, see [`Trajectory::compensated`], which has an
     /// example.
     #[must_use]
     pub fn compensated(self) -> Self {
-        const {
-            assert_increments::<S::Itself, R>();
-            assert_low_parts::<Q::Flat, N>();
-        }
-        self.carry_low_parts(State::new(Q::origin(), Q::no_momentum()))
+        self.carry_low_parts(I::no_low_parts())
     }
 }

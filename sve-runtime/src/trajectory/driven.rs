@@ -6,7 +6,7 @@
 use core::cell::RefCell;
 use core::fmt;
 
-use super::Trajectory;
+use super::{Snapshot, Trajectory};
 use crate::error::StepError;
 use crate::integrator::Integrator;
 use crate::integrator::driven::{Driven, Source};
@@ -21,6 +21,23 @@ pub trait DrivenPaths<S: WithInputs, R> {
     /// Returns a path that still needs the [`inputs`](NeedsInputs::inputs) of its steps.
     fn trajectory<W: Noise>(&self, state: StateOf<S>, h: f64, noise: W)
     -> NeedsInputs<'_, S, R, W>;
+
+    /// Continues a trajectory from a snapshot, with its bits if the inputs are the same. The
+    /// function of the inputs gets the numbers of steps from the start of the first trajectory.
+    ///
+    /// # Errors
+    /// As [`Method::resume`](crate::Method::resume).
+    fn resume<'a, W, F>(
+        &'a self,
+        snapshot: Snapshot<StateOf<S>>,
+        noise: W,
+        inputs: F,
+    ) -> Result<DrivenTrajectory<'a, S, R, W, F>, StepError>
+    where
+        W: Noise,
+        R: Copy + Rule<S::Held<'a>>,
+        F: FnMut(u64, &StateOf<S>) -> S::Input,
+        Holding<'a, S, R>: OneStepMethod<System = S::Held<'a>>;
 
     /// Does not compile, and names the call that does: [`Integrator::step_with`].
     ///
@@ -61,6 +78,38 @@ impl<S: WithInputs, R: Copy> DrivenPaths<S, R> for Integrator<S, R> {
             noise,
         }
     }
+
+    fn resume<'a, W, F>(
+        &'a self,
+        snapshot: Snapshot<StateOf<S>>,
+        noise: W,
+        inputs: F,
+    ) -> Result<DrivenTrajectory<'a, S, R, W, F>, StepError>
+    where
+        W: Noise,
+        R: Copy + Rule<S::Held<'a>>,
+        F: FnMut(u64, &StateOf<S>) -> S::Input,
+        Holding<'a, S, R>: OneStepMethod<System = S::Held<'a>>,
+    {
+        Trajectory::resume(driven(self, inputs), snapshot, noise)
+    }
+}
+
+/// Returns the method of an integrator whose inputs come from a function.
+fn driven<'a, S, R, F>(
+    integrator: &'a Integrator<S, R>,
+    inputs: F,
+) -> Shared<'a, Driven<'a, S, R, RefCell<Once<F, S::Numbers>>>>
+where
+    S: WithInputs,
+    R: Copy + Rule<S::Held<'a>>,
+{
+    let inputs = RefCell::new(Once {
+        inputs,
+        first: 0,
+        kept: None,
+    });
+    Shared::Owned(Box::new(Driven::new(integrator, inputs)))
 }
 
 /// A path of a system with inputs, without their values.
@@ -132,18 +181,8 @@ impl<'a, S: WithInputs, R, W: Noise> NeedsInputs<'a, S, R, W> {
         F: FnMut(u64, &StateOf<S>) -> S::Input,
         Holding<'a, S, R>: OneStepMethod<System = S::Held<'a>>,
     {
-        let inputs = RefCell::new(Once {
-            inputs,
-            first: 0,
-            kept: None,
-        });
-        let method = Driven::new(self.integrator, inputs);
-        Trajectory::new(
-            Shared::Owned(Box::new(method)),
-            self.state,
-            self.h,
-            self.noise,
-        )
+        let method = driven(self.integrator, inputs);
+        Trajectory::new(method, self.state, self.h, self.noise)
     }
 }
 

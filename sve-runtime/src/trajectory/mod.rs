@@ -22,6 +22,7 @@ mod sweep;
 mod time_scale;
 
 pub use accurate::{AccurateTrajectory, FixedSteps, WithoutNoise};
+pub use compensated::CompensatedSums;
 pub use driven::{DrivenPaths, DrivenTrajectory, NeedsInputs, StepsWithoutInputs};
 pub use events::Events;
 pub use gradient::{Adjoint, Gradient};
@@ -38,7 +39,6 @@ use core::borrow::{Borrow as _, BorrowMut as _};
 use adapted::Sizes;
 
 use crate::error::StepError;
-use crate::fingerprint::{StepsDifference, StepsFingerprint};
 use crate::integrator::accept::time_of_next;
 use crate::method::{OneStepMethod, Shared, Within};
 use crate::noise::{Noise, NoiseError, draw};
@@ -92,81 +92,6 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             refinements: Refinements::default(),
             low: None,
             sizes: Sizes::Fixed,
-        }
-    }
-
-    #[allow(clippy::needless_pass_by_value)] // the trajectory takes the place of its snapshot
-    pub(crate) fn resume(
-        method: impl Into<Shared<'a, I>>,
-        snapshot: Snapshot<StateOf<I::System>>,
-        noise: W,
-    ) -> Result<Self, StepError> {
-        let Snapshot {
-            start,
-            h,
-            step,
-            state,
-            low,
-            memory,
-            adapted,
-            steps,
-            refinements,
-        } = snapshot;
-        let (method, t) = (method.into(), state.t);
-        if low.is_some() && adapted.is_empty() && !method.has_compensated_step() {
-            return Err(StepError::Uncompensated { t });
-        }
-        let (mut prepared, mut sizes) = (None, Sizes::Fixed);
-        // Without numbers that are carried the next step reads the state and the present parameters
-        // alone.
-        let numbers = memory.len() + adapted.len();
-        if numbers > 0 {
-            let other = |differs: &str| StepError::OtherSteps {
-                t,
-                numbers,
-                differs: differs.into(),
-            };
-            if let Some(what) = steps.difference(&StepsFingerprint::of(&*method)) {
-                return Err(other(match what {
-                    StepsDifference::Formulas => "formulas of the system",
-                    StepsDifference::Parameters => "values of the system's parameters",
-                    StepsDifference::Method => "rules or options of Newton's method",
-                }));
-            }
-            if adapted.is_empty() {
-                let carried = prepared.insert(method.prepare(h)?);
-                if !method.recall(carried, &memory) {
-                    return Err(other("versions of this library"));
-                }
-            } else {
-                sizes = Sizes::Stored(adapted);
-            }
-        }
-        Ok(Self {
-            start,
-            prepared,
-            step,
-            refinements,
-            low,
-            sizes,
-            ..Self::new(method, state, h, noise)
-        })
-    }
-
-    /// Returns the snapshot from which [`Method::resume`](crate::Method::resume) continues with the
-    /// bits of this trajectory.
-    pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
-        Snapshot {
-            start: self.start,
-            h: self.h,
-            step: self.step,
-            state: self.state.clone(),
-            low: self.low.clone(),
-            memory: (self.prepared.as_ref())
-                .map_or_else(Vec::new, |prepared| self.method.memory(prepared)),
-            adapted: self.sizes.numbers(),
-            steps: StepsFingerprint::of(&*self.method),
-            refinements: self.refinements,
         }
     }
 

@@ -1,7 +1,12 @@
 //! The stored form of a trajectory.
 
-use super::Refinements;
-use crate::fingerprint::StepsFingerprint;
+use super::adapted::Sizes;
+use super::{Refinements, Trajectory};
+use crate::error::StepError;
+use crate::fingerprint::{StepsDifference, StepsFingerprint};
+use crate::method::{OneStepMethod, Shared};
+use crate::noise::Noise;
+use crate::system::StateOf;
 
 /// The stored form of a trajectory after some steps, from
 /// [`Trajectory::snapshot`](crate::Trajectory::snapshot).
@@ -55,5 +60,82 @@ impl<T> Snapshot<T> {
     /// Returns the step size; that of the last step if the sizes are adapted to a tolerance.
     pub fn h(&self) -> f64 {
         self.h
+    }
+}
+
+impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
+    #[allow(clippy::needless_pass_by_value)] // the trajectory takes the place of its snapshot
+    pub(crate) fn resume(
+        method: impl Into<Shared<'a, I>>,
+        snapshot: Snapshot<StateOf<I::System>>,
+        noise: W,
+    ) -> Result<Self, StepError> {
+        let Snapshot {
+            start,
+            h,
+            step,
+            state,
+            low,
+            memory,
+            adapted,
+            steps,
+            refinements,
+        } = snapshot;
+        let (method, t) = (method.into(), state.t);
+        if low.is_some() && adapted.is_empty() && !method.has_compensated_step() {
+            return Err(StepError::Uncompensated { t });
+        }
+        let (mut prepared, mut sizes) = (None, Sizes::Fixed);
+        // Without numbers that are carried the next step reads the state and the present parameters
+        // alone.
+        let numbers = memory.len() + adapted.len();
+        if numbers > 0 {
+            let other = |differs: &str| StepError::OtherSteps {
+                t,
+                numbers,
+                differs: differs.into(),
+            };
+            if let Some(what) = steps.difference(&StepsFingerprint::of(&*method)) {
+                return Err(other(match what {
+                    StepsDifference::Formulas => "formulas of the system",
+                    StepsDifference::Parameters => "values of the system's parameters",
+                    StepsDifference::Method => "rules or options of Newton's method",
+                }));
+            }
+            if adapted.is_empty() {
+                let carried = prepared.insert(method.prepare(h)?);
+                if !method.recall(carried, &memory) {
+                    return Err(other("versions of this library"));
+                }
+            } else {
+                sizes = Sizes::Stored(adapted);
+            }
+        }
+        Ok(Self {
+            start,
+            prepared,
+            step,
+            refinements,
+            low,
+            sizes,
+            ..Self::new(method, state, h, noise)
+        })
+    }
+
+    /// Returns the snapshot from which [`Method::resume`](crate::Method::resume) continues with the
+    /// bits of this trajectory.
+    pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
+        Snapshot {
+            start: self.start,
+            h: self.h,
+            step: self.step,
+            state: self.state.clone(),
+            low: self.low.clone(),
+            memory: (self.prepared.as_ref())
+                .map_or_else(Vec::new, |prepared| self.method.memory(prepared)),
+            adapted: self.sizes.numbers(),
+            steps: StepsFingerprint::of(&*self.method),
+            refinements: self.refinements,
+        }
     }
 }

@@ -252,6 +252,37 @@ fn zeros_at_steps() {
     );
 }
 
+/// A path that begins at a zero of the function, up to rounding, does not find this zero again, at
+/// early and at late times.
+#[test]
+fn a_path_begins_at_the_event_of_another_one() {
+    let mut signs = [false; 2];
+    for (time, level) in [0.0, 1e6]
+        .into_iter()
+        .flat_map(|t| (0..50).map(move |k| (t, k)))
+    {
+        let value = move |s: &Point| s.q[0] - 0.002 * f64::from(level) - 0.01;
+        for h in [0.1, 1e-3] {
+            let motion = Integrator::new(HenonHeiles, StormerVerlet);
+            let start = State::at(time, [0.0, 0.1], [0.4, 0.0]);
+            let first = motion
+                .trajectory(start, h, NoNoise)
+                .stop_at(move |_, s| value(s));
+            let event = first.last().unwrap().unwrap();
+            signs[usize::from(value(&event) > 0.0)] |= value(&event) != 0.0;
+            let mut again = motion
+                .trajectory(event, h, NoNoise)
+                .crossings(move |_, s| value(s));
+            let next = again.next().unwrap().unwrap();
+            assert!(
+                next.t > event.t + 1.0 && next.p[0] < 0.0,
+                "{event:?} {next:?}"
+            );
+        }
+    }
+    assert_eq!(signs, [true; 2]);
+}
+
 #[test]
 fn errors_of_the_function() {
     let (motion, start, h) = oscillation(0.25);

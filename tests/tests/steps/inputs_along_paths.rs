@@ -3,6 +3,8 @@
 
 use std::cell::Cell;
 
+use sve_runtime::__private::{CompensatedSums, WithInputs};
+use sve_runtime::Rule;
 use sve_runtime::prelude::*;
 
 use crate::inputs::Kicked;
@@ -220,4 +222,63 @@ fn a_loss_may_read_inputs() {
     assert!((at_start.loss() - (q * q + 2.0)).abs() < 1e-15);
     assert!((at_start.start().q[0] - 2.0 * q).abs() < 1e-15);
     assert_eq!(at_start.inputs().len(), 0);
+}
+
+/// A particle on a spring that is pushed at random.
+struct Spring;
+
+#[variational(midpoint, stormer_verlet, gauss(4))]
+impl Spring {
+    fn lagrangian(&self, q: f64, v: f64, u: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q - 0.1 * q.powi(4) + u * q
+    }
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        0.3 * q
+    }
+}
+
+/// A snapshot continues with the bits of the path, and with the numbers of its steps.
+#[test]
+fn paths_with_inputs_continue_from_snapshots() {
+    fn check<'a, R>(spring: &'a Integrator<Spring, R>)
+    where
+        R: Copy + Rule<<Spring as WithInputs>::Held<'a>>,
+        Integrator<<Spring as WithInputs>::Held<'a>, R>:
+            CompensatedSums<System = <Spring as WithInputs>::Held<'a>> + Clone,
+    {
+        let inputs = |step: u64, state: &State<[f64; 1]>| (step as f64).cos() - 0.2 * state.p[0];
+        let (start, noise) = (State::new([0.4], [0.1]), Wiener::new(3));
+        let path = || spring.trajectory(start, 0.1, noise).inputs(inputs);
+        for mut path in [path(), path().compensated()] {
+            path.advance(7).unwrap();
+            let snapshot = path.snapshot();
+            let mut rest = spring.resume(snapshot, noise, inputs).unwrap();
+            assert_eq!(rest.step(), 7);
+            for _ in 0..20 {
+                assert_eq!(rest.next(), path.next());
+            }
+            assert_eq!(rest.snapshot(), path.snapshot());
+        }
+    }
+    check(&Integrator::new(Spring, Midpoint));
+    check(&Integrator::new(Spring, StormerVerlet));
+    check(&Integrator::new(Spring, Gauss::<4>));
+}
+
+/// Under a constant input the place is exact but for rounding errors, which compensation removes.
+#[test]
+fn paths_with_inputs_have_compensated_sums() {
+    let pushed = Integrator::new(Pushed, StormerVerlet);
+    let path = || {
+        let path = pushed.trajectory(State::new([1.0], [0.3]), 1e-3, NoNoise);
+        path.inputs(|_, _| 0.7)
+    };
+    let error = |end: &State<[f64; 1]>| (end.q[0] - (1.0 + 3.0 + 0.7 * 50.0)).abs();
+    let plain = error(path().advance(10_000).unwrap());
+    let compensated = error(path().compensated().advance(10_000).unwrap());
+    assert!(
+        compensated < 1e-14 && plain > 1e-13,
+        "{compensated:e} {plain:e}"
+    );
 }

@@ -212,3 +212,18 @@ fn exponents_and_gradients_are_those_of_the_map_in_tau() {
         "{by_energy} {difference}"
     );
 }
+
+/// A kick at each passage of an axis: the path ends there, and another one begins with its energy.
+#[test]
+fn a_path_goes_on_from_an_event_with_another_energy() {
+    let comet = Integrator::new(COMET, Gauss::<8>);
+    let mut state = perihelion(0.9);
+    for passage in 1..=20 {
+        let path = comet.trajectory(state, 0.7, NoNoise).stop_at(|_, s| s.q[1]);
+        let mut end = path.last().unwrap().unwrap();
+        // the two ends of the axis in turn
+        assert_eq!(end.q[0] < 0.0, passage % 2 == 1, "{passage} {end:?}");
+        end.p[1] *= 1.0 + 1e-3;
+        state = TimedState::of(comet.system(), end).unwrap();
+    }
+}

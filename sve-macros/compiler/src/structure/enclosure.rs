@@ -14,6 +14,7 @@ use std::collections::HashMap;
 
 use super::band::Band;
 use super::matrix::{Matrix, Storage};
+use super::scheme::Lower;
 use crate::algebra::intervals::{Flavour, Intervals, Range, intervals};
 use crate::algebra::{Arena, Expr, Symbol};
 
@@ -39,6 +40,16 @@ impl<T> Enclosure<T> {
         } = self;
         let middle = &middle.rows;
         middle.iter().chain(radii).flatten().chain(conditions)
+    }
+}
+
+impl Enclosure<Expr> {
+    pub(super) fn lower<L: Lower>(&self, by: &mut L) -> Enclosure<L::Value> {
+        Enclosure {
+            middle: self.middle.map(|e| by.value(e)),
+            radii: by.rows(&self.radii),
+            conditions: by.values(&self.conditions),
+        }
     }
 }
 

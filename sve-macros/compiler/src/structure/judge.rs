@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use super::block::Replacement;
 use super::elimination::Reduced;
 use super::enclosure::{Enclosure, enclose};
+use super::scheme::Lower;
 use crate::algebra::intervals::{Flavour, Range};
 use crate::algebra::{Expr, Node, Symbol};
 use crate::model::Meaning;
@@ -45,6 +46,16 @@ impl Judge<Expr> {
         } = self;
         let full = full.iter_mut().flat_map(Enclosure::exprs_mut);
         limit_rhs.iter_mut().chain(bounds.exprs_mut()).chain(full)
+    }
+
+    pub(super) fn lower<L: Lower>(&self, by: &mut L) -> Judge<L::Value> {
+        let bounds = self.bounds.lower(by);
+        Judge {
+            limit: self.limit.clone(),
+            limit_rhs: by.values(&self.limit_rhs),
+            bounds,
+            full: self.full.clone(),
+        }
     }
 }
 

@@ -5,7 +5,6 @@
 //! once it is scheduled. Quantities that a step computes only if its fast path fails stay
 //! expressions; they are computed at their place of use.
 
-use super::enclosure::Enclosure;
 use super::judge::Judge;
 use super::matrix::Matrix;
 use super::path::PathJudge;
@@ -382,28 +381,6 @@ impl Condition<Expr> {
             value: by.value(self.value),
             is_closed: self.is_closed,
             text: self.text,
-        }
-    }
-}
-
-impl Enclosure<Expr> {
-    fn lower<L: Lower>(&self, by: &mut L) -> Enclosure<L::Value> {
-        Enclosure {
-            middle: self.middle.map(|e| by.value(e)),
-            radii: by.rows(&self.radii),
-            conditions: by.values(&self.conditions),
-        }
-    }
-}
-
-impl Judge<Expr> {
-    fn lower<L: Lower>(&self, by: &mut L) -> Judge<L::Value> {
-        let bounds = self.bounds.lower(by);
-        Judge {
-            limit: self.limit.clone(),
-            limit_rhs: by.values(&self.limit_rhs),
-            bounds,
-            full: self.full.clone(),
         }
     }
 }

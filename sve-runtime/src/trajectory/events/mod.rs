@@ -68,8 +68,9 @@ use crate::trajectory::Method;
 /// [`samples`](Self::samples). A zero between two of these points is found if the function has
 /// different signs at them. Two zeros between them are not detected, and of three zeros one is
 /// found: take smaller steps or more samples if a function returns so fast. A function that is 0 at
-/// the start has no crossing at the start; a value of exactly 0 after a step is a crossing at that
-/// step.
+/// the start, exactly or up to rounding, has no crossing at the start, so that a path may begin at
+/// the event of another one: a zero within 2⁻²⁴ of the first step does not count. A value of exactly
+/// 0 after a step is a crossing at that step.
 ///
 /// **Accuracy.** The step is solved anew with a part θh of its length until the function is zero to
 /// rounding. So the state is as accurate as a step of the rule: its error at an event in the first
@@ -93,7 +94,6 @@ use crate::trajectory::Method;
 ///
 /// It dereferences to the [`Trajectory`], which is after the last whole step. A
 /// [snapshot](Trajectory::snapshot) does not contain the functions: give them again.
-/// [snapshot](Trajectory::snapshot) knows nothing of the functions: give them again.
 pub struct Events<'a, I: OneStepMethod, W> {
     trajectory: Trajectory<'a, I, W>,
     functions: Vec<EventFunction<'a, I::System>>,

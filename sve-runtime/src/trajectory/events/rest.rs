@@ -19,6 +19,8 @@ pub(super) const PROBE: f64 = 1.0 / (1_u64 << 24) as f64;
 pub(super) struct Rest<S: System> {
     /// Number of the step.
     pub(super) step: u64,
+    /// True for the first step in which events are searched for.
+    pub(super) is_first: bool,
     /// Length of the whole step.
     pub(super) h: f64,
     /// Times at both ends of the whole step.
@@ -53,6 +55,13 @@ impl<S: System> Rest<S> {
     /// Returns whether the part ends before a function can tell on which side the motion continues.
     pub(super) fn is_short(&self) -> bool {
         1.0 - self.from <= PROBE
+    }
+
+    /// Returns whether a fraction of the step counts as the start of the path: a function that is
+    /// zero there has its zero at the start, up to rounding.
+    pub(super) fn is_start(&self, fraction: f64) -> bool {
+        let rounding = 4.0 * f64::EPSILON * self.times[0].abs();
+        self.is_first && (fraction <= PROBE || (fraction * self.h).abs() <= rounding)
     }
 
     /// Returns the time at a fraction of the whole step.

@@ -42,7 +42,8 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
     /// Makes a step and collects its states. Returns whether a step was made.
     pub(super) fn advance(&mut self) -> Result<bool, StepError> {
         let before = *self.trajectory.state();
-        if !self.has_begun {
+        let is_first = !self.has_begun;
+        if is_first {
             self.has_begun = true;
             // a function may read what the step is given
             self.trajectory.hold()?;
@@ -63,6 +64,7 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         })?;
         let mut rest = Rest {
             step,
+            is_first,
             h,
             times: [before.t, after.t],
             from: 0.0,
@@ -150,6 +152,9 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
             } else {
                 self.zero(rest, number, fraction)?
             };
+            if rest.is_start(at) {
+                continue;
+            }
             let state = if at == fraction {
                 *state
             } else {
