@@ -85,9 +85,10 @@ def value(pattern: str, digits: int = 2) -> Extract:
     return lambda output: short(float(find(output, pattern).group(1)), digits)
 
 
-def exponent(output: Output) -> str:
-    """The decimal exponent of the radius that corrected Euler–Maruyama ends at."""
-    return f"{float(find(output, r'ln radius at the horizon +([0-9.]+)').group(1)) / log(10.0):.0f}"
+def radius(output: Output) -> str:
+    """The radius that corrected Euler–Maruyama ends at, as a power of ten."""
+    exponent = f"{float(find(output, r'ln radius at the horizon +([0-9.]+)').group(1)) / log(10.0):.0f}"
+    return "10" + exponent.translate(str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹"))
 
 
 # tables of the two benchmarks: task, by, ns, …
@@ -583,8 +584,8 @@ COMMANDS = [
         Number("paper.overflow", "Kubo, Euler–Maruyama uncorrected: overflow at t", text(r"overflow at t +([\d.]+)")),
         Number(
             "paper.radius",
-            "Kubo, Euler–Maruyama corrected: decimal exponent of the radius at t = 2000",
-            exponent,
+            "Kubo, Euler–Maruyama corrected: order of magnitude of the radius at t = 2000",
+            radius,
         ),
     ]),
     Command("first-build", FIRST, 100, [
@@ -666,6 +667,7 @@ COMMANDS = [
             turn_run("heyoka rebound sve", WITH_IAS15),
             turn_run("heyoka sve", [problem for problem in TURN_PROBLEMS if problem not in WITH_IAS15]),
             "target/peers/bin/python examples/peers/ratios.py",
+            "cargo run --release --example work_precision -- turns target/work-precision/turns",
         ]),
         900,
         [
@@ -682,5 +684,9 @@ COMMANDS = [
 FILES = {
     "paper": [("target/paper/figure4.png", "docs/figure4.png")],
     "work-precision": [("target/work-precision/synchrotron-errors.svg", "docs/work-precision-synchrotron.svg")],
+    "turns": [
+        (f"target/work-precision/turns-{problem}.svg", f"docs/turns-{problem}.svg")
+        for problem in ("pendulum", "double_pendulum", "kepler_90")
+    ],
 }
 """Figures of the documents: from where a command writes them to where they are shown."""

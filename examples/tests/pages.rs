@@ -200,8 +200,9 @@ fn a_page_of_a_study_says_what_was_measured() {
         "midpoint in steps 4 times shorter than the finest ones",
         "<th>paths</th><td>20 paths</td>",
         "<th>seed</th><td>5</td>",
-        "Weak error of q",
+        "Weak error of q against step size",
         "step size h",
+        "± standard error",
     ] {
         assert!(page.contains(part), "{part}: {page}");
     }
@@ -322,32 +323,65 @@ fn texts_of_hostile_ensembles_are_apart() {
     let refused =
         ensemble(&method).observe("q", |_, s| if s.q[0] > 0.5 { s.q[0] } else { f64::NAN });
     let text = page(&refused.run().unwrap(), "apart_refused.html");
-    assert_apart(&text);
+    assert_eq!(assert_apart(&text), 1);
     assert!(text.contains("failed"), "{text}");
+}
+
+/// Returns the page of a study with long names. `observed` maps the position at the end to the
+/// observable; a path on which the position gets below `least` fails.
+fn page_of_study(
+    name: &str,
+    observed: impl Fn(f64) -> f64 + Sync,
+    paths: u64,
+    least: f64,
+) -> String {
+    let method = method();
+    let euler = EulerMaruyama::new(*method.system());
+    let report = Study::new(LONG)
+        .start(State::new([1.0], [0.0]))
+        .horizon(1.0)
+        .step_counts([4, 8, 16])
+        .paths(paths)
+        .seed(5)
+        .method(LONG, &method)
+        .method("Euler's method", &euler)
+        .fine(&method, 4)
+        .observe(name, |_, s| observed(s.q[0]))
+        .invariant(|_, s| if s.q[0] < least { f64::NAN } else { s.q[0] })
+        .repeats(1)
+        .run()
+        .unwrap();
+    let path = scratch("apart_study.html");
+    report.write_html(&path).unwrap();
+    std::fs::read_to_string(path).unwrap()
 }
 
 #[test]
 fn texts_of_hostile_studies_are_apart() {
-    let method = method();
-    let euler = EulerMaruyama::new(*method.system());
-    for (name, scale) in [("q", 1.0), ("subnormal", 1e-310), (LONG, 1e300)] {
-        let report = Study::new(LONG)
-            .start(State::new([1.0], [0.0]))
-            .horizon(1.0)
-            .step_counts([4, 8, 16])
-            .paths(20)
-            .seed(5)
-            .method(LONG, &method)
-            .method("Euler's method", &euler)
-            .fine(&method, 4)
-            .observe(name, move |_, s| scale * s.q[0])
-            .repeats(1)
-            .run()
-            .unwrap();
-        let path = scratch("apart_study.html");
-        report.write_html(&path).unwrap();
-        let page = std::fs::read_to_string(path).unwrap();
-        assert!(assert_apart(&page) >= 4);
+    let all = f64::NEG_INFINITY;
+    for (name, scale, offset, paths) in [
+        ("q", 1.0, 0.0, 20),
+        ("subnormal", 1e-310, 0.0, 20),
+        (LONG, 1e300, 0.0, 20),
+        ("far", 1e-3, 1e9, 20),
+        // A single path has no standard error.
+        (LONG, 1.0, 0.0, 1),
+    ] {
+        let page = page_of_study(name, |q| scale * q + offset, paths, all);
+        assert_eq!(assert_apart(&page), 6, "{name}");
         assert_readable(&page);
     }
+}
+
+#[test]
+fn texts_of_studies_with_failing_paths_are_apart() {
+    // Some paths fail.
+    let page = page_of_study("q", |q| q, 20, 0.4);
+    assert_eq!(assert_apart(&page), 6);
+    assert_readable(&page);
+    // All paths fail, so no errors and no times are known.
+    let page = page_of_study("q", |q| q, 20, 2.0);
+    assert_eq!(assert_apart(&page), 2);
+    assert_readable(&page);
+    assert!(texts(&page).iter().any(|text| text == "20"), "{page}");
 }

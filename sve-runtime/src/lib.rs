@@ -122,6 +122,6 @@ pub mod prelude {
 }
 
 /// The examples of the readme, as tests.
-#[cfg(all(doctest, feature = "ensemble"))]
+#[cfg(all(doctest, feature = "ensemble", feature = "plot"))]
 #[doc = include_str!("../../README.md")]
 struct Readme;

@@ -44,7 +44,7 @@ pages! {
     derivatives
     #[cfg(any(not(doctest), feature = "ensemble"))]
     events
-    #[cfg(any(not(doctest), feature = "checkpoint"))]
+    #[cfg(any(not(doctest), all(feature = "checkpoint", feature = "plot")))]
     ensembles
     #[cfg(any(not(doctest), feature = "study"))]
     work_precision

@@ -247,7 +247,7 @@ fn fitting(axis: &Axis, range: &Range<f64>, extent: f64, side: &dyn Fn(&str) -> 
         })
     };
     // No label is narrower than a digit.
-    let most = (1..axis.labels).take_while(|&count| count as f64 * side("0") < extent);
+    let most = (1..=axis.labels).take_while(|&count| count as f64 * side("0") < extent);
     let mut found = Labels::default();
     for count in (1..=axis.labels.min(most.count().max(1))).rev() {
         found = labels(axis, range, count);

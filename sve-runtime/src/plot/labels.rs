@@ -23,8 +23,11 @@ const MOST_DIGITS: i32 = 6;
 /// Smallest power of ten that has all digits of an `f64`.
 const SUBNORMAL: i32 = -307;
 
-/// Length, in decades, above which an axis of powers has no ticks between labels.
+/// Length, in decades, from which an axis of powers has ticks at powers of ten only.
 const MANY_DECADES: f64 = 6.0;
+
+/// Length, in decades, from which an axis of powers has no ticks between labels: they would touch.
+const TOO_MANY_DECADES: f64 = 60.0;
 
 /// The labels of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,14 +72,18 @@ pub(super) fn labels(axis: &Axis, range: &Range<f64>, count: usize) -> Labels {
     }
 }
 
-/// Returns the places of ticks without labels: between powers of ten, if there are not too many
-/// powers.
+/// Returns the places of ticks without labels on an axis of powers: at multiples of the powers of
+/// ten, or at the powers alone if there are many.
 pub(super) fn ticks(axis: &Axis, range: &Range<f64>) -> Vec<f64> {
-    if axis.scale == Scale::Powers && length(range) < MANY_DECADES {
-        within_decades(range, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
-    } else {
-        Vec::new()
+    if axis.scale != Scale::Powers || length(range) >= TOO_MANY_DECADES {
+        return Vec::new();
     }
+    let last = if length(range) < MANY_DECADES { 9 } else { 1 };
+    let decades = range.start.floor() as i32..=range.end.ceil() as i32;
+    decades
+        .flat_map(|k| (1..=last).map(move |m| f64::from(k) + f64::from(m).log10()))
+        .filter(|x| range.contains(x))
+        .collect()
 }
 
 /// Multiples of a power of ten: the integers, and the power.
@@ -233,15 +240,6 @@ fn within_one_decade(range: &Range<f64>, count: usize) -> Labels {
     );
     let logarithms = round.floats().into_iter().map(|x| x.log10() + decade);
     Labels::new(logarithms.zip(texts))
-}
-
-/// Returns decimal logarithms of some multiples of the powers of ten in a range.
-fn within_decades(range: &Range<f64>, multiples: &[f64]) -> Vec<f64> {
-    let decades = range.start.floor() as i32..=range.end.ceil() as i32;
-    decades
-        .flat_map(|k| multiples.iter().map(move |m| f64::from(k) + m.log10()))
-        .filter(|x| range.contains(x))
-        .collect()
 }
 
 /// Returns multiples of π/4, π/2, π or a round number of π in the range, about `count` of them;

@@ -23,8 +23,8 @@ fn labels_are_short() {
     assert_eq!(texts(-0.5..0.5, 2), ["−0.5", "0", "0.5"]);
     assert_eq!(texts(0.0..2000.0, 4), ["0", "500", "1000", "1500", "2000"]);
     assert_eq!(texts(0.000_1..0.000_2, 2), ["0.0001", "0.00015", "0.0002"]);
-    assert_eq!(texts(1e-6..2e-6, 2), ["10⁻⁶", "1.5·10⁻⁶", "2·10⁻⁶"]);
-    assert_eq!(texts(-2e-7..0.0, 2), ["−2·10⁻⁷", "−10⁻⁷", "0"]);
+    assert_eq!(texts(1e-6..2e-6, 2), ["1·10⁻⁶", "1.5·10⁻⁶", "2·10⁻⁶"]);
+    assert_eq!(texts(-2e-7..0.0, 2), ["−2·10⁻⁷", "−1·10⁻⁷", "0"]);
     assert_eq!(texts(2e11..3e11, 2), ["2·10¹¹", "2.5·10¹¹", "3·10¹¹"]);
     let many = labels(&Axis::new("", 0.0..1.0), &(0.0..1.0), usize::MAX);
     assert!((100..10_000).contains(&many.marks.len()));
@@ -50,12 +50,12 @@ fn a_round_number_is_subtracted_from_long_labels() {
         (
             1.0..1.0 + 3e-9,
             "− 1",
-            vec!["0", "10⁻⁹", "2·10⁻⁹", "3·10⁻⁹"],
+            vec!["0", "1·10⁻⁹", "2·10⁻⁹", "3·10⁻⁹"],
         ),
         (
             1e300..1e300 + 3e290,
             "− 10³⁰⁰",
-            vec!["0", "10²⁹⁰", "2·10²⁹⁰", "3·10²⁹⁰"],
+            vec!["0", "1·10²⁹⁰", "2·10²⁹⁰", "3·10²⁹⁰"],
         ),
     ] {
         let labels = numbers(&range, 3);
@@ -149,12 +149,22 @@ fn short_axes_of_powers_are_labelled_within_their_decades() {
     };
     assert_eq!(labels(-3.1..-1.9), ["10⁻³", "10⁻²"]);
     assert_eq!(labels(-3.1..0.1), ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
+    let seven = ["10⁻¹²", "10⁻¹⁰", "10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰"];
+    assert_eq!(labels(-12.6..0.4), seven);
     assert_eq!(labels(-2.9..-1.4), ["0.002", "0.005", "0.01", "0.02"]);
-    let one_power = ["0.2·10⁻⁶", "0.5·10⁻⁶", "10⁻⁶", "2·10⁻⁶"];
+    let one_power = ["0.2·10⁻⁶", "0.5·10⁻⁶", "1·10⁻⁶", "2·10⁻⁶"];
     assert_eq!(labels(-6.8..-5.6), one_power);
     // The range contains no multiple of 1, 2 or 5.
     let short = labels(-2.5..-2.4);
     assert!(short.len() > 2 && short[0] == "0.0032", "{short:?}");
     let short = labels(-320.5..-320.4);
     assert!(short.len() > 2 && short[0] == "3.2·10⁻³²¹", "{short:?}");
+}
+
+#[test]
+fn ticks_stand_at_multiples_of_powers_or_at_powers() {
+    let ticks = |exponents: Range<f64>| ticks(&Axis::powers("", exponents.clone()), &exponents);
+    assert_eq!(ticks(-0.01..0.4), [0.0, 2_f64.log10()]);
+    assert_eq!(ticks(-12.6..0.4).len(), 13);
+    assert!(ticks(-320.0..0.0).is_empty());
 }

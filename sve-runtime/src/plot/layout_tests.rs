@@ -184,6 +184,18 @@ fn labels_of_powers_and_angles_are_apart() {
     }
 }
 
+/// Checks that an axis has as many labels as it asks for, if they fit.
+#[test]
+fn thirteen_decades_are_labelled_at_every_second_decade() {
+    let (x, y) = (Axis::new("x", 0.0..1.0), Axis::powers("y", -12.6..0.4));
+    let placed = texts(Panel::new("title", x, y), (540, 320));
+    let is_label = |label: &str| placed.iter().any(|(text, _)| text == label);
+    assert!(
+        ["10⁻¹²", "10⁻⁸", "10⁻²", "10⁰"].into_iter().all(is_label),
+        "{placed:?}"
+    );
+}
+
 #[test]
 fn long_names_are_apart() {
     let size = (540, 380);

@@ -164,17 +164,15 @@ fn in_words(mantissa: i128, exponent: i32) -> String {
 }
 
 /// Writes multiples of the same power of ten in one form: all of them without a power of ten, or
-/// all with the power of the largest multiple.
+/// all but 0 as a factor times the power of the largest multiple.
 pub(super) fn series(mantissas: &[i128], exponent: i32) -> Vec<String> {
     let largest = mantissas.iter().map(|m| m.abs()).max().unwrap_or(0);
     let first = leading(largest, exponent);
     let is_plain = largest == 0 || (first <= *PLAIN.end() && exponent >= LAST_PLAIN);
-    let write = |&mantissa: &i128| {
-        if is_plain {
-            plain(mantissa, exponent)
-        } else {
-            with_power(mantissa, exponent, first)
-        }
+    let write = |&mantissa: &i128| match mantissa {
+        _ if is_plain => plain(mantissa, exponent),
+        0 => "0".to_owned(),
+        _ => multiple(&plain(mantissa, exponent - first), first),
     };
     mantissas.iter().map(write).collect()
 }
@@ -200,16 +198,18 @@ pub(super) fn plain(mantissa: i128, exponent: i32) -> String {
     format!("{sign}{whole}.{part}")
 }
 
-/// Writes an integer times a power of ten as a multiple of 10ᵖ.
+/// Writes an integer times a power of ten as a multiple of 10ᵖ; a factor of 1 is left out.
 pub(super) fn with_power(mantissa: i128, exponent: i32, power: i32) -> String {
     let factor = plain(mantissa, exponent - power);
-    let power = format!("10{}", superscript(i64::from(power)));
     match factor.as_str() {
         "0" => factor,
-        "1" => power,
-        "−1" => format!("−{power}"),
-        factor => format!("{factor}·{power}"),
+        "1" | "−1" => multiple(&factor, power).replace("1·", ""),
+        factor => multiple(factor, power),
     }
+}
+
+fn multiple(factor: &str, power: i32) -> String {
+    format!("{factor}·10{}", superscript(i64::from(power)))
 }
 
 /// Characters of exponents, with the characters that they stand for.
@@ -348,8 +348,8 @@ mod tests {
     #[test]
     fn a_series_has_one_power() {
         assert_eq!(series(&[-5, 0, 5], -1), ["−0.5", "0", "0.5"]);
-        assert_eq!(series(&[5, 10, 15], -7), ["0.5·10⁻⁶", "10⁻⁶", "1.5·10⁻⁶"]);
-        assert_eq!(series(&[5, 10, 15], 10), ["0.5·10¹¹", "10¹¹", "1.5·10¹¹"]);
+        assert_eq!(series(&[5, 10, 15], -7), ["0.5·10⁻⁶", "1·10⁻⁶", "1.5·10⁻⁶"]);
+        assert_eq!(series(&[5, 10, 15], 10), ["0.5·10¹¹", "1·10¹¹", "1.5·10¹¹"]);
         assert_eq!(series(&[0, 1], -5), ["0", "0.00001"]);
     }
 }

@@ -21,8 +21,10 @@ struct Kind<'a> {
     /// The measured orders of the methods.
     orders: Vec<&'a Order>,
 }
-/// The quantity on the horizontal axis of a figure of errors.
-type Abscissa = (&'static str, fn(&Row) -> Option<f64>);
+
+/// The quantity on the horizontal axis of a figure of errors: its name in the title, and on the
+/// axis.
+type Abscissa = ([&'static str; 2], fn(&Row) -> Option<f64>);
 
 /// Height of a figure without its legend, and about the width of its axes, in CSS pixels.
 const HEIGHT: u32 = 360;
@@ -33,10 +35,10 @@ const AXES: f64 = 440.0;
 const DASHES: [(f64, f64); 4] = [(6.0, 3.0), (2.0, 3.0), (12.0, 3.0), (4.0, 6.0)];
 const BELOW: f64 = 0.4;
 
-const TIME: Abscissa = ("time to solution of one path (s)", |row| {
+const TIME: Abscissa = (["time", "time to solution of one path (s)"], |row| {
     row.timing.map(|timing| timing.time_to_solution)
 });
-const STEP: Abscissa = ("step size h", |row| Some(row.h));
+const STEP: Abscissa = (["step size", "step size h"], |row| Some(row.h));
 
 impl Report {
     /// Writes a page with a description of the study (system with its parameters, methods,
@@ -99,11 +101,18 @@ impl Report {
             let (first, rest) = line.split_at(1);
             body.push_str("<p>");
             body.push_str(&first.to_uppercase());
-            body.push_str(&page::escape(rest));
+            body.push_str(&page::escape(&with_minus(rest)));
             body.push_str("</p>\n");
         }
         page::write(path.as_ref(), &page::document(&title, &body))
     }
+}
+
+/// Returns a text with typographic minus signs before its numbers.
+fn with_minus(text: &str) -> String {
+    ('0'..='9').fold(text.to_owned(), |text, digit| {
+        text.replace(&format!(" -{digit}"), &format!(" −{digit}"))
+    })
 }
 
 /// Returns the description of the study.
@@ -129,17 +138,18 @@ fn facts(report: &Report) -> Vec<(&'static str, String)> {
 /// Returns a row for each method and number of steps. Columns without a number are left out.
 fn table(report: &Report) -> String {
     let mut head = vec!["method".to_owned(), "steps".to_owned(), "h".to_owned()];
-    let mut pair = |name: &str| head.extend([name.to_owned(), "±".to_owned()]);
+    let error = "± standard error".to_owned();
+    let mut pair = |name: &str| head.extend([name.to_owned(), error.clone()]);
     pair("error");
     for name in report.observables() {
         pair(&format!("weak error of {name}"));
     }
     head.push("largest error of the invariant".to_owned());
-    head.extend(["drift".to_owned(), "±".to_owned()]);
+    head.extend(["drift".to_owned(), error]);
     head.extend(
         [
             "ns a step",
-            "±",
+            "± half the interquartile range",
             "time to solution (s)",
             "iterations",
             "failures",
@@ -241,7 +251,12 @@ fn figures(report: &Report) -> Vec<Figure> {
 }
 
 /// Draws the errors of all methods, with a guide for each of these orders.
-fn panel(report: &Report, (x_name, x): Abscissa, kind: &Kind<'_>, orders: &[&Order]) -> Panel {
+fn panel(
+    report: &Report,
+    ([against, x_name], x): Abscissa,
+    kind: &Kind<'_>,
+    orders: &[&Order],
+) -> Panel {
     let mut methods: Vec<&str> = Vec::new();
     for row in report.rows() {
         if !methods.contains(&&*row.method) {
@@ -264,7 +279,7 @@ fn panel(report: &Report, (x_name, x): Abscissa, kind: &Kind<'_>, orders: &[&Ord
     let points = || layers.iter().flat_map(|layer| &layer.points);
     let (xs, ys) = (around(points().map(|p| p.0)), around(points().map(|p| p.1)));
     let empty = Panel::new(
-        kind.name.as_str(),
+        format!("{} against {against}", kind.name),
         Axis::powers(x_name, xs),
         Axis::powers("error", ys),
     );
