@@ -21,7 +21,8 @@ use sve_examples::check::Check;
 use sve_examples::directions::direction;
 use sve_examples::envelope::range_of;
 use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLUE, VERMILION};
+use sve_examples::hues;
+use sve_examples::palette::BLUE;
 use sve_examples::report::{one_row, report};
 use sve_runtime::Blocking;
 use sve_runtime::prelude::*;
@@ -292,13 +293,15 @@ fn figure(g: Vec<(f64, f64)>, energies: &[(f64, f64)]) -> Figure {
         Axis::new("g(r)", 0.0..3.5),
     )
     .with(Layer::new("", g, Pen::line(BLUE, 1.4)));
-    let errors: Vec<_> = energies.iter().map(|&(t, e)| (t, 1e5 * e)).collect();
-    let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
+    let largest = energies.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
     let right = Panel::new(
         "Range of the energy error",
-        Axis::new("time t", 0.0..errors[errors.len() - 1].0),
-        Axis::new("10⁵ ΔH / H", -1.2 * largest..1.2 * largest),
+        Axis::new("time t", 0.0..energies[energies.len() - 1].0),
+        Axis::new(
+            "relative energy error ΔH / H",
+            -1.2 * largest..1.2 * largest,
+        ),
     )
-    .with(range_of("", &errors, 40, VERMILION));
+    .with(range_of("", energies, 40, hues::STORMER_VERLET));
     one_row("argon", [980, 400], vec![left, right])
 }

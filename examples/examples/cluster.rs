@@ -16,7 +16,8 @@ use rand::{RngExt, SeedableRng};
 use sve_examples::check::Check;
 use sve_examples::directions::direction;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLACK, BLUE, VERMILION};
+use sve_examples::hues;
+use sve_examples::palette::{BLACK, BLUE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::nalgebra::Vector3;
 use sve_runtime::prelude::*;
@@ -220,7 +221,7 @@ fn figure(samples: &Samples, end: &Stars) -> Figure {
     .with(Layer::new(
         "",
         samples.energies.clone(),
-        Pen::line(VERMILION, 1.2),
+        Pen::line(hues::STORMER_VERLET, 1.2),
     ));
     let right = Panel::new(
         "Does the cluster keep its size?",

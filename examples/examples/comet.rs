@@ -13,8 +13,8 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette;
 use sve_examples::report::{one_row, report};
+use sve_examples::{hues, palette};
 use sve_runtime::prelude::*;
 
 struct Comet;
@@ -111,16 +111,16 @@ fn figure(path: &Path) -> Result<Figure, StepError> {
     )
     .equal()
     .with(Layer::new("orbit", orbit, Pen::line(palette::SKY, 1.0)))
-    .with(Layer::new("steps", steps, Pen::dots(palette::BLUE, 2.0)))
+    .with(Layer::new("steps", steps, Pen::dots(hues::GAUSS, 2.0)))
     .with(Layer::new(
         "sun",
         vec![(0.0, 0.0)],
-        Pen::dots(palette::ORANGE, 2.5),
+        Pen::dots(palette::ORANGE, 3.0),
     ))
     .legend(Corner::Below);
     let panel = |title: &str, y: Axis, list: &[(f64, f64)]| {
         let points = list.iter().map(|&(x, y)| (x, y.log10()));
-        let pen = Pen::line(palette::BLUE, 1.2);
+        let pen = Pen::line(hues::GAUSS, 1.2);
         Panel::new(title, Axis::new("periods", 0.0..f64::from(PERIODS)), y).with(Layer::new(
             title,
             points.collect(),

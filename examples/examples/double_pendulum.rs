@@ -10,10 +10,11 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::envelope::envelope;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
-use sve_examples::palette;
 use sve_examples::report::{one_row, report};
+use sve_examples::{hues, palette};
 
 use sve_runtime::baseline::Heun;
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 /// Angles from the downward vertical.
@@ -110,9 +111,13 @@ fn figure(pendulum: DoublePendulum, h: f64, steps: usize) -> Result<Figure, Step
     .with(Layer::new(
         "with noise",
         noisy?,
-        Pen::line(palette::ORANGE, 1.2),
+        Pen::line(hues::MIDPOINT, 1.2),
     ))
-    .with(Layer::new("without", quiet?, Pen::line(palette::BLUE, 1.2)))
+    .with(Layer::new(
+        "without",
+        quiet?,
+        Pen::line(palette::BLACK, 1.2),
+    ))
     .with(Layer::new("", vec![(0.0, 0.0)], Pen::dots(palette::BLACK, 3.0)).unlisted())
     .legend(Corner::TopLeft);
     let energy = Panel::new(
@@ -123,12 +128,12 @@ fn figure(pendulum: DoublePendulum, h: f64, steps: usize) -> Result<Figure, Step
     .with(Layer::new(
         "Heun",
         errors(&Heun::new(pendulum), h, steps)?,
-        Pen::dashed(palette::ORANGE, 1.5, (6.0, 3.0)),
+        Pen::dashed(hues::HEUN, 1.5, (6.0, 3.0)),
     ))
     .with(Layer::new(
         "midpoint rule",
         errors(&midpoint, h, steps)?,
-        Pen::line(palette::BLUE, 1.5).symbols(Shape::Disc, 8),
+        Pen::line(hues::MIDPOINT, 1.5).symbols(Shape::Disc, 8),
     ))
     .legend(Corner::BottomRight);
     Ok(one_row("double_pendulum", [1080, 480], vec![path, energy]))
@@ -152,7 +157,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         h * steps as f64
     );
     let row = |name, parts: Vec<f64>| {
-        let cells: Vec<String> = parts.iter().map(|part| format!("{part:>10.2e}")).collect();
+        let cells: Vec<String> = parts
+            .iter()
+            .map(|part| format!("{:>10}", number(*part, 3)))
+            .collect();
         println!("{name:>10} {}", cells.join(" "));
     };
     let bounded = energy_errors(&midpoint, h, steps)?;
@@ -166,11 +174,11 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for state in trajectory.take(1000).skip(199).step_by(200) {
         let state = state?;
         println!(
-            "{:>4.1} {:>9.4} {:>9.4} {:>11.5}",
+            "{:>4.1} {:>9} {:>9} {:>11}",
             state.t,
-            state.q[0],
-            state.q[1],
-            pendulum.hamiltonian(&state)?
+            number(state.q[0], 5),
+            number(state.q[1], 5),
+            number(pendulum.hamiltonian(&state)?, 6)
         );
     }
     let what = "midpoint: largest energy error in the last fifth over that in the first";

@@ -12,7 +12,8 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE};
+use sve_examples::hues;
+use sve_examples::palette::{GREY, ORANGE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::plan::DegenerateStep;
 use sve_runtime::prelude::*;
@@ -229,7 +230,7 @@ fn figure(
         .with(Layer::new(
             "orbit without noise",
             points(quiet?),
-            Pen::line(BLUE, 1.2),
+            Pen::line(hues::MIDPOINT, 1.2),
         ));
     let right = Panel::new(
         format!("Largest energy error in each hundredth of the time, h = {H}"),
@@ -240,12 +241,12 @@ fn figure(
     .with(Layer::new(
         "Runge–Kutta 4",
         theirs.drawn(),
-        Pen::dashed(BLACK, 1.5, (6.0, 3.0)),
+        Pen::dashed(hues::RUNGE_KUTTA_4, 1.5, (6.0, 3.0)),
     ))
     .with(Layer::new(
         "midpoint rule",
         ours.drawn(),
-        Pen::line(BLUE, 1.5),
+        Pen::line(hues::MIDPOINT, 1.5),
     ));
     Ok(one_row("guiding_centre", [1000, 480], vec![left, right]))
 }

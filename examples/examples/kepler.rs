@@ -14,10 +14,11 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::envelope::envelope;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
-use sve_examples::palette;
 use sve_examples::report::{one_row, report};
+use sve_examples::{hues, palette};
 
 use sve_runtime::baseline::Heun;
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -138,8 +139,11 @@ fn follow<I: Method<System = Kepler>>(name: &str, method: &I) -> Result<Changes,
         if step % (STEPS / 5) == 0 {
             let energy = system.hamiltonian(&state)?;
             println!(
-                "{:>6.0} {energy:>10.5} {:>18.1e} {:>18.1e}",
-                state.t, worst.angular, worst.linear
+                "{:>6.0} {:>10} {:>18} {:>18}",
+                state.t,
+                number(energy, 5),
+                number(worst.angular, 2),
+                number(worst.linear, 2)
             );
         }
     }
@@ -193,12 +197,12 @@ fn figure(midpoint: &Integrator<Kepler, Midpoint>) -> Result<Figure, StepError> 
         .with(Layer::new(
             "with noise",
             orbit(midpoint, 0.015, 2500)?,
-            Pen::line(palette::ORANGE, 1.0),
+            Pen::line(hues::MIDPOINT, 1.0),
         ))
         .with(Layer::new(
             "without",
             orbit(midpoint, 0.0, 2500)?,
-            Pen::line(palette::BLUE, 1.0),
+            Pen::line(palette::BLACK, 1.0),
         ))
         .with(Layer::new("", vec![(0.0, 0.0)], Pen::dots(palette::BLACK, 3.0)).unlisted())
         .legend(Corner::TopRight);
@@ -210,12 +214,12 @@ fn figure(midpoint: &Integrator<Kepler, Midpoint>) -> Result<Figure, StepError> 
     .with(Layer::new(
         "Heun",
         changes(&Heun::new(*midpoint.system()))?,
-        Pen::dashed(palette::ORANGE, 1.5, (6.0, 3.0)),
+        Pen::dashed(hues::HEUN, 1.5, (6.0, 3.0)),
     ))
     .with(Layer::new(
         "midpoint rule",
         changes(midpoint)?,
-        Pen::line(palette::BLUE, 1.5).symbols(Shape::Disc, 8),
+        Pen::line(hues::MIDPOINT, 1.5).symbols(Shape::Disc, 8),
     ))
     .legend(Corner::TopRight);
     Ok(one_row("kepler", [1080, 480], vec![plane, momentum]))

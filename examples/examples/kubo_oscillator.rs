@@ -6,10 +6,11 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
-use sve_examples::palette;
+use sve_examples::hues;
 use sve_examples::report::{one_row, report};
 
 use sve_runtime::baseline::EulerMaruyama;
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 /// dq = p (a dt + σ ∘ dW), dp = −q (a dt + σ ∘ dW).
@@ -76,17 +77,17 @@ fn figure(
     .with(Layer::new(
         "midpoint rule",
         radii(midpoint, steps)?,
-        Pen::line(palette::BLUE, 2.0),
+        Pen::line(hues::MIDPOINT, 2.0),
     ))
     .with(Layer::new(
         "Euler–Maruyama",
         radii(euler, steps)?,
-        Pen::line(palette::ORANGE, 1.4).symbols(Shape::Triangle, 10),
+        Pen::line(hues::EULER_MARUYAMA, 1.4).symbols(Shape::Triangle, 10),
     ))
     .with(Layer::new(
         "Euler–Maruyama without the Itô correction",
         radii(&euler.uncorrected(), steps)?,
-        Pen::dashed(palette::VERMILION, 1.4, (6.0, 3.0)),
+        Pen::dashed(hues::EULER_MARUYAMA, 1.4, (6.0, 3.0)),
     ))
     .legend(Corner::Below);
     Ok(one_row("kubo_oscillator", [760, 440], vec![panel]))
@@ -106,10 +107,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     for t in [1, 10, 100, 1000] {
         let steps = 100 * t;
         println!(
-            "{t:>6} {:>20.1e} {:>16.6e} {:>16.6e}",
-            radius(&midpoint, steps)? - 1.0,
-            radius(&euler.uncorrected(), steps)?,
-            radius(&euler, steps)?
+            "{t:>6} {:>20} {:>16} {:>16}",
+            number(radius(&midpoint, steps)? - 1.0, 2),
+            number(radius(&euler.uncorrected(), steps)?, 7),
+            number(radius(&euler, steps)?, 7)
         );
     }
     let off = radius(&midpoint, 100_000)? - 1.0;

@@ -9,8 +9,9 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette;
+use sve_examples::hues;
 use sve_examples::report::{one_row, report};
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 #[derive(Clone, Copy, Debug)]
@@ -148,7 +149,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         system.kt
     );
     println!(
-        "<p²> = {:.4} ± {:.4}, expected kT = {}\n",
+        "⟨p²⟩ = {:.4} ± {:.4}, expected kT = {}\n",
         kinetic.mean(),
         kinetic.standard_error(),
         system.kt
@@ -162,8 +163,8 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         let filled = |k: &i32| f64::from(*k) + 0.5 < 40.0 * sample.mean();
         let bar: String = (0..40).take_while(filled).map(|_| '#').collect();
         println!(
-            "{:>7.3} {exact:>9.4} {:>10.4} {:>8.4}  {bar}",
-            middle(at),
+            "{:>7} {exact:>9.4} {:>10.4} {:>8.4}  {bar}",
+            number(middle(at), 4),
             sample.mean(),
             sample.standard_error()
         );
@@ -221,19 +222,19 @@ fn figure(histogram: &[Sample], exact: Vec<(f64, f64)>) -> Figure {
         Layer::new(
             "midpoint rule, ± 2 standard errors",
             steps.collect(),
-            Pen::line(palette::BLUE, 1.5),
+            Pen::line(hues::MIDPOINT, 1.5),
         )
         .filled(0.0),
     )
     .with(
-        Layer::new("", middles, Pen::dots(palette::BLUE, 0.3))
+        Layer::new("", middles, Pen::dots(hues::MIDPOINT, 0.3))
             .bars(bars)
             .unlisted(),
     )
     .with(Layer::new(
         "exp(−V/kT)/Z",
         exact,
-        Pen::line(palette::VERMILION, 1.8),
+        Pen::line(hues::EXACT, 1.2),
     ));
     one_row("langevin", [560, 360], vec![panel])
 }

@@ -7,7 +7,6 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::hues;
-use sve_examples::palette;
 use sve_examples::report::{one_row, report};
 
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
@@ -74,7 +73,7 @@ fn figure(times: &[f64], methods: [(&str, &[(f64, f64)]); 3]) -> Figure {
     .with(Layer::new(
         "exact: H₀ + σ²t/2",
         exact.collect(),
-        Pen::line(palette::BLACK, 1.0),
+        Pen::line(hues::EXACT, 1.0),
     ))
     .legend(Corner::TopLeft);
     let panel = methods
@@ -86,7 +85,7 @@ fn figure(times: &[f64], methods: [(&str, &[(f64, f64)]); 3]) -> Figure {
             let bars = means
                 .iter()
                 .map(|(mean, error)| ((mean - 2.0 * error).log10(), (mean + 2.0 * error).log10()));
-            let color = [hues::ENDPOINT, palette::VERMILION, palette::ORANGE][k];
+            let color = [hues::ENDPOINT, hues::EULER_MARUYAMA, hues::EULER_MARUYAMA][k];
             let pen = Pen {
                 color,
                 line: None,

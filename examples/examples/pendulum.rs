@@ -8,8 +8,8 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::envelope::envelope;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
-use sve_examples::palette;
 use sve_examples::report::report;
+use sve_examples::{hues, palette};
 use sve_runtime::baseline::{Heun, RungeKutta4};
 use sve_runtime::prelude::*;
 
@@ -78,7 +78,7 @@ fn portrait(midpoint: &Integrator<Pendulum, Midpoint>) -> Result<Panel, StepErro
                 }
                 points.push(point);
             }
-            panel = panel.with(Layer::new("", points, Pen::line(palette::BLUE, 1.0)));
+            panel = panel.with(Layer::new("", points, Pen::line(hues::MIDPOINT, 1.0)));
         }
     }
     Ok(panel.note((-0.35, 8.3), "thick: separatrix", palette::BLACK))
@@ -126,27 +126,27 @@ fn energy_panel(pendulum: Pendulum) -> Result<Panel, StepError> {
     .with(Layer::new(
         "Heun, order 2",
         heun,
-        symbols(dashed(palette::ORANGE), Shape::Cross),
+        symbols(dashed(hues::HEUN), Shape::Cross),
     ))
     .with(Layer::new(
         "Taylor rule, order 2",
         taylor,
-        symbols(line(palette::VERMILION), Shape::Triangle),
+        symbols(line(hues::TAYLOR), Shape::Triangle),
     ))
     .with(Layer::new(
         "midpoint rule, order 2",
         midpoint,
-        symbols(line(palette::BLUE), Shape::Disc),
+        symbols(line(hues::MIDPOINT), Shape::Disc),
     ))
     .with(Layer::new(
         "Runge–Kutta 4",
         rk4,
-        symbols(dashed(palette::BLACK), Shape::Square),
+        symbols(dashed(hues::RUNGE_KUTTA_4), Shape::Square),
     ))
     .with(Layer::new(
         "Gauss rule of order 4",
         gauss,
-        symbols(line(palette::PURPLE), Shape::Circle),
+        symbols(line(hues::GAUSS), Shape::Circle),
     ))
     .legend(Corner::Outside))
 }

@@ -20,7 +20,8 @@ use indicatif::ProgressBar;
 use sve_examples::cells::runs;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Figure, Layer, Panel, Pen, Row};
-use sve_examples::palette::{BLUE, Color, GREY, VERMILION};
+use sve_examples::hues;
+use sve_examples::palette::{BLUE, Color, VERMILION};
 use sve_examples::report::report;
 use sve_runtime::prelude::*;
 
@@ -341,7 +342,7 @@ fn correlations(measured: &[(f64, f64)], exact: &[f64]) -> Panel {
         Axis::new("distance along an axis", 0.0..near as f64),
         Axis::new("sampled / exact − 1", -0.2..0.2),
     )
-    .with(Layer::new("exact", zero, Pen::line(GREY, 1.6)))
+    .with(Layer::new("exact", zero, Pen::line(hues::EXACT, 1.2)))
     .with(Layer::new("sampled", dots, Pen::dots(BLUE, 2.6)).bars(ends))
 }
 

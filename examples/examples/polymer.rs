@@ -17,7 +17,8 @@ use rand::{RngExt, SeedableRng};
 use sve_examples::check::Check;
 use sve_examples::directions::direction;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLACK, BLUE};
+use sve_examples::hues;
+use sve_examples::palette::BLUE;
 use sve_examples::report::{one_row, report};
 use sve_runtime::Blocking;
 use sve_runtime::nalgebra::Vector3;
@@ -300,7 +301,7 @@ fn beside_exact(
     let ends = vec![(value - band, value + band); 2];
     Panel::new(title, Axis::new("time t", 0.0..until), y)
         .legend(Corner::BottomRight)
-        .with(Layer::new(name, exact, Pen::dashed(BLACK, 1.4, (5.0, 3.0))).band(ends))
+        .with(Layer::new(name, exact, Pen::dashed(hues::EXACT, 1.4, (5.0, 3.0))).band(ends))
         .with(Layer::new(
             "mean of the chains",
             course,

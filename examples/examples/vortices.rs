@@ -12,6 +12,7 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::envelope::range_of;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
+use sve_examples::hues;
 use sve_examples::palette::{BLACK, BLUE, ORANGE, PURPLE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::prelude::*;
@@ -205,13 +206,12 @@ fn figure(
 ) -> Result<Figure, StepError> {
     let left = paths(still, "Without noise")?.legend(Corner::BottomLeft);
     let middle = paths(noisy, "In a fluctuating strain")?;
-    let errors: Vec<_> = errors.iter().map(|&(t, e)| (t, 1e5 * e)).collect();
     let largest = errors.iter().fold(0.0f64, |m, e| m.max(e.1.abs()));
     let right = Panel::new(
         format!("Range of the energy error, h = {H}"),
         Axis::new("time t", 0.0..H * STEPS as f64),
-        Axis::new("10⁵ (H − H₀)", -1.2 * largest..1.2 * largest),
+        Axis::new("energy error H − H₀", -1.2 * largest..1.2 * largest),
     )
-    .with(range_of("midpoint", &errors, 100, BLUE));
+    .with(range_of("midpoint", errors, 100, hues::MIDPOINT));
     Ok(one_row("vortices", [1140, 400], vec![left, middle, right]))
 }

@@ -1,4 +1,4 @@
-//! The hues of the variational rules, the same in all figures.
+//! The hues of rules and of methods for comparison, the same in all figures.
 
 use crate::palette::{self, Color};
 
@@ -10,3 +10,17 @@ pub const INITIAL_POINT: Color = palette::GREEN;
 pub const ENDPOINT: Color = palette::SKY;
 /// The rule of Störmer and Verlet.
 pub const STORMER_VERLET: Color = palette::VERMILION;
+/// The methods of Euler and Maruyama, forward and backward.
+pub const EULER_MARUYAMA: Color = palette::GREY;
+/// The method of Heun.
+pub const HEUN: Color = palette::ORANGE;
+/// The method of Runge and Kutta of order 4.
+pub const RUNGE_KUTTA_4: Color = palette::BLACK;
+/// The rules of Gauss.
+pub const GAUSS: Color = palette::PURPLE;
+/// The rule of a Taylor series.
+pub const TAYLOR: Color = (122, 78, 45);
+/// heyoka, which occurs in no figure with the method of Heun.
+pub const HEYOKA: Color = palette::ORANGE;
+/// The exact solution.
+pub const EXACT: Color = palette::BLACK;

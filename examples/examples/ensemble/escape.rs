@@ -24,6 +24,7 @@ use std::f64::consts::TAU;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
+use sve_examples::hues;
 use sve_examples::palette::{self, Color};
 use sve_examples::report::one_row;
 use sve_runtime::ensemble::Rate;
@@ -276,7 +277,7 @@ fn draw(decays: &[Decay]) -> Figure {
             symbols.shape = shape;
         }
         populations = populations
-            .with(Layer::new("", line.collect(), Pen::line(palette::BLACK, 1.0)).unlisted())
+            .with(Layer::new("", line.collect(), Pen::line(hues::EXACT, 1.0)).unlisted())
             .with(Layer::new(
                 format!("ΔU/kT = {}", decay.barrier),
                 decay.points.clone(),
@@ -301,13 +302,13 @@ fn draw(decays: &[Decay]) -> Figure {
     .with(Layer::new(
         "exact",
         line.collect(),
-        Pen::line(palette::BLACK, 1.2),
+        Pen::line(hues::EXACT, 1.2),
     ));
     for (k, decay) in decays.iter().enumerate() {
         let (lambda, error) = decay.measured;
         let at = |lambda: f64| (decay.barrier, lambda / decay.kramers);
         let bar = vec![at(lambda - error), at(lambda), at(lambda + error)];
-        let pen = Pen::line(palette::BLUE, 1.5).symbols(Shape::Disc, 1);
+        let pen = Pen::line(hues::MIDPOINT, 1.5).symbols(Shape::Disc, 1);
         let layer = Layer::new("midpoint rule, ± one standard error", bar, pen);
         ratios = ratios.with(if k == 0 { layer } else { layer.unlisted() });
     }

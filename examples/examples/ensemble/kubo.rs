@@ -12,8 +12,8 @@ use std::f64::consts::{PI, TAU};
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::gaussian::expectation;
-use sve_examples::palette;
 use sve_examples::report::one_row;
+use sve_examples::{hues, palette};
 use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
@@ -259,14 +259,14 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
         Layer::new(
             "midpoint rule, histogram",
             bars.collect(),
-            Pen::line(palette::BLUE, 1.5),
+            Pen::line(hues::MIDPOINT, 1.5),
         )
         .filled(0.0),
     )
     .with(Layer::new(
         "exact: wrapped normal",
         fine(&|theta| exact.density(theta)),
-        Pen::line(palette::VERMILION, 1.5),
+        Pen::line(hues::EXACT, 1.2),
     ));
     let error = |bin: usize| {
         let p = exact.probability(edge(bin), edge(bin + 1));
@@ -294,12 +294,12 @@ fn draw(counts: &[u64], paths: u64, exact: &Distribution, rule: &Distribution) -
     .with(Layer::new(
         "midpoint rule, its distribution",
         fine(&|theta| rule.density(theta) - exact.density(theta)),
-        Pen::line(palette::BLUE, 1.2),
+        Pen::line(hues::MIDPOINT, 1.2),
     ))
     .with(Layer::new(
         "midpoint rule, histogram",
         dots.collect(),
-        Pen::dots(palette::BLUE, 2.0),
+        Pen::dots(hues::MIDPOINT, 2.0),
     ));
     one_row("phase", [1110, 400], vec![histogram, difference])
 }

@@ -72,14 +72,14 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         curve(
             options,
             "forward Euler–Maruyama",
-            (palette::VERMILION, Shape::Cross),
+            (hues::EULER_MARUYAMA, Shape::Cross),
             &EulerMaruyama::new(OSCILLATOR),
             SHORT,
         )?,
         curve(
             options,
             "backward Euler–Maruyama",
-            (palette::ORANGE, Shape::Triangle),
+            (hues::EULER_MARUYAMA, Shape::Triangle),
             &BackwardEulerMaruyama::new(OSCILLATOR),
             SHORT,
         )?,

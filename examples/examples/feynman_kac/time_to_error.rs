@@ -11,7 +11,7 @@ use std::time::Instant;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
 use sve_examples::hues;
-use sve_examples::palette::{self, Color};
+use sve_examples::palette::Color;
 use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
@@ -160,7 +160,7 @@ pub(crate) fn measure() -> Result<(Panel, Vec<Check>), Box<dyn Error>> {
         )?,
         measured(
             "Euler–Maruyama, naive",
-            (palette::GREY, Shape::Cross),
+            (hues::EULER_MARUYAMA, Shape::Cross),
             &euler,
             ([1.0, 0.0], 1.0),
             |steps| Ok(naive(steps)),

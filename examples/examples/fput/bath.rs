@@ -13,7 +13,8 @@
 use indicatif::ProgressBar;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
-use sve_examples::palette::{BLACK, BLUE, Color, ORANGE, PURPLE};
+use sve_examples::hues;
+use sve_examples::palette::{BLUE, Color, ORANGE, PURPLE};
 use sve_runtime::prelude::*;
 
 use crate::{ALPHA, MASSES, Mode};
@@ -340,7 +341,7 @@ fn numbered(parts: Vec<f64>) -> Vec<(f64, f64)> {
 }
 
 fn line(parts: Vec<f64>) -> Layer {
-    Layer::new("exact", numbered(parts), Pen::line(BLACK, 1.2)).unlisted()
+    Layer::new("exact", numbered(parts), Pen::line(hues::EXACT, 1.2)).unlisted()
 }
 
 /// Returns means as symbols with bars of two standard errors to each side.

@@ -16,7 +16,8 @@ use std::process::ExitCode;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE, VERMILION};
+use sve_examples::hues;
+use sve_examples::palette::{BLACK, BLUE, GREY, ORANGE, PURPLE};
 use sve_examples::report::report;
 use sve_runtime::prelude::*;
 
@@ -231,7 +232,7 @@ fn figure(
     .with(Layer::new(
         "Störmer–Verlet",
         errors.to_vec(),
-        Pen::line(VERMILION, 1.2),
+        Pen::line(hues::STORMER_VERLET, 1.2),
     ));
     let rows = [vec![left, right], heats.panels()].map(|panels| Row {
         height: 400,

@@ -1,6 +1,7 @@
 //! The picture: the largest energy of stiff oscillators against ωh, by rule.
 
-use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
+use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape};
+use sve_examples::hues;
 use sve_examples::report::one_row;
 use sve_runtime::prelude::*;
 
@@ -29,9 +30,16 @@ fn panel(title: &str, curves: Curves) -> Panel {
         Axis::powers("frequency times step, ωh", -1.0..3.0),
         Axis::powers("energy / first energy", -0.1..2.2),
     );
-    let all = curves.into_iter().enumerate();
-    all.fold(empty, |panel, (k, (name, points))| {
-        panel.with(Layer::new(name, points, Pen::series(k)))
+    // The curve of the initial point lies on the curve of the endpoint, which is wider.
+    let looks = [
+        (hues::MIDPOINT, 1.6, Shape::Disc),
+        (hues::ENDPOINT, 5.0, Shape::Circle),
+        (hues::INITIAL_POINT, 1.6, Shape::Square),
+    ];
+    let all = curves.into_iter().zip(looks);
+    all.fold(empty, |panel, ((name, points), (color, width, shape))| {
+        let pen = Pen::line(color, width).symbols(shape, points.len());
+        panel.with(Layer::new(name, points, pen))
     })
     .legend(Corner::TopRight)
 }

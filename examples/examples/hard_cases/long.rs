@@ -1,5 +1,6 @@
 //! Ten million steps, and numbers of extreme size.
 
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 use super::table::{Table, Verdict};
@@ -163,7 +164,8 @@ fn judge(found: Result<Found, StepError>, bound: f64, what: &str) -> (Verdict, S
             (
                 verdict,
                 format!(
-                    "{what} within {first:.2e} in the first tenth, {last:.2e} in the last; its block means within {mean:.3} ε√n/2, the last {end:+.3}"
+                    "{what} within {first:.2e} in the first tenth, {last:.2e} in the last; its block means within {mean:.3} ε√n/2, the last {}",
+                    number(end, 3)
                 ),
             )
         }

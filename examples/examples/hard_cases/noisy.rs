@@ -1,5 +1,6 @@
 //! Noise that dominates, vanishes, or makes the equations unsolvable.
 
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 
 use super::table::{Table, Verdict};
@@ -88,8 +89,8 @@ fn without_solution() -> (Verdict, String) {
     match path.take(100_000).find_map(Result::err) {
         Some(StepError::BranchLost { t, dw, reached, .. }) => {
             let numbers = format!(
-                "at t = {t:.1}: the solution ends at {reached:.2} of ΔW = {:.2}",
-                dw[0]
+                "at t = {t:.1}: the solution ends at {reached:.2} of ΔW = {}",
+                number(dw[0], 3)
             );
             (Verdict::Stops, numbers)
         }

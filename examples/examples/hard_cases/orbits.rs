@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use sve_runtime::Variational;
+use sve_runtime::plot::page::number;
 use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
 
@@ -229,7 +230,7 @@ where
                 StepError::NonFiniteResult { .. } => "NonFiniteResult",
                 other => return (Verdict::Stops, other.to_string()),
             };
-            let numbers = format!("{kind} at t = {:.4}, q = {:.4?}", last.t, last.q);
+            let numbers = format!("{kind} at t = {:.4}, q = {}", last.t, vector(last.q));
             return (Verdict::Stops, numbers);
         }
     }
@@ -240,7 +241,14 @@ where
     } else {
         Verdict::Unresolved
     };
-    (verdict, format!("q = {:.4?} at t = {:.2}", end.q, end.t))
+    (
+        verdict,
+        format!("q = {} at t = {:.2}", vector(end.q), end.t),
+    )
+}
+
+fn vector(q: [f64; 2]) -> String {
+    format!("[{}]", q.map(|x| number(x, 5)).join(", "))
 }
 
 fn coordinates(table: &mut Table) {

@@ -118,7 +118,7 @@ impl Table {
         let caption = "A line ends where the energy first grows without bound.";
         let body = format!(
             "<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n{}",
-            render::svg(figure)?,
+            render::panels(figure)?,
             table(&head, &rows)
         );
         let folder = Path::new("target").join(figure.name);

@@ -9,7 +9,7 @@
 //! ```
 
 use sve_examples::figure::{Axis, Corner, Layer, Panel, Pen, Shape};
-use sve_examples::{hues, palette};
+use sve_examples::hues;
 use sve_runtime::nalgebra::Quaternion;
 use sve_runtime::prelude::*;
 
@@ -110,7 +110,7 @@ pub(crate) fn panel(errors: &Errors, rate: f64) -> Panel {
     .with(layer(
         "midpoint, Cayley chart",
         cayley,
-        palette::PURPLE,
+        hues::MIDPOINT,
         Shape::Triangle,
     ))
     .with(layer(

@@ -5,7 +5,7 @@ use std::error::Error;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use sve_examples::gaussian::{Matrix, Scheme, product, standard_errors};
-use sve_examples::palette;
+use sve_examples::{hues, palette};
 use sve_runtime::prelude::*;
 
 use crate::Report;
@@ -370,12 +370,12 @@ fn energies(
         .with(Layer::new(
             "mean H₀ + σ²t/2",
             mean,
-            Pen::dashed(palette::GREY, 1.4, (5.0, 3.0)),
+            Pen::dashed(hues::EXACT, 1.0, (9.0, 4.0)),
         ))
         .with(Layer::new(
             "exact, this path",
             curve(solution, every)?,
-            Pen::line(palette::BLACK, 2.2),
+            Pen::line(hues::EXACT, 2.2),
         ));
     for index in [FORWARD, BACKWARD] {
         // Forward Euler–Maruyama crosses the picture within a few points.

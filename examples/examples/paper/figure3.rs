@@ -5,8 +5,8 @@ use std::error::Error;
 use sve_examples::check::{Check, number};
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use sve_examples::gaussian::{Matrix, Scheme, standard_errors};
-use sve_examples::palette;
 use sve_examples::report::one_row;
+use sve_examples::{hues, palette};
 use sve_runtime::prelude::*;
 
 use crate::Report;
@@ -324,7 +324,7 @@ fn curves(
     let exact = Layer::new(
         "H₀ + σ²t/2 ± one standard error",
         line,
-        Pen::dashed(palette::GREY, 1.4, (5.0, 3.0)),
+        Pen::dashed(hues::EXACT, 1.0, (9.0, 4.0)),
     );
     panel = panel.with(exact.band(band));
     let means = |sums: &Sums, every: usize| -> Vec<(f64, f64)> {
@@ -339,7 +339,7 @@ fn curves(
         let every = if index == 0 { 1 } else { every };
         panel = panel.with(Layer::new(entry.name, means(sums, every), entry.pen));
     }
-    let same = Pen::line(palette::BLACK, 1.2);
+    let same = Pen::line(hues::EXACT, 1.2);
     panel = panel.with(Layer::new(
         "exact solution, same paths",
         means(&sums[5], every),

@@ -7,7 +7,6 @@ use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row, Shape};
 use sve_examples::gaussian::expectation;
 use sve_examples::hues;
-use sve_examples::palette;
 use sve_runtime::baseline::EulerMaruyama;
 use sve_runtime::prelude::*;
 
@@ -181,7 +180,7 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
     let exact = panel("Exact solution").with(Layer::new(
         "exact",
         runs.exact.orbit(),
-        Pen::dots(palette::BLACK, 0.8),
+        Pen::dots(hues::EXACT, 0.8),
     ));
     let midpoint = panel("Variational, midpoint rule").with(Layer::new(
         "midpoint rule",
@@ -197,7 +196,7 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
     let circle = (0..=120)
         .map(|k| (f64::from(k) * std::f64::consts::PI / 60.0).sin_cos())
         .collect();
-    let mut pen = Pen::line(palette::VERMILION, 1.0).symbols(Shape::Disc, spiral.len());
+    let mut pen = Pen::line(hues::EULER_MARUYAMA, 1.0).symbols(Shape::Disc, spiral.len());
     if let Some(symbols) = &mut pen.symbol {
         symbols.radius = 1.8;
     }
@@ -205,13 +204,13 @@ fn draw(options: &Options, runs: &Runs, left: f64) -> Figure {
         .with(Layer::new(
             "exact circle",
             circle,
-            Pen::dashed(palette::BLACK, 1.2, (5.0, 3.0)),
+            Pen::dashed(hues::EXACT, 1.2, (5.0, 3.0)),
         ))
         .with(Layer::new("Euler–Maruyama", spiral, pen))
         .note(
             (-0.2 * PICTURE, 0.55 * PICTURE),
             format!("leaves the picture at t = {left:.1}"),
-            palette::VERMILION,
+            hues::EULER_MARUYAMA,
         )
         .legend(Corner::TopRight);
     Figure {
@@ -251,26 +250,26 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
     .note(
         (0.5 * options.horizon, 1.5),
         "Euler–Maruyama, corrected".to_owned(),
-        palette::ORANGE,
+        hues::EULER_MARUYAMA,
     );
     let above = euler.iter().find(|&&(_, decade)| decade > DECADES.end);
     if let (Some(t), Some(&(left, _))) = (runs.euler.overflow, above) {
         panel = panel.note(
             (left + 0.01 * options.horizon, DECADES.end - 1.0),
             format!("Euler–Maruyama, uncorrected: goes on to the overflow of f64 at t = {t:.1}"),
-            palette::VERMILION,
+            hues::EULER_MARUYAMA,
         );
     }
     panel
         .with(Layer::new(
             "Euler–Maruyama, uncorrected",
             euler,
-            Pen::line(palette::VERMILION, 1.6),
+            Pen::dashed(hues::EULER_MARUYAMA, 1.6, (6.0, 3.0)),
         ))
         .with(Layer::new(
             "Euler–Maruyama, corrected",
             decades(&runs.corrected),
-            Pen::line(palette::ORANGE, 1.4).symbols(Shape::Triangle, 12),
+            Pen::line(hues::EULER_MARUYAMA, 1.4).symbols(Shape::Triangle, 12),
         ))
         .with(Layer::new(
             "midpoint rule (stays at 1)",
@@ -280,6 +279,6 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
         .with(Layer::new(
             "exact (1)",
             decades(&runs.exact),
-            Pen::dashed(palette::BLACK, 1.2, (5.0, 3.0)),
+            Pen::dashed(hues::EXACT, 1.2, (5.0, 3.0)),
         ))
 }

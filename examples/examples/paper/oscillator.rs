@@ -9,7 +9,6 @@ use std::array::from_fn;
 use sve_examples::figure::{Pen, Shape};
 use sve_examples::gaussian::{Gaussian, Matrix, Scheme};
 use sve_examples::hues;
-use sve_examples::palette;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
 use sve_runtime::prelude::*;
 
@@ -77,12 +76,12 @@ pub(crate) fn entries() -> [Entry; 5] {
     [
         entry(
             "forward Euler–Maruyama",
-            Pen::dashed(palette::VERMILION, 1.6, (8.0, 3.0)),
+            Pen::dashed(hues::EULER_MARUYAMA, 1.6, (8.0, 3.0)),
             Box::new(EulerMaruyama::new(OSCILLATOR)) as Box<dyn Stepper>,
         ),
         entry(
             "backward Euler–Maruyama",
-            Pen::line(palette::ORANGE, 1.4).symbols(Shape::Triangle, 8),
+            Pen::line(hues::EULER_MARUYAMA, 1.4).symbols(Shape::Triangle, 8),
             Box::new(BackwardEulerMaruyama::new(OSCILLATOR)),
         ),
         entry(

@@ -325,13 +325,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join("structure.md"), &table)?;
     let figure = figure(&rows);
-    let svg = render::svg(&figure)?;
-    std::fs::write(folder.join("structure.svg"), &svg)?;
+    std::fs::write(folder.join("structure.svg"), render::svg(&figure)?)?;
     std::fs::write(folder.join("structure.png"), render::png(&figure)?)?;
     let cells: Vec<_> = cells.into_iter().map(|row| ("", row.to_vec())).collect();
     let table = page::table(&HEAD, &cells);
     let legend = page::escape(LEGEND).replace('\n', "<br>\n");
-    let body = format!("<figure>\n{svg}\n</figure>\n{table}<p>{legend}</p>\n");
+    let body = format!(
+        "<figure>\n{}\n</figure>\n{table}<p>{legend}</p>\n",
+        render::panels(&figure)?
+    );
     let page = folder.join("index.html");
     std::fs::write(&page, page::document("The gain of structure", &body))?;
     println!("page: {}", page.display());

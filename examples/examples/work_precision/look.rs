@@ -1,7 +1,7 @@
 //! The looks of methods, the same in all figures.
 //!
-//! Variational rules have solid lines, methods for comparison dashed lines, other programs dotted
-//! lines.
+//! Variational rules have solid lines, which are thin for stage noise, methods for comparison dashed
+//! lines, other programs dotted lines.
 
 use sve_examples::figure::{Pen, Shape, Stroke, Symbols};
 use sve_examples::hues;
@@ -24,11 +24,10 @@ fn hue(name: &str, number: usize) -> Color {
     let method = name.split_once(": ").map_or(name, |(_, method)| method);
     match method {
         "midpoint" | "LeapfrogMidpoint" => hues::MIDPOINT,
-        "Heun" | "EulerHeun" => palette::ORANGE,
-        "Euler–Maruyama" => palette::GREY,
+        "Heun" | "EulerHeun" => hues::HEUN,
+        "Euler–Maruyama" => hues::EULER_MARUYAMA,
         "symplectic Euler" | "SemiImplicitEuler" => hues::INITIAL_POINT,
-        "SPaRK" | "ShARK" => palette::BLACK,
-        "SlowRK" => palette::SKY,
+        "SPaRK" | "ShARK" | "SlowRK" => palette::BLACK,
         _ => palette::CYCLE[(number + 3) % palette::CYCLE.len()],
     }
 }
@@ -43,24 +42,26 @@ pub(crate) fn pen(series: &Series, number: usize) -> Pen {
         "Störmer–Verlet" => (hues::STORMER_VERLET, Shape::Square),
         "Störmer–Verlet, weak2" => (hues::STORMER_VERLET, Shape::Plus),
         "Störmer–Verlet, Kahan–Li 8" => (hues::STORMER_VERLET, Shape::Cross),
-        "Gauss 2" | "Gauss 4" => (palette::PURPLE, Shape::Triangle),
-        "Gauss 2, stage noise" => (palette::PURPLE, Shape::Plus),
-        "Gauss 3, stage noise" => (palette::BLACK, Shape::Cross),
-        "Gauss 4, stage noise" => (palette::BLACK, Shape::Triangle),
-        "Gauss 6" => (palette::PURPLE, Shape::Diamond),
-        "Gauss 8" => (palette::PURPLE, Shape::Plus),
-        "Gauss 8, compensated" => (palette::PURPLE, Shape::Circle),
+        "Gauss 2" | "Gauss 4" => (hues::GAUSS, Shape::Triangle),
+        "Gauss 2, stage noise" => (hues::GAUSS, Shape::Plus),
+        "Gauss 3, stage noise" => (hues::GAUSS, Shape::Cross),
+        "Gauss 4, stage noise" => (hues::GAUSS, Shape::Square),
+        "Gauss 6" => (hues::GAUSS, Shape::Diamond),
+        "Gauss 8" => (hues::GAUSS, Shape::Plus),
+        "Gauss 8, compensated" => (hues::GAUSS, Shape::Circle),
         "Blanes–Moan 4" => (palette::BLACK, Shape::Triangle),
         "Blanes–Moan RKN 6" => (palette::BLACK, Shape::Disc),
         "endpoint" | "endpoint, uncorrected" => (hues::ENDPOINT, Shape::Circle),
         "initial point" | "initial point, uncorrected" => (hues::INITIAL_POINT, Shape::Diamond),
-        "Heun" | "heyoka: Taylor, compensated" => (palette::ORANGE, Shape::Circle),
-        "Runge–Kutta 4" => (palette::BLACK, Shape::Square),
-        "Euler–Maruyama" => (palette::GREY, Shape::Cross),
-        "backward Euler–Maruyama" => (palette::GREY, Shape::Triangle),
-        "heyoka: Taylor" => (palette::ORANGE, Shape::Disc),
+        "taylor2" => (hues::TAYLOR, Shape::Diamond),
+        "Heun" => (hues::HEUN, Shape::Circle),
+        "Runge–Kutta 4" => (hues::RUNGE_KUTTA_4, Shape::Square),
+        "Euler–Maruyama" => (hues::EULER_MARUYAMA, Shape::Cross),
+        "backward Euler–Maruyama" => (hues::EULER_MARUYAMA, Shape::Triangle),
+        "heyoka: Taylor" => (hues::HEYOKA, Shape::Disc),
+        "heyoka: Taylor, compensated" => (hues::HEYOKA, Shape::Circle),
         "scipy: DOP853" => (palette::GREY, Shape::Diamond),
-        "numba: Runge–Kutta 4" => (palette::BLACK, Shape::Cross),
+        "numba: Runge–Kutta 4" => (hues::RUNGE_KUTTA_4, Shape::Cross),
         name => {
             let shapes = [
                 Shape::Triangle,
@@ -81,6 +82,8 @@ pub(crate) fn pen(series: &Series, number: usize) -> Pen {
         (1.6, Some((2.0, 4.0)))
     } else if BASELINES.contains(&&*series.name) {
         (1.4, Some((7.0, 4.0)))
+    } else if series.name.ends_with("stage noise") {
+        (1.4, None)
     } else {
         (2.2, None)
     };

@@ -199,12 +199,11 @@ fn section(
     }))
 }
 
-/// Writes a picture as SVG and PNG, and returns the SVG.
+/// Writes a picture as SVG and PNG, and returns its panels for the page.
 fn write(figure: &Figure, file: &Path) -> Result<String, Box<dyn Error>> {
-    let svg = render::svg(figure)?;
-    fs::write(file.with_extension("svg"), &svg)?;
+    fs::write(file.with_extension("svg"), render::svg(figure)?)?;
     fs::write(file.with_extension("png"), render::png(figure)?)?;
-    Ok(svg)
+    Ok(render::panels(figure)?)
 }
 
 /// Returns whether a method's error decreases with the step size. For other programs this is

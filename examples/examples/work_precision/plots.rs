@@ -1,7 +1,7 @@
 //! The figure of a problem: errors against time to solution and against the step size, on
 //! logarithmic axes.
 //!
-//! The wide band under the first panel's lines follows the fastest method at each error.
+//! The wide band under the first panel's lines follows the fastest method of sve at each error.
 
 use std::ops::Range;
 
@@ -19,13 +19,13 @@ const SIGNIFICANT: f64 = 2.0;
 /// The range of errors that an axis can show.
 const ERRORS: Range<f64> = 1e-15..30.0;
 
-const BAND: Color = (253, 231, 160);
+/// The colour of the band, paler than that of any method.
+const BAND: Color = (222, 222, 222);
 const WIDTH: u32 = 1240;
 const HEIGHT: u32 = 380;
 
-/// Height of an entry of the legend. The row of a long legend is higher than the others, so that no
-/// entries overlap.
-const ENTRY: u32 = 17;
+/// Height of an entry of the legends below the panels of the first row.
+const ENTRY: u32 = 16;
 
 /// The methods that figures of problems without noise omit, since other methods need less time for
 /// every error. The tables have their numbers.
@@ -47,22 +47,28 @@ const LEFT_OUT: [&str; 15] = [
     "midpoint, Kahan–Li 8",
 ];
 
-/// The methods of the picture that shows one panel.
-const IN_PICTURE: [&str; 13] = [
+/// The methods of the picture that shows one panel: the first [`MOST`] of these that a problem has.
+const IN_PICTURE: [&str; 16] = [
     "midpoint",
     "Störmer–Verlet",
     "Blanes–Moan RKN 6",
     "Gauss 8",
-    "Heun",
-    "Euler–Maruyama",
-    "Runge–Kutta 4",
+    "Gauss 4, stage noise",
     "heyoka: Taylor",
     "scipy: DOP853",
-    "numba: Heun",
-    "numba: symplectic Euler",
     "diffrax: SPaRK",
     "diffrax: ShARK",
+    "Runge–Kutta 4",
+    "numba: symplectic Euler",
+    "Heun",
+    "Euler–Maruyama",
+    "Gauss 2",
+    "numba: midpoint",
+    "numba: Heun",
 ];
+
+/// Number of curves whose names have room beside them.
+const MOST: usize = 7;
 
 const TIME: &str = "time to solution of one path (s)";
 
@@ -223,21 +229,35 @@ fn panel(
     panel
 }
 
-/// Adds short lines whose slopes are orders, beside each other below all errors.
-fn slopes(mut panel: Panel, orders: &[i32]) -> Panel {
-    panel.y.range.start -= 0.2 * (panel.y.range.end - panel.y.range.start);
-    let (x, y) = (panel.x.range.clone(), panel.y.range.clone());
+/// Adds a short line of each order, below the lowest part of a curve that has this slope.
+fn slopes(mut panel: Panel, orders: &[u32]) -> Panel {
+    panel.y.range.start -= 0.05 * (panel.y.range.end - panel.y.range.start);
+    let (x, y) = (&panel.x.range, &panel.y.range);
     let (width, height) = (x.end - x.start, y.end - y.start);
-    let bottom = y.start + 0.02 * height;
-    for (k, &order) in orders.iter().enumerate() {
-        let left = x.start + (0.25 + 0.24 * k as f64) * width;
-        // The lines are no higher than the room below the errors.
-        let length = (0.07 * width).min(0.12 * height / f64::from(order));
-        let end = (left + length, bottom + f64::from(order) * length);
-        let line = Layer::new("", vec![(left, bottom), end], Pen::line(palette::GREY, 1.0));
-        let at = (end.0 + 0.008 * width, end.1);
+    let lowest = |part: &[(f64, f64)]| part.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+    let curves = panel.layers.clone();
+    for order in orders {
+        let slope = f64::from(*order);
+        let has_slope = |part: &&[(f64, f64)]| {
+            let slopes = part
+                .windows(2)
+                .map(|p| (p[1].1 - p[0].1) / (p[1].0 - p[0].0));
+            slopes.clone().all(|found| (found - slope).abs() < 0.2)
+        };
+        let parts = curves.iter().flat_map(|layer| layer.points.windows(3));
+        let ends = parts.filter(has_slope).filter_map(lowest);
+        let Some((left, low)) = ends.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            continue;
+        };
+        let from = (left + 0.02 * width, low - 0.03 * height);
+        let length = (0.12 * width).min(0.2 * height / slope);
+        let to = (from.0 + length, from.1 + slope * length);
+        let at = (
+            from.0 + 0.5 * length + 0.01 * width,
+            from.1 + 0.4 * slope * length,
+        );
         panel = panel
-            .with(line.unlisted())
+            .with(Layer::new("", vec![from, to], Pen::line(palette::GREY, 1.0)).unlisted())
             .note(at, format!("order {order}"), palette::GREY);
     }
     panel
@@ -261,7 +281,7 @@ pub(crate) fn band(points: Vec<(f64, f64)>) -> Layer {
 }
 
 /// Returns the exponents of the least times of sve and their errors.
-fn fastest(winners: &[Winner]) -> Vec<(f64, f64)> {
+pub(crate) fn fastest(winners: &[Winner]) -> Vec<(f64, f64)> {
     let trace: Vec<(f64, f64)> = winners.iter().flat_map(|w| w.trace.clone()).collect();
     exponents(&trace)
 }
@@ -273,14 +293,13 @@ pub(crate) fn picture(
     winners: &[Winner],
     shown: &Shown<'_>,
 ) -> Figure {
-    let numbered = all.iter().enumerate();
-    let curves = numbered
-        .filter(|(_, series)| IN_PICTURE.contains(&&*series.name))
-        .map(|(number, series)| Named {
-            name: series.name.clone(),
-            pen: pen(series, number),
-            points: exponents(&series.points(time, strong)),
-        });
+    let number = |name: &&str| all.iter().position(|series| series.name == **name);
+    let numbers = IN_PICTURE.iter().filter_map(number).take(MOST);
+    let curves = numbers.map(|number| Named {
+        name: all[number].name.clone(),
+        pen: pen(&all[number], number),
+        points: exponents(&all[number].points(time, strong)),
+    });
     Picture {
         name,
         title: format!("Which error in which time? {}", shown.problem),
@@ -306,24 +325,22 @@ pub(crate) fn figure(
     let error: Kind<'_> = (shown.norm, strong, strong_spread);
     let title = format!("{}: which error in which time?", shown.problem);
     let mut first = panel(title, times, error, all);
-    first.layers.insert(0, band(fastest(winners)).unlisted());
-    let orders: &[i32] = if shown.weak.is_some() {
+    first.layers.insert(0, band(fastest(winners)));
+    first.legend = Some(Corner::Below);
+    let orders: &[u32] = if shown.weak.is_some() {
         &[1, 2, 3]
     } else {
         &[2, 4, 8]
     };
     let title = "Which error with which step size?".to_owned();
-    let second = slopes(panel(title, steps, error, all), orders)
-        .with(band(Vec::new()))
-        .legend(Corner::Outside);
+    let second = slopes(panel(title, steps, error, all), orders).legend(Corner::Below);
     let mut rows = vec![vec![first, second]];
     let below = below(all, times, steps, shown);
     if !below.is_empty() {
         rows.push(below);
     }
-    // The band has an entry too, and the margins of the row have the height of two.
-    let legend = ENTRY * (all.len() as u32 + 3);
-    let heights = [HEIGHT.max(legend), HEIGHT];
+    // The band has an entry too.
+    let heights = [HEIGHT + ENTRY * (all.len() as u32 + 1), HEIGHT];
     let row = |(panels, height)| Row { height, panels };
     Figure {
         name,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use sve_examples::page::escape;
+use sve_runtime::plot::page::{self, escape};
 use sve_runtime::study::Record;
 
 use crate::problem::Problem;
@@ -13,16 +13,16 @@ pub(crate) struct Section<'a> {
     pub(crate) problem: &'a Problem,
     /// The fastest methods by ranges of errors, in words.
     pub(crate) conclusions: &'a str,
-    /// The picture of the errors at the end by few methods, as SVG.
+    /// The picture of the errors at the end by few methods, as markup.
     pub(crate) picture: &'a str,
-    /// The figure of all errors and methods, as SVG.
+    /// The figure of all errors and methods, as markup.
     pub(crate) figure: &'a str,
     pub(crate) records: &'a [Record],
 }
 
 const STYLE: &str = "<style>
-table.wide td, table.wide th { text-align: right; white-space: nowrap; padding-right: .6rem; font-size: 12px }
-table.wide td:first-child, table.wide th:first-child { text-align: left }
+details table { font-size: 12px }
+details td { white-space: nowrap }
 details { margin: 0 0 2rem }
 @media print { details { display: none } }
 </style>";
@@ -98,23 +98,15 @@ const HEAD: [&str; 13] = [
 ];
 
 fn table(records: &[Record]) -> String {
-    let number = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.2e}"));
-    let plain = |x: Option<f64>| x.map_or_else(String::new, |x| format!("{x:.1}"));
-    let mut text =
-        String::from("<details><summary>All numbers</summary>\n<table class=\"wide\">\n<tr>");
-    for name in HEAD {
-        let _ = write!(text, "<th>{name}</th>");
-    }
-    text.push_str("</tr>\n");
-    for record in records {
-        let own = record.source.starts_with("sve ");
-        let method = if own {
+    let number = |x: Option<f64>| x.map_or_else(String::new, |x| page::number(x, 3));
+    let row = |record: &Record| {
+        let method = if record.source.starts_with("sve ") {
             record.method.clone()
         } else {
             format!("{} ({})", record.method, record.source)
         };
-        let cells = [
-            escape(&method),
+        let cells = vec![
+            method,
             number(record.h),
             number(record.error),
             number(record.error_se),
@@ -122,20 +114,19 @@ fn table(records: &[Record]) -> String {
             number(record.weak_error_se),
             number(record.energy_error),
             number(record.energy_drift),
-            plain(record.ns_per_step),
-            plain(record.ns_spread),
+            number(record.ns_per_step),
+            number(record.ns_spread),
             record.time_to_solution_s.map(duration).unwrap_or_default(),
-            plain(record.newton_iterations),
+            number(record.newton_iterations),
             record.failures.to_string(),
         ];
-        text.push_str("<tr>");
-        for cell in cells {
-            let _ = write!(text, "<td>{cell}</td>");
-        }
-        text.push_str("</tr>\n");
-    }
-    text.push_str("</table></details>\n");
-    text
+        ("", cells)
+    };
+    let rows: Vec<_> = records.iter().map(row).collect();
+    format!(
+        "<details><summary>All numbers</summary>\n{}</details>\n",
+        page::table(&HEAD, &rows)
+    )
 }
 
 /// Returns the body of a section.
@@ -161,11 +152,11 @@ pub(crate) fn head(machine: &str, peers: usize) -> String {
         ),
         n => format!(
             "{n} lines of results of other programs were read from <code>peers/</code>; their lines are dotted, and their times as they \
-             measured them. Batches of paths are to be compared with those of <code>Ensemble</code>, not with the single paths here. The yellow band is that of our own methods."
+             measured them. Batches of paths are to be compared with those of <code>Ensemble</code>, not with the single paths here. The grey band is that of our own methods."
         ),
     };
     format!(
-        "{STYLE}<p>The first picture of each problem shows few methods, the figure below it all. Down is more precise, left is faster; the yellow band follows the fastest \
+        "{STYLE}<p>The first picture of each problem shows few methods, the figure below it all. Down is more precise, left is faster; the grey band follows the fastest \
          method. Variational rules have solid lines, methods to compare with dashed ones.</p>\n\
          <p>Errors are root mean squares over paths of the distance of (q, p) from the reference at the end, on the same Brownian paths for all methods and step sizes. \
          Weak errors are differences of means on these paths; what is below two standard errors is not drawn. Slopes of the invariant are those of least-squares lines through its values; of an error that only oscillates they are what is left at the ends, and change their sign with the step size. Times are medians of alternating repeats, \

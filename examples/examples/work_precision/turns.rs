@@ -5,11 +5,14 @@ use std::error::Error;
 use std::path::Path;
 
 use sve_examples::figure::{Figure, Pen, Shape, Stroke, Symbols};
+use sve_examples::hues;
 use sve_examples::palette::{self, Color};
 use sve_runtime::study::Record;
 
+use crate::LARGEST;
 use crate::picture::{Named, Picture};
-use crate::plots::{Series, exponents, series, strong, time};
+use crate::plots::{Series, exponents, fastest, series, strong, time};
+use crate::verdict::{Curve, winners};
 
 /// The problems: their names in files, and what the titles say.
 const PROBLEMS: [(&str, &str); 9] = [
@@ -31,59 +34,57 @@ const PROBLEMS: [(&str, &str); 9] = [
 const CONFIRMATIONS: usize = 2;
 
 /// How a method is drawn: its name in records, its name in pictures, and its look.
-type Look = (&'static str, &'static str, Color, Shape, bool);
+type Look = (&'static str, &'static str, Color, Shape, Dash);
+
+/// The lengths of dash and gap of a line.
+type Dash = Option<(f64, f64)>;
+
+/// The rule of Gauss with a time scale: a darker shade of its hue.
+const IN_TIME_SCALE: Color = (126, 52, 94);
+
+/// The lines of paths with a tolerance, and of other programs.
+const TOLERANCE: Dash = Some((9.0, 4.0));
+const PEER: Dash = Some((1.5, 3.0));
 
 const LOOKS: [Look; 8] = [
-    (
-        "fixed",
-        "sve, equal steps",
-        palette::PURPLE,
-        Shape::Plus,
-        false,
-    ),
+    ("fixed", "sve, equal steps", hues::GAUSS, Shape::Plus, None),
     (
         "compensated",
         "sve, equal steps, compensated",
-        palette::PURPLE,
+        hues::GAUSS,
         Shape::Circle,
-        false,
+        None,
     ),
     (
         "tolerance",
         "sve, tolerance",
-        palette::BLUE,
+        hues::GAUSS,
         Shape::Disc,
-        false,
+        TOLERANCE,
     ),
     (
         "time_scale",
         "sve, time scale",
-        palette::GREEN,
+        IN_TIME_SCALE,
         Shape::Square,
-        false,
+        None,
     ),
     (
         "time_scale_tolerance",
         "sve, time scale and tolerance",
-        palette::VERMILION,
+        IN_TIME_SCALE,
         Shape::Triangle,
-        false,
+        TOLERANCE,
     ),
-    (
-        "heyoka: Taylor",
-        "heyoka",
-        palette::ORANGE,
-        Shape::Disc,
-        true,
-    ),
+    ("heyoka: Taylor", "heyoka", hues::HEYOKA, Shape::Disc, PEER),
     (
         "heyoka: Taylor, compensated",
         "heyoka, high accuracy",
-        palette::ORANGE,
+        hues::HEYOKA,
         Shape::Circle,
-        true,
+        PEER,
     ),
-    ("rebound: IAS15", "IAS15", palette::GREY, Shape::Cross, true),
+    ("rebound: IAS15", "IAS15", palette::GREY, Shape::Cross, PEER),
 ];
 
 /// Writes a picture of each problem whose records are among these.
@@ -106,13 +107,13 @@ pub(crate) fn write(records: &[Record], out: &Path) -> Result<(), Box<dyn Error>
     Ok(())
 }
 
-/// Returns the curves of the methods, with their looks. Of equal steps with and without compensated
-/// sums, which take almost the same time, the more exact ones are shown.
+/// Returns the times and errors of the methods, with their looks. Equal steps with and without
+/// compensated sums take almost the same time, so the more exact ones are shown.
 fn curves(all: &[Series]) -> Vec<(Look, Vec<(f64, f64)>)> {
     let is_compensated = all.iter().any(|series| series.name == "compensated");
     let curve = |look: &Look| {
         let series = all.iter().find(|series| series.name == look.0)?;
-        let points = confirmed(&exponents(&series.points(time, strong)));
+        let points = confirmed(&series.points(time, strong));
         let is_shown = points.len() > 1 && !(look.0 == "fixed" && is_compensated);
         is_shown.then_some((*look, points))
     };
@@ -130,29 +131,35 @@ fn confirmed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 fn figure(name: &'static str, title: &str, all: &[Series]) -> Figure {
-    let curves = curves(all).into_iter();
-    let curves = curves.map(|((_, name, color, shape, is_peer), points)| Named {
-        name: name.into(),
-        pen: pen(color, shape, is_peer),
-        points,
+    let curves = curves(all);
+    let own = curves.iter().filter(|(look, _)| look.4 != PEER);
+    let own = own.map(|(look, points)| Curve {
+        name: look.0.into(),
+        points: points.clone(),
     });
+    let winners = winners(&own.collect::<Vec<_>>(), LARGEST);
+    let named = |((_, name, color, shape, dash), points): &(Look, Vec<_>)| Named {
+        name: (*name).into(),
+        pen: pen(*color, *shape, *dash),
+        points: exponents(points),
+    };
     Picture {
         name,
         title: format!("Which error in which time? {title}"),
         x: "processor time of a path (s)",
         y: "error of the coordinates at the end",
-        band: Vec::new(),
-        curves: curves.collect(),
+        band: fastest(&winners),
+        curves: curves.iter().map(named).collect(),
     }
     .draw()
 }
 
-fn pen(color: Color, shape: Shape, is_peer: bool) -> Pen {
+fn pen(color: Color, shape: Shape, dash: Dash) -> Pen {
     Pen {
         color,
         line: Some(Stroke {
-            width: if is_peer { 1.6 } else { 2.2 },
-            dash: is_peer.then_some((1.5, 3.0)),
+            width: if dash == PEER { 1.6 } else { 2.2 },
+            dash,
         }),
         symbol: Some(Symbols {
             shape,

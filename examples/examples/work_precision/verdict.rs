@@ -5,6 +5,8 @@
 //! logarithms; beyond its points nothing is claimed. An error counts as reached if the next finer
 //! step reaches it too.
 
+use sve_runtime::plot::page::number;
+
 /// A method's measured points, times in seconds.
 pub(crate) struct Curve {
     pub(crate) name: String,
@@ -119,9 +121,5 @@ pub(crate) fn duration(seconds: f64) -> String {
 
 /// Returns an error to one digit.
 pub(crate) fn rounded(error: f64) -> String {
-    if error >= 0.095 {
-        format!("{error:.1}")
-    } else {
-        format!("{error:.0e}")
-    }
+    number(error, 1)
 }
