@@ -95,11 +95,14 @@ impl<S: WithInputs, R: Copy> DrivenPaths<S, R> for Integrator<S, R> {
     }
 }
 
+/// A method whose inputs come from a function.
+type ByFunction<'a, S, R, F> = Driven<'a, S, R, RefCell<Once<F, <S as WithInputs>::Numbers>>>;
+
 /// Returns the method of an integrator whose inputs come from a function.
 fn driven<'a, S, R, F>(
     integrator: &'a Integrator<S, R>,
     inputs: F,
-) -> Shared<'a, Driven<'a, S, R, RefCell<Once<F, S::Numbers>>>>
+) -> Shared<'a, ByFunction<'a, S, R, F>>
 where
     S: WithInputs,
     R: Copy + Rule<S::Held<'a>>,
