@@ -15,6 +15,8 @@ const AXES: [f64; 2] = [680.0, 385.0];
 /// Mean width of a character, and half the height of a name with room around it, in CSS pixels.
 const CHARACTER: f64 = 6.8;
 const HALF: f64 = 8.0;
+/// Least distance of the middles of two names, in CSS pixels.
+const LINE: f64 = 12.5;
 /// Length of the leader of a name that nothing is in the way of, and the gap before the name.
 const LEADER: f64 = 14.0;
 const GAP: f64 = 4.0;
@@ -137,9 +139,13 @@ fn places(curves: &[Named], pixels: &Pixels<'_>) -> Vec<[(f64, f64); 2]> {
         let length = room(&curve.name) - LEADER;
         let is_free = |&(u, v): &(f64, f64)| {
             let is_inside = u + length < AXES[0] && HALF < v && v < AXES[1] - 2.0 * HALF;
-            let is_hit =
-                |&(a, b): &(f64, f64)| (u - GAP..u + length).contains(&a) && (b - v).abs() < HALF;
-            is_inside && !lines.iter().chain(&names).any(is_hit)
+            let is_near = |points: &[(f64, f64)], distance: f64| {
+                let columns = u - GAP..u + length;
+                let is_hit =
+                    |&(a, b): &(f64, f64)| columns.contains(&a) && (b - v).abs() < distance;
+                points.iter().any(is_hit)
+            };
+            is_inside && !is_near(&lines, HALF) && !is_near(&names, LINE)
         };
         // A leader crosses no name, unless there is no other way to a free place.
         let is_near = |(a, b): (f64, f64)| {
