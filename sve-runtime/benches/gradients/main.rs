@@ -3,10 +3,12 @@
 //!
 //! Prints nanoseconds a trajectory-step of a plain ensemble, and the times of the same ensemble
 //! with gradients by one, two and four quantities as multiples of it: with tangent vectors in
-//! lanes, and with tangent vectors of one state after the other. All are medians of runs that
-//! alternate between the sides.
+//! lanes, and with tangent vectors of one state after the other. Then the times of gradients along
+//! single paths, as multiples of the steps. All are medians of runs that alternate between the
+//! sides.
 
 mod alone;
+mod along;
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -193,4 +195,5 @@ fn main() {
         start,
         ["g", "sigma"]
     );
+    along::run(filter);
 }

@@ -1,8 +1,6 @@
 //! The linearised step of a Gauss rule, for tangent maps and sensitivities (`docs/mathematics.md`,
 //! section 8).
 
-use nalgebra::DMatrix;
-
 use super::jacobian::{displacement, jacobian, moves_position, velocity};
 use super::step::{Stage, Step};
 use super::tableau::Tableau;
@@ -52,40 +50,23 @@ where
     ) -> T {
         let unknowns = self.unknowns(x);
         let stages = self.stages(&unknowns);
-        let mut by_unknowns = [[0.0; K]; K];
-        jacobian(&self.weights, &stages, &mut by_unknowns);
         let inputs = 2 * N + Sys::PARAMETERS.len();
-        let mut all = Matrices {
-            residual_by_unknowns: DMatrix::from_fn(K, K, |i, j| by_unknowns[i][j]),
-            residual_by_inputs: DMatrix::zeros(K, inputs),
-            output_by_unknowns: DMatrix::zeros(2 * N, K),
-            output_by_inputs: DMatrix::zeros(2 * N, inputs),
-        };
+        let mut all = Matrices::<N, K>::zeros(inputs);
+        jacobian(&self.weights, &stages, &mut all.residual_by_unknowns);
         for j in 0..S {
-            self.outputs::<K>(j, &stages, &mut all);
-            Self::start::<K>(j, &stages, &mut all);
+            self.outputs(j, &stages, &mut all);
+            Self::start(j, &stages, &mut all);
             let mut q = self.state.q;
             for n in 0..N {
                 q[n] += unknowns.moves[j][n];
             }
-            self.parameters::<K>(j, &q, &unknowns.velocities[j], &stages[j], &mut all);
+            self.parameters(j, &q, &unknowns.velocities[j], &stages[j], &mut all);
         }
-        let matrices = [
-            all.residual_by_unknowns,
-            all.residual_by_inputs,
-            all.output_by_unknowns,
-            all.output_by_inputs,
-        ];
-        let places = matrices.each_ref().map(places);
-        let entries = core::array::from_fn(|i| Entries {
-            places: &places[i],
-            values: matrices[i].as_slice(),
-        });
-        then(Linearisation::new([K, 2 * N, inputs], entries))
+        then(Linearisation::new([K, 2 * N, inputs], all.entries()))
     }
 
     /// Adds the derivatives of the results `Σ Y_j` and `Σ F_j` by the unknowns of stage `k`.
-    fn outputs<const K: usize>(&self, k: usize, stages: &[Stage<N>; S], all: &mut Matrices) {
+    fn outputs<const K: usize>(&self, k: usize, stages: &[Stage<N>; S], all: &mut Matrices<N, K>) {
         let ratio = const { &Tableau::<S>::VALUES.ratio };
         for m in 0..N {
             for n in 0..N {
@@ -96,24 +77,24 @@ where
                 let by_velocity = stages[k].impulse.by_velocity[m][n];
                 let velocity = velocity::<S>(k, n);
                 if moves_position::<S, N, K>() {
-                    all.output_by_unknowns[(N + m, velocity)] = by_velocity;
-                    all.output_by_unknowns[(N + m, displacement::<S, N>(k, n))] = through;
+                    all.output_by_unknowns[1][m][velocity] = by_velocity;
+                    all.output_by_unknowns[1][m][displacement::<S, N>(k, n)] = through;
                 } else {
-                    all.output_by_unknowns[(N + m, velocity)] =
+                    all.output_by_unknowns[1][m][velocity] =
                         by_velocity + self.weights[k] * through;
                 }
             }
             if moves_position::<S, N, K>() {
-                all.output_by_unknowns[(m, displacement::<S, N>(k, m))] = 1.0;
+                all.output_by_unknowns[0][m][displacement::<S, N>(k, m)] = 1.0;
             } else {
-                all.output_by_unknowns[(m, velocity::<S>(k, m))] = self.weights[k];
+                all.output_by_unknowns[0][m][velocity::<S>(k, m)] = self.weights[k];
             }
         }
     }
 
     /// Adds the derivatives of the equations of stage `i` and of the results by the state at the
     /// start.
-    fn start<const K: usize>(i: usize, stages: &[Stage<N>; S], all: &mut Matrices) {
+    fn start<const K: usize>(i: usize, stages: &[Stage<N>; S], all: &mut Matrices<N, K>) {
         let ratio = const { &Tableau::<S>::VALUES.ratio };
         for m in 0..N {
             for n in 0..N {
@@ -122,14 +103,14 @@ where
                     impulses += ratio[j][i] * stages[j].impulse.by_position[m][n];
                 }
                 let row = velocity::<S>(i, m);
-                all.residual_by_inputs[(row, n)] = stages[i].lagrangian.dqv[n][m] - impulses;
+                *all.residual_by_input(row, n) = stages[i].lagrangian.dqv[n][m] - impulses;
                 if moves_position::<S, N, K>() {
                     let row = displacement::<S, N>(i, m);
-                    all.residual_by_inputs[(row, n)] = -stages[i].shift.by_position[m][n];
+                    *all.residual_by_input(row, n) = -stages[i].shift.by_position[m][n];
                 }
-                all.output_by_inputs[(N + m, n)] += stages[i].impulse.by_position[m][n];
+                *all.output_by_input(N + m, n) += stages[i].impulse.by_position[m][n];
             }
-            all.residual_by_inputs[(velocity::<S>(i, m), N + m)] = -1.0;
+            *all.residual_by_input(velocity::<S>(i, m), N + m) = -1.0;
         }
     }
 
@@ -140,7 +121,7 @@ where
         q: &[f64; N],
         v: &[f64; N],
         stage: &Stage<N>,
-        all: &mut Matrices,
+        all: &mut Matrices<N, K>,
     ) {
         if Sys::PARAMETERS.is_empty() {
             return;
@@ -164,13 +145,13 @@ where
                     }
                 }
                 for i in 0..S {
-                    all.residual_by_inputs[(velocity::<S>(i, m), column)] -= ratio[j][i] * impulse;
+                    *all.residual_by_input(velocity::<S>(i, m), column) -= ratio[j][i] * impulse;
                 }
-                all.residual_by_inputs[(velocity::<S>(j, m), column)] += jet.dv[m];
+                *all.residual_by_input(velocity::<S>(j, m), column) += jet.dv[m];
                 if moves_position::<S, N, K>() {
-                    all.residual_by_inputs[(displacement::<S, N>(j, m), column)] = -shift;
+                    *all.residual_by_input(displacement::<S, N>(j, m), column) = -shift;
                 }
-                all.output_by_inputs[(N + m, column)] += impulse;
+                *all.output_by_input(N + m, column) += impulse;
             }
             column += 1;
         };
@@ -178,17 +159,43 @@ where
     }
 }
 
-/// Returns row and column of each entry of a matrix, in the order of storage.
-fn places(matrix: &DMatrix<f64>) -> Vec<(usize, usize)> {
-    let (rows, columns) = matrix.shape();
-    let columns = (0..columns).flat_map(|column| (0..rows).map(move |row| (row, column)));
-    columns.collect()
+/// ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.
+struct Matrices<const N: usize, const K: usize> {
+    residual_by_unknowns: [[f64; K]; K],
+    /// The rows of the results along q, then those along p.
+    output_by_unknowns: [[[f64; K]; N]; 2],
+    /// Number of inputs z.
+    inputs: usize,
+    /// The rows of the residuals by the inputs, then those of the results.
+    by_inputs: Vec<f64>,
 }
 
-/// ∂R/∂x, ∂R/∂z, ∂y/∂x, ∂y/∂z.
-struct Matrices {
-    residual_by_unknowns: DMatrix<f64>,
-    residual_by_inputs: DMatrix<f64>,
-    output_by_unknowns: DMatrix<f64>,
-    output_by_inputs: DMatrix<f64>,
+impl<const N: usize, const K: usize> Matrices<N, K> {
+    fn zeros(inputs: usize) -> Self {
+        Self {
+            residual_by_unknowns: [[0.0; K]; K],
+            output_by_unknowns: [[[0.0; K]; N]; 2],
+            inputs,
+            by_inputs: vec![0.0; (K + 2 * N) * inputs],
+        }
+    }
+
+    fn residual_by_input(&mut self, row: usize, input: usize) -> &mut f64 {
+        &mut self.by_inputs[row * self.inputs + input]
+    }
+
+    fn output_by_input(&mut self, row: usize, input: usize) -> &mut f64 {
+        self.residual_by_input(K + row, input)
+    }
+
+    fn entries(&self) -> [Entries<'_>; 4] {
+        let rows = |columns, values| Entries::Rows { columns, values };
+        let (residuals, outputs) = self.by_inputs.split_at(K * self.inputs);
+        [
+            rows(K, self.residual_by_unknowns.as_flattened()),
+            rows(self.inputs, residuals),
+            rows(K, self.output_by_unknowns.as_flattened().as_flattened()),
+            rows(self.inputs, outputs),
+        ]
+    }
 }

@@ -30,35 +30,55 @@ impl<const N: usize> Field<[f64; N]> {
     };
 }
 
-/// The non-zero entries of a matrix.
+/// The entries of a matrix.
 #[derive(Clone, Copy, Debug)]
-pub struct Entries<'a> {
-    /// Row and column of each entry.
-    pub places: &'a [(usize, usize)],
-    /// Value of each entry.
-    pub values: &'a [f64],
+pub enum Entries<'a> {
+    /// Those that are not zero.
+    Listed {
+        /// Row and column of each entry.
+        places: &'a [(usize, usize)],
+        /// Value of each entry.
+        values: &'a [f64],
+    },
+    /// All, row by row.
+    Rows {
+        /// Number of columns.
+        columns: usize,
+        /// Value of each entry.
+        values: &'a [f64],
+    },
 }
 
 impl Entries<'_> {
     /// A matrix without entries.
-    const NONE: Self = Entries {
+    const NONE: Self = Entries::Listed {
         places: &[],
         values: &[],
     };
 
     fn dense(&self, rows: usize, columns: usize) -> DMatrix<f64> {
         let mut dense = DMatrix::zeros(rows, columns);
-        for (row, column, value) in self.iter() {
-            dense[(row, column)] = value;
-        }
+        self.each(|row, column, value| dense[(row, column)] = value);
         dense
     }
 
-    /// Returns row, column and value of each entry.
+    /// Visits row, column and value of each entry.
     #[inline(always)]
-    fn iter(&self) -> impl Iterator<Item = (usize, usize, f64)> {
-        let all = self.places.iter().zip(self.values);
-        all.map(|(&(row, column), &value)| (row, column, value))
+    fn each(&self, mut visit: impl FnMut(usize, usize, f64)) {
+        match *self {
+            Self::Listed { places, values } => {
+                for (&(row, column), &value) in places.iter().zip(values) {
+                    visit(row, column, value);
+                }
+            }
+            Self::Rows { columns, values } => {
+                for (row, values) in values.chunks_exact(columns).enumerate() {
+                    for (column, &value) in values.iter().enumerate() {
+                        visit(row, column, value);
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -168,11 +188,11 @@ impl<'a> Linearisation<'a> {
         }
         let coordinates = outputs / 2;
         let intermediates = self.intermediate_by_inputs.dense(coordinates, inputs);
-        for (row, intermediate, value) in self.output_by_intermediates.iter() {
+        self.output_by_intermediates.each(|row, w, value| {
             for column in 0..inputs {
-                all[(row, column)] += value * intermediates[(intermediate, column)];
+                all[(row, column)] += value * intermediates[(w, column)];
             }
-        }
+        });
         // The terms are added one by one: a product of matrices may contract operations, with other
         // bits on other machines.
         for column in 0..all.ncols() {
@@ -241,26 +261,26 @@ impl<const K: usize> Unknowns for [f64; K] {
                 None => *entry(&mut { before }, column),
             };
             let mut rhs = [0.0; K];
-            for (row, column, value) in linear.residual_by_inputs.iter() {
+            linear.residual_by_inputs.each(|row, column, value| {
                 rhs[row] += value * input(column);
-            }
+            });
             let moves = factors.solve(&rhs);
             if !increments {
                 *field = Field::ZERO;
             }
-            for (row, column, value) in linear.output_by_inputs.iter() {
+            linear.output_by_inputs.each(|row, column, value| {
                 *entry(field, row) += value * input(column);
-            }
-            for (row, unknown, value) in linear.output_by_unknowns.iter() {
+            });
+            linear.output_by_unknowns.each(|row, unknown, value| {
                 *entry(field, row) -= value * moves[unknown];
-            }
+            });
             let mut intermediates = [0.0; N];
-            for (row, column, value) in linear.intermediate_by_inputs.iter() {
+            linear.intermediate_by_inputs.each(|row, column, value| {
                 intermediates[row] += value * input(column);
-            }
-            for (row, intermediate, value) in linear.output_by_intermediates.iter() {
-                *entry(field, row) += value * intermediates[intermediate];
-            }
+            });
+            linear.output_by_intermediates.each(|row, w, value| {
+                *entry(field, row) += value * intermediates[w];
+            });
             finite(field)?;
         }
         Ok(())
@@ -276,9 +296,9 @@ impl<const K: usize> Unknowns for [f64; K] {
         let Covector { state, parameters } = covector;
         let mut after = *state;
         let mut rhs = [0.0; K];
-        for (row, unknown, value) in linear.output_by_unknowns.iter() {
+        linear.output_by_unknowns.each(|row, unknown, value| {
             rhs[unknown] += value * *entry(&mut after, row);
-        }
+        });
         let multipliers = factors.solve(&rhs);
         if !increments {
             *state = Field::ZERO;
@@ -287,19 +307,19 @@ impl<const K: usize> Unknowns for [f64; K] {
             Some(parameter) => parameters[parameter] += term,
             None => *entry(state, column) += term,
         };
-        for (row, column, value) in linear.output_by_inputs.iter() {
+        linear.output_by_inputs.each(|row, column, value| {
             add(column, value * *entry(&mut after, row));
-        }
-        for (row, column, value) in linear.residual_by_inputs.iter() {
+        });
+        linear.residual_by_inputs.each(|row, column, value| {
             add(column, -value * multipliers[row]);
-        }
+        });
         let mut intermediates = [0.0; N];
-        for (row, intermediate, value) in linear.output_by_intermediates.iter() {
-            intermediates[intermediate] += value * *entry(&mut after, row);
-        }
-        for (row, column, value) in linear.intermediate_by_inputs.iter() {
+        linear.output_by_intermediates.each(|row, w, value| {
+            intermediates[w] += value * *entry(&mut after, row);
+        });
+        linear.intermediate_by_inputs.each(|row, column, value| {
             add(column, value * intermediates[row]);
-        }
+        });
         finite(state)?;
         if parameters.iter().all(|x| x.is_finite()) {
             Ok(())
@@ -316,13 +336,13 @@ fn factors<const K: usize>(
     transposed: bool,
 ) -> Result<Factors<K>, SolveError> {
     let mut dense = [[0.0; K]; K];
-    for (row, column, value) in matrix.iter() {
+    matrix.each(|row, column, value| {
         if transposed {
             dense[column][row] = value;
         } else {
             dense[row][column] = value;
         }
-    }
+    });
     factored(&dense).ok_or(SolveError::Singular { iteration: 0 })
 }
 

@@ -48,7 +48,7 @@ pub(super) fn linearise(
             let [row, column] = [row, column].map(Literal::usize_unsuffixed);
             quote!((#row, #column))
         });
-        quote!(#private::Entries { places: &[#(#places),*], values: &#values })
+        quote!(#private::Entries::Listed { places: &[#(#places),*], values: &#values })
     });
     let matrices: Vec<TokenStream> = matrices.collect();
     let (matrices, through) = matrices.split_at(4);
