@@ -59,12 +59,12 @@ const IN_PICTURE: [&str; 16] = [
     "diffrax: SPaRK",
     "diffrax: ShARK",
     "Runge–Kutta 4",
+    "numba: Heun",
+    "numba: midpoint",
     "numba: symplectic Euler",
     "Heun",
     "Euler–Maruyama",
     "Gauss 2",
-    "numba: midpoint",
-    "numba: Heun",
 ];
 
 /// Number of curves whose names have room beside them.

@@ -168,7 +168,7 @@ fn in_words(mantissa: i128, exponent: i32) -> String {
 pub(super) fn series(mantissas: &[i128], exponent: i32) -> Vec<String> {
     let largest = mantissas.iter().map(|m| m.abs()).max().unwrap_or(0);
     let first = leading(largest, exponent);
-    let is_plain = largest == 0 || (first <= *PLAIN.end() && exponent >= LAST_PLAIN);
+    let is_plain = largest == 0 || (PLAIN.contains(&first) && exponent >= LAST_PLAIN);
     let write = |&mantissa: &i128| match mantissa {
         _ if is_plain => plain(mantissa, exponent),
         0 => "0".to_owned(),
@@ -350,6 +350,6 @@ mod tests {
         assert_eq!(series(&[-5, 0, 5], -1), ["−0.5", "0", "0.5"]);
         assert_eq!(series(&[5, 10, 15], -7), ["0.5·10⁻⁶", "1·10⁻⁶", "1.5·10⁻⁶"]);
         assert_eq!(series(&[5, 10, 15], 10), ["0.5·10¹¹", "1·10¹¹", "1.5·10¹¹"]);
-        assert_eq!(series(&[0, 1], -5), ["0", "0.00001"]);
+        assert_eq!(series(&[0, 1], -5), ["0", "1·10⁻⁵"]);
     }
 }
