@@ -419,7 +419,7 @@ def case(row: str, method: str, pattern: str) -> Extract:
 
 
 WALK = r"within ([\d.]+) ε√n/2"
-LAST = r"first tenth, ([\d.e-]+) in the last"
+LAST = r"first tenth, (\S+) in the last"
 
 
 def long_rows() -> list[Number]:
@@ -599,13 +599,13 @@ COMMANDS = [
     ]),
     Command("structure", "cargo run --release --example structure", 15, structure()),
     Command("work-precision", WORK, 600, [
-        Number("wp.kubo.low", "Kubo: midpoint is the fastest for strong errors down to", fastest("kubo", "an error at the end", "midpoint", 2)),
+        Number("wp.kubo.low", "Kubo: of the rules and baselines of this project, midpoint is the fastest for strong errors down to", fastest("kubo", "an error at the end", "midpoint", 2)),
         Number("wp.kubo.midpoint", "Kubo: midpoint's time to an error of 2e-3", time_to("kubo", "midpoint", 2e-3)),
         Number("wp.kubo.heun", "Kubo: Heun's time to an error of 2e-3", time_to("kubo", "Heun", 2e-3)),
         Number("wp.kubo.circle", "Kubo, midpoint: largest change of q² + p², all step sizes", reduced("kubo", "midpoint", "energy_error", max)),
         Number("wp.kubo.endpoint", "Kubo, endpoint without the correction: error with the finest step", reduced("kubo", "endpoint, uncorrected", "error", lambda x: x[-1], 2)),
         Number("wp.kubo.initial", "Kubo, initial point without the correction: likewise", reduced("kubo", "initial point, uncorrected", "error", lambda x: x[-1], 2)),
-        Number("wp.oscillator.low", "linear oscillator: midpoint is the fastest down to", fastest("linear_oscillator", "an error at the end", "midpoint", 2)),
+        Number("wp.oscillator.low", "linear oscillator: of the rules and baselines of this project with one increment a step, midpoint is the fastest down to", fastest("linear_oscillator", "an error at the end", "midpoint", 2)),
         *contests(),
         Number("peers.steps.least", "midpoint steps over those by hand in numba, problems but Kubo: the least ratio", partial(numba_range, min)),
         Number("peers.steps.most", "the same: the largest ratio", partial(numba_range, max)),

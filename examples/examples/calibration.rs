@@ -395,5 +395,5 @@ fn iterates(fit: &Fit) -> Panel {
     .with(Layer::new("1 and 2 standard errors", ellipse(1.0), line))
     .with(Layer::new("", ellipse(2.0), line).unlisted())
     .with(Layer::new("Gauss–Newton", path, walk))
-    .with(Layer::new("true values", vec![TRUTH.into()], cross))
+    .with(Layer::new("values of the data", vec![TRUTH.into()], cross))
 }

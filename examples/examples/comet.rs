@@ -103,7 +103,7 @@ fn places(h: f64) -> Result<Vec<(f64, f64)>, StepError> {
 }
 
 fn figure(path: &Path) -> Result<Figure, StepError> {
-    let (steps, orbit) = (places(H)?, places(0.1 * H)?);
+    let (steps, orbit) = (places(H)?, places(0.01 * H)?);
     let plane = Panel::new(
         format!("A period in {:.1} steps", path.steps_a_period()),
         Axis::new("x", -2.05..0.1),

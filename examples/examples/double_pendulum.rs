@@ -111,12 +111,12 @@ fn figure(pendulum: DoublePendulum, h: f64, steps: usize) -> Result<Figure, Step
     .with(Layer::new(
         "with noise",
         noisy?,
-        Pen::line(hues::MIDPOINT, 1.2),
+        Pen::dashed(hues::WITH_NOISE, 1.2, (7.0, 2.0)),
     ))
     .with(Layer::new(
         "without",
         quiet?,
-        Pen::line(palette::BLACK, 1.2),
+        Pen::line(hues::MIDPOINT, 1.2),
     ))
     .with(Layer::new("", vec![(0.0, 0.0)], Pen::dots(palette::BLACK, 3.0)).unlisted())
     .legend(Corner::TopLeft);
@@ -184,7 +184,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let what = "midpoint: largest energy error in the last fifth over that in the first";
     let why = "an error that does not grow along a chaotic motion: the largest of 10⁵ values";
     let checks = [Check::new(what, growth).near(1.0, 0.5, why)];
-    let caption = "Left: one path with noise and the motion without it, from the same start. Right: the energy error of the midpoint rule stays bounded, that of Heun’s method grows.";
+    let caption = "Left: one path with noise, seed 42, and the motion without it, from the same start. Right: the energy error of the midpoint rule stays bounded, that of Heun’s method grows.";
     report(
         "Double pendulum",
         &figure(pendulum, h, steps)?,

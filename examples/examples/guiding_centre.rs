@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
 use sve_examples::hues;
-use sve_examples::palette::{GREY, ORANGE};
+use sve_examples::palette::GREY;
 use sve_examples::report::{one_row, report};
 use sve_runtime::plan::DegenerateStep;
 use sve_runtime::prelude::*;
@@ -225,7 +225,7 @@ fn figure(
         .with(Layer::new(
             "orbit in a fluctuating potential",
             points(shaken?),
-            Pen::line(ORANGE, 0.6),
+            Pen::line(hues::WITH_NOISE, 0.6),
         ))
         .with(Layer::new(
             "orbit without noise",
@@ -233,9 +233,9 @@ fn figure(
             Pen::line(hues::MIDPOINT, 1.2),
         ));
     let right = Panel::new(
-        format!("Largest energy error in each hundredth of the time, h = {H}"),
+        format!("Largest energy error in each hundredth of the time, h\u{a0}=\u{a0}{H}"),
         Axis::new("steps", 0.0..STEPS as f64),
-        Axis::powers("|H − H₀|/H₀", -5.0..0.0),
+        Axis::powers("|H − H₀|/H₀", -3.6..-1.4),
     )
     .legend(Corner::Below)
     .with(Layer::new(

@@ -187,7 +187,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
             "4.5 standard errors for the largest of the bins",
         ),
     ];
-    let caption = "Time averages over the particles against the density of the canonical ensemble.";
+    let caption = "Midpoint rule, h = 0.05, seed 42. Time averages over the particles against the density of the canonical ensemble.";
     report(
         "Langevin dynamics",
         &figure(&histogram, curve(&system)),

@@ -14,7 +14,8 @@ use std::process::ExitCode;
 use sve_examples::check::Check;
 use sve_examples::envelope::range_of;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen};
-use sve_examples::palette::{BLACK, BLUE, ORANGE};
+use sve_examples::hues;
+use sve_examples::palette::{BLACK, BLUE};
 use sve_examples::report::{one_row, report};
 use sve_runtime::Variational;
 use sve_runtime::plan::DegenerateStep;
@@ -180,7 +181,7 @@ fn figure(
     left = left.with(Layer::new(
         "with noise",
         points(path?),
-        Pen::line(ORANGE, 1.0),
+        Pen::dashed(hues::WITH_NOISE, 1.0, (7.0, 2.0)),
     ));
     for (at, x) in [1.2, 1.5, 1.9, 2.4].into_iter().enumerate() {
         let start = State::from_configuration(written.system(), [x, 0.8 + 0.3 * (1.5 - x)])?;

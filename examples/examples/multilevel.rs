@@ -262,7 +262,8 @@ fn panel(name: &str, times: &Times, order: f64) -> Panel {
         let [.., (error, seconds)] = times else {
             return Vec::new();
         };
-        let (x, y) = (error.log10(), seconds[0].log10());
+        // beside the curve, which would hide it
+        let (x, y) = (error.log10(), seconds[0].log10() - 0.4);
         vec![(x, y), (x + 1.5, y + 1.5 * slope)]
     };
     let slope = -2.0 - 1.0 / order;

@@ -70,11 +70,10 @@ fn portrait(midpoint: &Integrator<Pendulum, Midpoint>) -> Result<Panel, StepErro
                 let turn = (state.q[0] / (2.0 * PI)).round();
                 let point = (state.q[0] - 2.0 * PI * turn, state.p[0]);
                 // No line is drawn across the picture where the angle wraps.
-                if points
-                    .last()
-                    .is_some_and(|&(q, _): &(f64, f64)| (point.0 - q).abs() > PI)
-                {
-                    points.push((f64::NAN, f64::NAN));
+                let last = points.last().copied();
+                if let Some((q, p)) = last.filter(|(q, _): &(f64, f64)| (point.0 - q).abs() > PI) {
+                    let end = PI.copysign(q);
+                    points.extend([(end, p), (f64::NAN, f64::NAN), (-end, point.1)]);
                 }
                 points.push(point);
             }

@@ -10,13 +10,12 @@
 //! and exits with status 1 if a number is off.
 
 use std::error::Error;
-use std::fs;
-use std::path::Path;
 use std::process::ExitCode;
 
-use sve_examples::check::{self, Check};
+use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::{palette, render};
+use sve_examples::report::report;
+use sve_examples::{hues, palette};
 use sve_runtime::prelude::*;
 
 /// A free rigid body with principal moments of inertia `i`.
@@ -166,7 +165,7 @@ fn sphere(
 
 fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
     let radius = quiet.momenta[0].norm();
-    let (blue, orange) = (palette::BLUE, palette::ORANGE);
+    let (without, with) = (hues::MIDPOINT, hues::WITH_NOISE);
     let time = |path: &Spin| -> Vec<(f64, f64)> {
         let points = path.momenta.iter().take(DRAWN).enumerate().step_by(4);
         points.map(|(k, pi)| (k as f64 * H, pi.y)).collect()
@@ -180,12 +179,12 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
     .with(Layer::new(
         "without noise",
         time(quiet),
-        Pen::line(blue, 1.3),
+        Pen::line(without, 1.3),
     ))
     .with(Layer::new(
         "with noise χ·Π",
         time(noisy),
-        Pen::dashed(orange, 1.6, (7.0, 3.0)),
+        Pen::dashed(with, 1.6, (7.0, 3.0)),
     ));
     Figure {
         name: "rigid_body",
@@ -199,14 +198,14 @@ fn figure(quiet: &Spin, noisy: &Spin, levels: &[Vec<Vector3<f64>>]) -> Figure {
                         radius,
                         levels,
                         &quiet.momenta[..DRAWN],
-                        blue,
+                        without,
                     ),
                     sphere(
                         "Rigid body with noise: Π on the sphere |Π| = const",
                         radius,
                         levels,
                         &noisy.momenta[..DRAWN],
-                        orange,
+                        with,
                     ),
                 ],
             },
@@ -270,24 +269,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         )
         .near(30.0, 28.0, "flips at random times"),
     ];
-    println!(
-        "{}",
-        check::table("rigid body, h = 0.01, 10⁵ steps", &checks)
-    );
-
     let levels = levels(quiet, start.p.norm())?;
+    let caption = "A body with the moments of inertia 1, 2, 3 by the midpoint rule, h = 0.01, that turns almost about its middle axis; 10⁵ steps were checked. Noise: H₁ = χ·Π with χ = (0.06, 0.02, 0.04), seed 11. Grey: intersections of energy ellipsoids with the sphere.";
     let figure = figure(&without, &with, &levels);
-    let folder = Path::new("target/rigid_body");
-    fs::create_dir_all(folder)?;
-    fs::write(folder.join("rigid_body.svg"), render::svg(&figure)?)?;
-    fs::write(folder.join("rigid_body.png"), render::png(&figure)?)?;
-    println!("picture: {}", folder.join("rigid_body.svg").display());
-    let is_off = checks.iter().any(Check::failed);
-    Ok(if is_off {
-        ExitCode::FAILURE
-    } else {
-        ExitCode::SUCCESS
-    })
+    report("Rigid body", &figure, caption, &checks)
 }
 
 /// Returns the curves in which energy ellipsoids cut the sphere, as paths of the body without

@@ -8,13 +8,12 @@
 
 use std::error::Error;
 use std::f64::consts::FRAC_PI_4;
-use std::path::Path;
 use std::process::ExitCode;
 
-use sve_examples::check::{self, Check};
+use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Layer, Panel, Pen, Row};
-use sve_examples::report::one_row;
-use sve_examples::{palette, render};
+use sve_examples::report::{one_row, report};
+use sve_examples::{hues, palette};
 use sve_runtime::prelude::*;
 
 /// A heavy particle on the unit sphere. Noise pulls along the vertical, so that the momentum about
@@ -280,7 +279,7 @@ fn swings([cartesian, angle]: [Vec<(f64, f64)>; 2]) -> [Panel; 2] {
         .iter()
         .fold(0.0, |most: f64, x| most.max(x.1.abs()));
     let time = || Axis::new("time t", 0.0..20.0);
-    let pen = Pen::line(palette::BLUE, 1.2);
+    let pen = Pen::line(hues::MIDPOINT, 1.2);
     let height = Axis::new("height", -1.1..1.1);
     let difference = Axis::new("difference of heights", -1.1 * largest..1.1 * largest);
     [
@@ -331,17 +330,16 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         .near(4.0, 0.1, "order 2, with both poles on the way"),
     );
     checks.extend(bath()?);
-    print!("{}", check::table("spherical pendulum", &checks));
 
     let mut figure = one_row(
         "spherical_pendulum",
         [1000, 500],
         vec![
-            sphere("Without noise", &quiet[..3000].to_vec(), palette::BLUE),
+            sphere("Without noise", &quiet[..3000].to_vec(), hues::MIDPOINT),
             sphere(
                 "With noise along the vertical",
                 &noisy[..3000].to_vec(),
-                palette::VERMILION,
+                hues::WITH_NOISE,
             ),
         ],
     );
@@ -349,11 +347,6 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         height: 320,
         panels: swings(swing).into(),
     });
-    let folder = Path::new("target").join(figure.name);
-    std::fs::create_dir_all(&folder)?;
-    std::fs::write(folder.join("spherical_pendulum.svg"), render::svg(&figure)?)?;
-    std::fs::write(folder.join("spherical_pendulum.png"), render::png(&figure)?)?;
-    println!("picture: {}", folder.display());
-    let is_off = checks.iter().any(Check::failed);
-    Ok(ExitCode::from(u8::from(is_off)))
+    let caption = "Midpoint rule, h = 0.02, g = 1. Above: 3,000 steps from one start, without noise and with σ = 0.3, seed 2; pale: the far side. Below: a swing through the upper pole, and its difference from a pendulum in an angle.";
+    report("Spherical pendulum", &figure, caption, &checks)
 }

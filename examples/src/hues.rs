@@ -24,3 +24,5 @@ pub const TAYLOR: Color = (122, 78, 45);
 pub const HEYOKA: Color = palette::ORANGE;
 /// The exact solution.
 pub const EXACT: Color = palette::BLACK;
+/// A path with noise beside the path of the same method without.
+pub const WITH_NOISE: Color = (80, 50, 145);

@@ -1,9 +1,7 @@
 //! Figures as SVG and PNG, drawn if no two of their series differ by their hue alone.
 
-use std::fmt::Write as _;
-
 use sve_runtime::plot::figure::{Figure, Row};
-use sve_runtime::plot::{PlotError, render};
+use sve_runtime::plot::{PlotError, page, render};
 
 /// Returns the figure as an SVG document that can also stand inside an HTML page.
 ///
@@ -13,10 +11,6 @@ pub fn svg(figure: &Figure) -> Result<String, PlotError> {
     figure.check_series()?;
     render::svg(figure)
 }
-
-/// Least width of a panel on a page, as a fraction of its width in the figure: texts of a panel that
-/// is smaller are too small to be read. On a narrower page the panel scrolls.
-const LEAST: f64 = 0.75;
 
 /// Returns the panels of a figure as SVG documents in markup, a row beside one another if the page is
 /// wide enough, so that texts keep their size on a narrow page.
@@ -38,14 +32,7 @@ pub fn panels(figure: &Figure) -> Result<String, PlotError> {
                     panels,
                 }],
             };
-            let least = LEAST * f64::from(single.width);
-            let sized = format!("<svg style=\"min-width: {least:.0}px\" ");
-            let svg = svg(&single)?.replacen("<svg ", &sized, 1);
-            // Writing into a String cannot fail.
-            let _ = writeln!(
-                text,
-                "<div class=\"wide\" style=\"max-width: 100%\">{svg}</div>"
-            );
+            text += &page::picture(&svg(&single)?, single.width);
         }
         text.push_str("</div>\n");
     }

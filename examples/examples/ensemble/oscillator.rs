@@ -111,9 +111,10 @@ pub(crate) fn report(options: &Options) -> Result<Report, Box<dyn Error>> {
         caption: format!(
             "σ = 1, start (1, 0), h = {H}, {} paths, the same for all methods. Symbols: means over the paths; lines: expectation of each \
              method by its moment recursion. The means of the other symplectic rules are not distinguishable from that of the midpoint rule \
-             on the left; the right panel shows their differences, in which the scatter of the paths cancels. Middle: all times have the same \
+             on the left; the methods of Euler–Maruyama were run to t = {}. The right panel shows their differences, in which the scatter of the paths cancels. Middle: all times have the same \
              paths, so that differences at neighbouring times are alike.",
-            options.paths
+            options.paths,
+            SHORT as f64 * H
         ),
         checks: curves
             .iter()

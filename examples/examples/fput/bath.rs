@@ -317,15 +317,25 @@ impl Heats {
             )
             .with(line(vec![1.0; MASSES]))
             .with(line(of_step.collect()))
-            .with(dots("ω²⟨Q²⟩", &linear.part(0), BLUE, Shape::Disc))
-            .with(dots("⟨P²⟩", &linear.part(1), ORANGE, Shape::Square)),
+            .with(dots("ω²⟨Q²⟩", (&linear.part(0), 0.0), BLUE, Shape::Disc))
+            .with(dots("⟨P²⟩", (&linear.part(1), 0.0), ORANGE, Shape::Square)),
             panel(
                 &format!("Springs with α and β in a bath, h = {}", SHORT.0),
                 Axis::new("mean / exact − 1", -0.03..0.03),
             )
             .with(line(vec![0.0; MASSES]))
-            .with(dots("ω²⟨Q²⟩", &errors(0, self.exact), BLUE, Shape::Disc))
-            .with(dots("⟨Q ∂V/∂Q⟩", &errors(2, 1.0), PURPLE, Shape::Diamond)),
+            .with(dots(
+                "ω²⟨Q²⟩",
+                (&errors(0, self.exact), -0.15),
+                BLUE,
+                Shape::Disc,
+            ))
+            .with(dots(
+                "⟨Q ∂V/∂Q⟩",
+                (&errors(2, 1.0), 0.15),
+                PURPLE,
+                Shape::Diamond,
+            )),
         ]
     }
 }
@@ -345,7 +355,8 @@ fn line(parts: Vec<f64>) -> Layer {
 }
 
 /// Returns means as symbols with bars of two standard errors to each side.
-fn dots(name: &str, parts: &[(f64, f64)], color: Color, shape: Shape) -> Layer {
+/// Returns means with their bars, moved to the right of their modes.
+fn dots(name: &str, (parts, moved): (&[(f64, f64)], f64), color: Color, shape: Shape) -> Layer {
     let pen = Pen {
         line: None,
         ..Pen::line(color, 1.2).symbols(shape, MASSES)
@@ -353,6 +364,7 @@ fn dots(name: &str, parts: &[(f64, f64)], color: Color, shape: Shape) -> Layer {
     let ends = parts
         .iter()
         .map(|(mean, error)| (mean - 2.0 * error, mean + 2.0 * error));
-    let means = parts.iter().map(|part| part.0).collect();
-    Layer::new(name, numbered(means), pen).bars(ends.collect())
+    let means = numbered(parts.iter().map(|part| part.0).collect());
+    let points = means.into_iter().map(|(mode, mean)| (mode + moved, mean));
+    Layer::new(name, points.collect(), pen).bars(ends.collect())
 }

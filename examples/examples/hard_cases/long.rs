@@ -164,7 +164,9 @@ fn judge(found: Result<Found, StepError>, bound: f64, what: &str) -> (Verdict, S
             (
                 verdict,
                 format!(
-                    "{what} within {first:.2e} in the first tenth, {last:.2e} in the last; its block means within {mean:.3} ε√n/2, the last {}",
+                    "{what} within {} in the first tenth, {} in the last; its block means within {mean:.3} ε√n/2, the last {}",
+                    number(first, 3),
+                    number(last, 3),
                     number(end, 3)
                 ),
             )

@@ -220,7 +220,7 @@ pub(super) fn rows(table: &mut Table) {
     let found = holds(circle(), |worst| {
         (
             worst < 1e-11,
-            format!("radius within {worst:.1e} over 100,000 steps"),
+            format!("radius within {} over 100,000 steps", number(worst, 2)),
         )
     });
     table.add(row, Verdict::Holds, found);

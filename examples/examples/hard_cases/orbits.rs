@@ -112,7 +112,10 @@ fn judge(changes: &Result<Halves, StepError>, bound: f64, what: &str) -> (Verdic
             (
                 verdict,
                 format!(
-                    "{what} within {largest:.1e} (first half {first:.1e}, second half {second:.1e})"
+                    "{what} within {} (first half {}, second half {})",
+                    number(largest, 2),
+                    number(*first, 2),
+                    number(*second, 2)
                 ),
             )
         }
@@ -142,8 +145,11 @@ fn angular(state: &State<[f64; 2]>) -> f64 {
 }
 
 pub(super) fn rows(table: &mut Table) {
+    table.begin("Kepler");
     kepler(table);
+    table.begin("double pendulum and Hénon–Heiles");
     chaos(table);
+    table.begin("spherical pendulum");
     coordinates(table);
 }
 

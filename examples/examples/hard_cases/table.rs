@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::path::Path;
+use std::time::Duration;
 use std::{fmt, fs};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -56,6 +57,13 @@ impl Table {
         }
     }
 
+    /// Shows which case is computed now.
+    pub(super) fn begin(&self, case: &'static str) {
+        self.bar.enable_steady_tick(Duration::from_millis(200));
+        self.bar
+            .set_message(format!("{} rows; {case}", self.rows.len()));
+    }
+
     /// Adds a row: the case with its difficulty, the method, the expected verdict, and the outcome.
     pub(super) fn add(
         &mut self,
@@ -63,8 +71,6 @@ impl Table {
         expected: Verdict,
         (found, numbers): (Verdict, String),
     ) {
-        self.bar.set_message(format!("{case}, {method}"));
-        self.bar.inc(1);
         self.rows.push(Row {
             case,
             hard,

@@ -181,7 +181,7 @@ fn settled(
         c = product(&a, &c);
     }
     let independent = last.quadratic(&ENERGY).1 / variance;
-    Ok(Check::new("backward Euler–Maruyama: mean energy, second half", average).near(expected, standard_errors(independent) * variance.sqrt(), format!("moment recursion (it tends to 5); worth {independent:.0} independent values, false alarm 1e-4"))
+    Ok(Check::new("backward Euler–Maruyama: mean energy, second half", average).near(expected, standard_errors(independent) * variance.sqrt(), format!("moment recursion (it tends to 5); worth {independent:.0} independent values, false alarm 10⁻⁴"))
     .only_if(options.horizon >= 200.0, "not settled before t = 100"))
 }
 
@@ -211,7 +211,7 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
         .near(
             2.0,
             SURPRISE - 2.0,
-            "χ² with 2 degrees of freedom, exact covariance by recursion; false alarm 1e-4",
+            "χ² with 2 degrees of freedom, exact covariance by recursion; false alarm 10⁻⁴",
         ),
         Check::new(
             format!(
@@ -241,7 +241,7 @@ fn law(scheme: &Scheme<2>, solution: &Run) -> Check {
     .near(
         2.0,
         SURPRISE - 2.0,
-        "χ² with 2 degrees of freedom; false alarm 1e-4",
+        "χ² with 2 degrees of freedom; false alarm 10⁻⁴",
     )
 }
 

@@ -7,6 +7,7 @@ use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
 use sve_examples::gaussian::{Matrix, Scheme, standard_errors};
 use sve_examples::report::one_row;
 use sve_examples::{hues, palette};
+use sve_runtime::plot::page;
 use sve_runtime::prelude::*;
 
 use crate::Report;
@@ -201,7 +202,7 @@ fn means(options: &Options, name: &str, scheme: &Scheme<2>, sums: &Sums) -> Vec<
         let (mean, error) = expected(t);
         let measured = sums.mean(step_of(t));
         let score = (measured - mean) / error;
-        Check::new(format!("{name}: mean energy at t = {t:.0}"), measured).near(mean, factor * error, format!("moment recursion; z = {score:.2}, {factor:.1} exact standard errors allowed (false alarm 1e-4)"))
+        Check::new(format!("{name}: mean energy at t = {t:.0}"), measured).near(mean, factor * error, format!("moment recursion; z = {}, {factor:.1} exact standard errors allowed (false alarm 10⁻⁴)", page::number(score, 2)))
         .only_if(
             (factor * error).is_finite() && measured.is_finite(),
             "energies or their squares overflow",

@@ -248,7 +248,7 @@ fn radii(options: &Options, runs: &Runs) -> Panel {
         hues::MIDPOINT,
     )
     .note(
-        (0.5 * options.horizon, 1.5),
+        (0.3 * options.horizon, 7.0),
         "Euler–Maruyama, corrected".to_owned(),
         hues::EULER_MARUYAMA,
     );

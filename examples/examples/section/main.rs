@@ -117,7 +117,7 @@ fn panel(
         Check::new(what, largest).near(
             0.0,
             1e-9,
-            "`gauss(4)` with h = 0.1 keeps the energy within 1e-9",
+            "`gauss(4)` with h = 0.1 keeps the energy within 10⁻⁹",
         )
     } else {
         Check::new(what, largest).reported("the noise changes the energy")

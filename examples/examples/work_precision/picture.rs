@@ -17,13 +17,27 @@ const CHARACTER: f64 = 6.8;
 const HALF: f64 = 8.0;
 /// Least distance of the middles of two names, in CSS pixels.
 const LINE: f64 = 12.5;
-/// Length of the leader of a name that nothing is in the way of, and the gap before the name.
+/// Half the width of the band.
+const BAND: f64 = 5.5;
+/// Least length of the leader of a name, and the gap before the name.
 const LEADER: f64 = 14.0;
 const GAP: f64 = 4.0;
-/// Length by which a leader to the right may be longer than one in another direction.
-const ASIDE: f64 = 50.0;
-/// Distance of points of a curve that a name has to avoid, and of possible places of a name.
+/// Distance of points of a curve that a name has to avoid.
 const FINE: f64 = 3.0;
+/// Distance of possible places of a name.
+const GRID: f64 = 6.0;
+
+/// What a place of a name costs beside the length of its leader, as such a length: a leader that
+/// does not point to the right, one from the first point of a curve, one that crosses a curve, one
+/// that crosses a name, and a name without a free place.
+const ASIDE: f64 = 50.0;
+const FROM_FIRST: f64 = 20.0;
+const ACROSS_CURVE: f64 = 60.0;
+const ACROSS_NAME: f64 = 400.0;
+const HIDDEN: f64 = 1e4;
+/// The same for each pixel right of all curves, and the distance of widths that are tried.
+const EMPTY: f64 = 1.5;
+const WIDTHS: f64 = 30.0;
 
 /// A method's curve: exponents of its times and errors, from the longest step on.
 pub(crate) struct Named {
@@ -55,18 +69,12 @@ impl Picture<'_> {
         self.curves.retain(|curve| !curve.points.is_empty());
         // The names of curves that end farther right are in the way of other names.
         self.curves.sort_by(|a, b| end(b).total_cmp(&end(a)));
-        let points = || self.curves.iter().flat_map(|curve| &curve.points);
-        let (mut times, errors) = (range(points().map(|p| p.0)), range(points().map(|p| p.1)));
-        let of_band = SAMPLE + room(OF_BAND);
-        let names = self.curves.iter().map(|curve| room(&curve.name));
-        let room = names.fold(of_band, f64::max);
-        times.end += (times.end - times.start) * room / (AXES[0] - room);
-        let pixels = Pixels(&times, &errors);
-        // Curves end left of the names, so the upper right corner is free.
-        let corner = AXES[0] - of_band;
+        let (axes, places) = self.layout();
+        // The name of the band is in the upper right corner, where curves do not end.
+        let corner = AXES[0] - SAMPLE - room(OF_BAND);
         let [from, to, text] = [0.0, SAMPLE, SAMPLE + LEADER]
-            .map(|shift| pixels.inverse((corner + shift, AXES[1] - HALF)));
-        let places = places(&self.curves, &pixels);
+            .map(|shift| axes.inverse((corner + shift, AXES[1] - HALF)));
+        let Axes(times, errors) = axes;
         let mut panel = Panel::new(
             self.title,
             Axis::powers(self.x, times),
@@ -75,12 +83,11 @@ impl Picture<'_> {
         .with(band(self.band).unlisted())
         .with(band(vec![from, to]).unlisted())
         .note(text, OF_BAND, palette::GREY);
-        for (curve, [end, at]) in self.curves.into_iter().zip(places) {
-            let leader = vec![curve.points[curve.points.len() - 1], end];
+        for (curve, Place { leader, name }) in self.curves.into_iter().zip(places) {
             let thin = Pen::line(curve.pen.color, 0.8);
             panel = panel
-                .with(Layer::new("", leader, thin).unlisted())
-                .note(at, curve.name.clone(), curve.pen.color)
+                .with(Layer::new("", leader.to_vec(), thin).unlisted())
+                .note(name, curve.name.clone(), curve.pen.color)
                 .with(Layer::new(curve.name, curve.points, curve.pen).unlisted());
         }
         Figure {
@@ -92,6 +99,71 @@ impl Picture<'_> {
             }],
         }
     }
+
+    /// Returns axes, which leave as much room right of the curves as names need, and the places of
+    /// the names.
+    fn layout(&self) -> (Axes, Vec<Place>) {
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let (times, errors) = (range(points().map(|p| p.0)), range(points().map(|p| p.1)));
+        let widths = (1..).map(|k| WIDTHS * f64::from(k));
+        let of_width = |width: f64| {
+            let longer = (times.end - times.start) * width / (AXES[0] - width);
+            let axes = Axes(times.start..times.end + longer, errors.clone());
+            let (places, cost) = self.places(&axes);
+            (axes, places, cost + EMPTY * width)
+        };
+        let layouts = widths
+            .take_while(|width| *width < 0.5 * AXES[0])
+            .map(of_width);
+        let best = layouts.min_by(|a, b| a.2.total_cmp(&b.2));
+        best.map_or_else(
+            || (Axes(times, errors), Vec::new()),
+            |(axes, places, _)| (axes, places),
+        )
+    }
+
+    /// Returns the places of the names, and what they cost together.
+    fn places(&self, axes: &Axes) -> (Vec<Place>, f64) {
+        let pixels = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+            let points: Vec<_> = points.iter().map(|&point| axes.of(point)).collect();
+            points
+                .windows(2)
+                .flat_map(|ends| along(ends[0], ends[1]))
+                .collect()
+        };
+        let curves = self
+            .curves
+            .iter()
+            .map(|curve| pixels(&curve.points))
+            .collect();
+        let mut taken = Taken {
+            curves,
+            band: pixels(&self.band),
+            names: Vec::new(),
+        };
+        let corner = (AXES[0] - SAMPLE - room(OF_BAND), AXES[1] - HALF);
+        let mut total = if taken.is_free(corner, room(OF_BAND)) {
+            0.0
+        } else {
+            HIDDEN
+        };
+        taken.names.extend(along(corner, (AXES[0], corner.1)));
+        let place = |curve: &Named| {
+            let ends = [curve.points[curve.points.len() - 1], curve.points[0]];
+            let length = room(&curve.name) - LEADER;
+            let (from, to, cost) = taken.place(ends.map(|end| axes.of(end)), length);
+            total += cost;
+            let at = (to.0 + GAP, to.1);
+            taken.names.extend(along(at, (to.0 + length, to.1)));
+            taken.curves.push(along(from, to).collect());
+            Place {
+                leader: [from, to].map(|end| axes.inverse(end)),
+                name: axes.inverse(at),
+            }
+        };
+        let places = self.curves.iter().map(place).collect();
+        (places, total)
+    }
 }
 
 /// Returns the width of a name with its leader.
@@ -99,10 +171,16 @@ fn room(name: &str) -> f64 {
     LEADER + GAP + CHARACTER * name.chars().count() as f64
 }
 
-/// Axes, which determine places in CSS pixels from the lower left corner.
-struct Pixels<'a>(&'a Range<f64>, &'a Range<f64>);
+/// A name beside a curve: its leader and where its text begins.
+struct Place {
+    leader: [(f64, f64); 2],
+    name: (f64, f64),
+}
 
-impl Pixels<'_> {
+/// Axes, which determine places in CSS pixels from the lower left corner.
+struct Axes(Range<f64>, Range<f64>);
+
+impl Axes {
     fn of(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let [width, height] = self.units();
         ((x - self.0.start) / width, (y - self.1.start) / height)
@@ -116,55 +194,79 @@ impl Pixels<'_> {
     /// Returns the lengths of a pixel on the axes.
     fn units(&self) -> [f64; 2] {
         let length = |range: &Range<f64>| range.end - range.start;
-        [length(self.0) / AXES[0], length(self.1) / AXES[1]]
+        [length(&self.0) / AXES[0], length(&self.1) / AXES[1]]
     }
 }
 
-/// Returns the end of each curve's leader and the place of its name: as near to the curve's last
-/// point as the curves and other names permit.
-fn places(curves: &[Named], pixels: &Pixels<'_>) -> Vec<[(f64, f64); 2]> {
-    let (mut lines, mut names) = (Vec::new(), Vec::new());
-    for curve in curves {
-        let points: Vec<_> = curve.points.iter().map(|&p| pixels.of(p)).collect();
-        lines.extend(points.windows(2).flat_map(|ends| along(ends[0], ends[1])));
+/// What names have to avoid: points of curves with leaders, of the band and of other names.
+struct Taken {
+    curves: Vec<Vec<(f64, f64)>>,
+    band: Vec<(f64, f64)>,
+    names: Vec<(f64, f64)>,
+}
+
+impl Taken {
+    /// Returns the leader of a name from one of these ends of its curve, and what it costs: as
+    /// little as curves and other names permit.
+    fn place(&self, ends: [(f64, f64); 2], length: f64) -> ((f64, f64), (f64, f64), f64) {
+        let steps = (-10..50).flat_map(|i| (-30..=30).map(move |j| (f64::from(i), f64::from(j))));
+        let shifts = steps.map(|(i, j)| (GRID * i, GRID * j));
+        let of_shift = |(x, y): (f64, f64)| {
+            let cost = x.hypot(y) + if x < LEADER { ASIDE } else { 0.0 };
+            let to = ends.map(|end| (end.0 + x, end.1 + y));
+            [(ends[0], to[0], cost), (ends[1], to[1], cost + FROM_FIRST)]
+        };
+        let long = shifts.filter(|(x, y)| x.hypot(*y) >= LEADER);
+        let mut leaders: Vec<_> = long.flat_map(of_shift).collect();
+        leaders.sort_by(|a, b| a.2.total_cmp(&b.2));
+        let mut best = (ends[0], (ends[0].0 + LEADER, ends[0].1), HIDDEN);
+        for (from, to, cost) in leaders {
+            if cost >= best.2 {
+                break;
+            }
+            if self.is_free(to, length) {
+                let cost = cost + self.crossed(from, to);
+                if cost < best.2 {
+                    best = (from, to, cost);
+                }
+            }
+        }
+        best
     }
-    let length = |shift: &(f64, f64)| shift.0.hypot(shift.1);
-    let steps = (-20..100).flat_map(|i| (-60..=60).map(move |j| (f64::from(i), f64::from(j))));
-    let shifts = steps.map(|(i, j)| (FINE * i, FINE * j));
-    let mut shifts: Vec<_> = shifts.filter(|shift| length(shift) >= LEADER).collect();
-    let cost = |shift: &(f64, f64)| length(shift) + if shift.0 < LEADER { ASIDE } else { 0.0 };
-    shifts.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let place = |curve: &Named| {
-        let last = pixels.of(curve.points[curve.points.len() - 1]);
-        let length = room(&curve.name) - LEADER;
-        let is_free = |&(u, v): &(f64, f64)| {
-            let is_inside = u + length < AXES[0] && HALF < v && v < AXES[1] - 2.0 * HALF;
-            let is_near = |points: &[(f64, f64)], distance: f64| {
-                let columns = u - GAP..u + length;
-                let is_hit =
-                    |&(a, b): &(f64, f64)| columns.contains(&a) && (b - v).abs() < distance;
-                points.iter().any(is_hit)
+
+    fn is_free(&self, (u, v): (f64, f64), length: f64) -> bool {
+        let is_inside = u + length <= AXES[0] && HALF < v && v + HALF <= AXES[1];
+        let is_near = |points: &[(f64, f64)], distance: f64| {
+            let columns = u - GAP..u + length;
+            let is_hit = |&(a, b): &(f64, f64)| columns.contains(&a) && (b - v).abs() < distance;
+            points.iter().any(is_hit)
+        };
+        let is_hidden = || self.curves.iter().any(|curve| is_near(curve, HALF));
+        is_inside
+            && !is_near(&self.names, LINE)
+            && !is_near(&self.band, HALF + BAND)
+            && !is_hidden()
+    }
+
+    /// Returns what it costs that a leader crosses curves and names.
+    fn crossed(&self, from: (f64, f64), to: (f64, f64)) -> f64 {
+        let leader: Vec<_> = along(from, to).skip(3).collect();
+        let crosses = |points: &[(f64, f64)], height: f64| {
+            let is_beside = |&(a, b): &(f64, f64)| {
+                leader
+                    .iter()
+                    .any(|(u, v)| (a - u).abs() < FINE && (b - v).abs() < height)
             };
-            is_inside && !is_near(&lines, HALF) && !is_near(&names, LINE)
+            points.iter().any(is_beside)
         };
-        // A leader crosses no name, unless there is no other way to a free place.
-        let is_near = |(a, b): (f64, f64)| {
-            let is_beside = |&(c, d): &(f64, f64)| (c - a).abs() < FINE && (d - b).abs() < HALF;
-            names.iter().any(is_beside)
+        let curves = self.curves.iter().filter(|curve| crosses(curve, FINE));
+        let names = if crosses(&self.names, HALF) {
+            ACROSS_NAME
+        } else {
+            0.0
         };
-        let crosses = |&end: &(f64, f64)| along(last, end).any(is_near);
-        let ends = shifts
-            .iter()
-            .map(|shift| (last.0 + shift.0, last.1 + shift.1));
-        let mut free = ends.filter(is_free);
-        let first = free.clone().next().unwrap_or((last.0 + LEADER, last.1));
-        let end = free.find(|end| !crosses(end)).unwrap_or(first);
-        let at = (end.0 + GAP, end.1);
-        lines.extend(along(last, end));
-        names.extend(along(at, (end.0 + length, end.1)));
-        [pixels.inverse(end), pixels.inverse(at)]
-    };
-    curves.iter().map(place).collect()
+        ACROSS_CURVE * curves.count() as f64 + names
+    }
 }
 
 /// Returns points on a segment, with at most the distance [`FINE`] between them.

@@ -159,7 +159,7 @@ pub(crate) fn head(machine: &str, peers: usize) -> String {
         "{STYLE}<p>The first picture of each problem shows few methods, the figure below it all. Down is more precise, left is faster; the grey band follows the fastest \
          method. Variational rules have solid lines, methods to compare with dashed ones.</p>\n\
          <p>Errors are root mean squares over paths of the distance of (q, p) from the reference at the end, on the same Brownian paths for all methods and step sizes. \
-         Weak errors are differences of means on these paths; what is below two standard errors is not drawn. Slopes of the invariant are those of least-squares lines through its values; of an error that only oscillates they are what is left at the ends, and change their sign with the step size. Times are medians of alternating repeats, \
+         Weak errors are differences of means on these paths; arrows are upper limits of those below two standard errors. Slopes of the invariant are those of least-squares lines through its values; of an error that only oscillates they are what is left at the ends, and change their sign with the step size. Times are medians of alternating repeats, \
          of the steps of one path on one thread, with the increments at hand. A method is called the fastest until another one is 10 % faster. \
          Methods whose errors fall more slowly than h^¼ are not counted among the fastest: they converge to something else, if at all. Where the \
          solution of a problem with noise is not known, a rule of this project with shorter steps, named with the problem, is its reference; errors without noise are those of \

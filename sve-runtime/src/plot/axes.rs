@@ -135,14 +135,28 @@ impl Frame {
         });
         let right = beyond.fold(0.0, f64::max) + GAP;
         let top = TOP + TITLE_LINE * more(&self.title);
-        let bottom = BOTTOM + NAME_LINE * more(&self.x_name);
+        let bottom = self.under() + NAME_LINE * more(&self.x_name);
         let legend = |of: fn(&Legend) -> f64| self.legend.as_ref().map_or(0.0, of);
+        let least = if self.y_labels.marks.is_empty() {
+            0.0
+        } else {
+            LEFT
+        };
         [
-            left.max(LEFT),
+            left.max(least),
             top,
             right.max(RIGHT) + legend(Legend::beside),
             bottom + legend(Legend::below),
         ]
+    }
+
+    /// Returns the room for labels and one line of the name under the axes.
+    fn under(&self) -> f64 {
+        if self.x_labels.marks.is_empty() {
+            BOTTOM - LINE * LABEL
+        } else {
+            BOTTOM
+        }
     }
 
     fn size(&self) -> (f64, f64) {
@@ -218,7 +232,7 @@ impl Frame {
         }
         let name = text(NAME, HPos::Center, VPos::Center);
         for (number, line) in self.x_name.iter().enumerate() {
-            let height = bottom + px(BOTTOM - 11.0 + NAME_LINE * number as f64);
+            let height = bottom + px(self.under() - 11.0 + NAME_LINE * number as f64);
             let under = (i32::midpoint(left, right), height);
             area.draw(&Text::new(&**line, under, name.clone()))?;
         }

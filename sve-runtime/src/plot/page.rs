@@ -102,13 +102,25 @@ pub(super) fn count(number: u64, thing: &str) -> String {
     format!("{number} {thing}{plural}")
 }
 
+/// Least width of a picture on a page, as a fraction of its own width: the texts of a picture that is
+/// smaller are too small to be read.
+const LEAST: f64 = 0.75;
+
+/// Returns markup with an SVG document of this width in CSS pixels, which scrolls on a page that is
+/// too narrow for it.
+pub fn picture(svg: &str, width: u32) -> String {
+    let least = LEAST * f64::from(width);
+    let sized = format!("<svg style=\"min-width: {least:.0}px\" ");
+    let svg = svg.replacen("<svg ", &sized, 1);
+    format!("<div class=\"wide\" style=\"max-width: 100%\">{svg}</div>\n")
+}
+
 /// Returns figures beside one another, as many as the page has room for, with a text.
 #[cfg(feature = "ensemble")]
 pub(super) fn panels(figures: &[Figure], caption: &str) -> Result<String, super::PlotError> {
     let mut text = String::from("<figure>\n<div class=\"panels\">\n");
     for figure in figures {
-        text += &super::render::svg(figure)?;
-        text.push('\n');
+        text += &picture(&super::render::svg(figure)?, figure.width);
     }
     text += "</div>\n<figcaption>";
     text += &escape(caption);

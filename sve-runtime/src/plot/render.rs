@@ -74,7 +74,14 @@ fn raise_exponents(svg: &str) -> String {
                 raised.push_str(&part);
             } else {
                 let fall = text::RAISED * size;
-                let _ = write!(raised, "<tspan dy=\"{fall:.1}\">{rest}</tspan>{after}");
+                // Some programs drop a space at the start of an element.
+                let (first, rest) = rest
+                    .strip_prefix(' ')
+                    .map_or(("", rest), |rest| ("\u{a0}", rest));
+                let _ = write!(
+                    raised,
+                    "<tspan dy=\"{fall:.1}\">{first}{rest}</tspan>{after}"
+                );
             }
             size = last_font_size(&part).unwrap_or(size);
         }
@@ -113,7 +120,7 @@ mod tests {
     fn exponents_are_raised() {
         let svg = "<text font-size=\"40\">\n10⁻² m\n</text>\n<text font-size=\"20\">\n5\n</text>";
         let expected = "<text font-size=\"40\">\n10<tspan dy=\"-16.0\" font-size=\"32.0\">−2</tspan>\
-             <tspan dy=\"16.0\"> m\n</tspan></text>\n<text font-size=\"20\">\n5\n</text>";
+             <tspan dy=\"16.0\">\u{a0}m\n</tspan></text>\n<text font-size=\"20\">\n5\n</text>";
         assert_eq!(raise_exponents(svg), expected);
         let plain = "<text font-size=\"40\">\n10²\n</text>";
         let raised =

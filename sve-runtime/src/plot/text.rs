@@ -78,13 +78,13 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     widths.sum()
 }
 
-/// Divides a text into lines of at most this width: between words, or within a word that is longer
+/// Divides a text into lines of at most this width: between words, not at a no-break space, or within a word that is longer
 /// than a line. If the text needs more than `most` lines, the rest is left out, and the last line
 /// ends with `…`.
 pub(super) fn lines(text: &str, size: f64, widest: f64, most: usize) -> Vec<String> {
     let fits = |text: &str| width(text, size) <= widest;
     let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
+    for word in text.split_ascii_whitespace() {
         let last = lines.last_mut().map_or(String::new(), std::mem::take);
         let joined = if last.is_empty() {
             word.to_owned()
