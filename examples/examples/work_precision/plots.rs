@@ -333,14 +333,23 @@ pub(crate) fn figure(
         &[2, 4, 8]
     };
     let title = "Which error with which step size?".to_owned();
-    let second = slopes(panel(title, steps, error, all), orders).legend(Corner::Below);
+    let mut second = slopes(panel(title, steps, error, all), orders).legend(Corner::Below);
+    // Each panel of the first row names half of the methods.
+    let half = all.len().div_ceil(2);
+    let is_of_first = |layer: &Layer| all[..half].iter().any(|series| series.name == layer.label);
+    for layer in &mut second.layers {
+        layer.listed &= !is_of_first(layer);
+    }
+    for layer in first.layers.iter_mut().skip(1) {
+        layer.listed &= is_of_first(layer);
+    }
     let mut rows = vec![vec![first, second]];
     let below = below(all, times, steps, shown);
     if !below.is_empty() {
         rows.push(below);
     }
     // The band has an entry too.
-    let heights = [HEIGHT + ENTRY * (all.len() as u32 + 1), HEIGHT];
+    let heights = [HEIGHT + ENTRY * (half as u32 + 1), HEIGHT];
     let row = |(panels, height)| Row { height, panels };
     Figure {
         name,

@@ -156,7 +156,7 @@ pub(crate) fn head(machine: &str, peers: usize) -> String {
         ),
     };
     format!(
-        "{STYLE}<p>The first picture of each problem shows few methods, the figure below it all. Down is more precise, left is faster; the grey band follows the fastest \
+        "{STYLE}<p>The first picture of each problem shows few methods, the figure below it all, half of them named under each of its upper panels. Down is more precise, left is faster; the grey band follows the fastest \
          method. Variational rules have solid lines, methods to compare with dashed ones.</p>\n\
          <p>Errors are root mean squares over paths of the distance of (q, p) from the reference at the end, on the same Brownian paths for all methods and step sizes. \
          Weak errors are differences of means on these paths; arrows are upper limits of those below two standard errors. Slopes of the invariant are those of least-squares lines through its values; of an error that only oscillates they are what is left at the ends, and change their sign with the step size. Times are medians of alternating repeats, \

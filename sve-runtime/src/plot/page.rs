@@ -108,6 +108,11 @@ const LEAST: f64 = 0.75;
 
 /// Returns markup with an SVG document of this width in CSS pixels, which scrolls on a page that is
 /// too narrow for it.
+///
+/// ```
+/// use sve_runtime::plot::page::picture;
+/// assert!(picture("<svg width=\"760\"></svg>", 760).contains("min-width: 570px"));
+/// ```
 pub fn picture(svg: &str, width: u32) -> String {
     let least = LEAST * f64::from(width);
     let sized = format!("<svg style=\"min-width: {least:.0}px\" ");
