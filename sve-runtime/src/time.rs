@@ -180,7 +180,7 @@ mod tests {
             for k in (0..1000).chain(1_000_000..1_000_100) {
                 let units = 25_000 + k * h;
                 let text = format!("{}.{:05}", units / 100_000, units % 100_000);
-                assert_eq!(times.after(k), text.parse().unwrap());
+                assert_eq!(times.after(k), text.parse::<f64>().unwrap());
             }
         }
     }

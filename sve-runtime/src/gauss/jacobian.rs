@@ -1,6 +1,7 @@
 //! The places of the unknowns of a step of a Gauss rule, and the derivatives of its residuals.
 
-use super::step::Stage;
+use super::stages::product;
+use super::step::{Response, Stage};
 use super::tableau::Tableau;
 
 /// Place of a component of the velocity of stage `i` among the unknowns. The velocities of all
@@ -36,48 +37,69 @@ pub(super) fn jacobian<const S: usize, const N: usize, const K: usize>(
     jacobian: &mut [[f64; K]; K],
 ) {
     let moves_position = moves_position::<S, N, K>();
-    let ratio = const { &Tableau::<S>::VALUES.ratio };
-    for i in 0..S {
-        for k in 0..S {
-            // The effect of stage k on stage i through all stages j.
-            let mut through = [[0.0; N]; N];
-            for j in 0..S {
-                let factor = ratio[j][i] * ratio[k][j];
-                for m in 0..N {
-                    for n in 0..N {
-                        through[m][n] += factor * stages[j].impulse.by_position[m][n];
-                    }
+    let ratio_of = const { &Tableau::<S>::VALUES.ratio_of };
+    for m in 0..N {
+        for n in 0..N {
+            let by_positions = row(stages, |stage| stage.impulse.by_position[m][n]);
+            for i in 0..S {
+                let (stage, ratios) = (&stages[i], &ratio_of[i]);
+                // The effects of the stages k on stage i through all stages j.
+                let mut parts = by_positions;
+                for j in 0..S {
+                    parts[j] *= ratios[j];
                 }
-            }
-            let (r, weight) = (ratio[k][i], weights[k]);
-            for m in 0..N {
-                for n in 0..N {
-                    let by_position = r * stages[i].lagrangian.dqv[n][m] - through[m][n];
-                    let mut by_velocity = -r * stages[k].impulse.by_velocity[m][n];
-                    if i == k {
-                        by_velocity += stages[i].lagrangian.dvv[m][n];
-                    }
-                    let row = velocity::<S>(i, m);
+                let through = product(ratio_of, &parts);
+                let row = &mut jacobian[velocity::<S>(i, m)];
+                for k in 0..S {
+                    let by_position = ratios[k] * stage.lagrangian.dqv[n][m] - through[k];
+                    let by_velocity = -ratios[k] * stages[k].impulse.by_velocity[m][n];
                     if moves_position {
-                        jacobian[row][velocity::<S>(k, n)] = by_velocity;
-                        jacobian[row][displacement::<S, N>(k, n)] = by_position;
+                        row[velocity::<S>(k, n)] = by_velocity;
+                        row[displacement::<S, N>(k, n)] = by_position;
                     } else {
-                        jacobian[row][velocity::<S>(k, n)] = by_velocity + weight * by_position;
+                        row[velocity::<S>(k, n)] = by_velocity + weights[k] * by_position;
                     }
                 }
+                row[velocity::<S>(i, n)] += stage.lagrangian.dvv[m][n];
             }
-            if moves_position {
-                let shift = &stages[i].shift;
-                for m in 0..N {
-                    let row = displacement::<S, N>(i, m);
-                    for n in 0..N {
-                        let same = f64::from(u8::from(i == k && m == n));
-                        let by_velocity = if i == k { shift.by_velocity[m][n] } else { 0.0 };
-                        jacobian[row][velocity::<S>(k, n)] = -same * weight - by_velocity;
-                        jacobian[row][displacement::<S, N>(k, n)] =
-                            same - r * shift.by_position[m][n];
-                    }
-                }
+        }
+    }
+    if moves_position {
+        for i in 0..S {
+            displacements(i, weights, &stages[i].shift, jacobian);
+        }
+    }
+}
+
+/// Returns a number of each stage.
+#[inline(always)]
+pub(super) fn row<const S: usize, const N: usize>(
+    stages: &[Stage<N>; S],
+    number: impl Fn(&Stage<N>) -> f64,
+) -> [f64; S] {
+    let mut row = [0.0; S];
+    for i in 0..S {
+        row[i] = number(&stages[i]);
+    }
+    row
+}
+
+/// Computes the derivatives of the equations for the displacements of stage `i`.
+fn displacements<const S: usize, const N: usize, const K: usize>(
+    i: usize,
+    weights: &[f64; S],
+    shift: &Response<N>,
+    jacobian: &mut [[f64; K]; K],
+) {
+    let ratios = const { &Tableau::<S>::VALUES.ratio_of }[i];
+    for m in 0..N {
+        let row = &mut jacobian[displacement::<S, N>(i, m)];
+        for n in 0..N {
+            for k in 0..S {
+                let same = f64::from(u8::from(i == k && m == n));
+                let by_velocity = if i == k { shift.by_velocity[m][n] } else { 0.0 };
+                row[velocity::<S>(k, n)] = -same * weights[k] - by_velocity;
+                row[displacement::<S, N>(k, n)] = same - ratios[k] * shift.by_position[m][n];
             }
         }
     }

@@ -1,7 +1,8 @@
 //! The linearised step of a Gauss rule, for tangent maps and sensitivities (`docs/mathematics.md`,
 //! section 8).
 
-use super::jacobian::{displacement, jacobian, moves_position, velocity};
+use super::jacobian::{displacement, jacobian, moves_position, row, velocity};
+use super::stages::product;
 use super::step::{Stage, Step};
 use super::tableau::Tableau;
 use crate::phase::configuration::VectorCoordinates;
@@ -53,9 +54,9 @@ where
         let inputs = 2 * N + Sys::PARAMETERS.len();
         let mut all = Matrices::<N, K>::zeros(inputs);
         jacobian(&self.weights, &stages, &mut all.residual_by_unknowns);
+        self.outputs(&stages, &mut all);
+        Self::start(&stages, &mut all);
         for j in 0..S {
-            self.outputs(j, &stages, &mut all);
-            Self::start(j, &stages, &mut all);
             let mut q = self.state.q;
             for n in 0..N {
                 q[n] += unknowns.moves[j][n];
@@ -65,52 +66,56 @@ where
         then(Linearisation::new([K, 2 * N, inputs], all.entries()))
     }
 
-    /// Adds the derivatives of the results `Σ Y_j` and `Σ F_j` by the unknowns of stage `k`.
-    fn outputs<const K: usize>(&self, k: usize, stages: &[Stage<N>; S], all: &mut Matrices<N, K>) {
-        let ratio = const { &Tableau::<S>::VALUES.ratio };
+    /// Adds the derivatives of the results `Σ Y_j` and `Σ F_j` by the unknowns.
+    fn outputs<const K: usize>(&self, stages: &[Stage<N>; S], all: &mut Matrices<N, K>) {
+        let ratio_of = const { &Tableau::<S>::VALUES.ratio_of };
         for m in 0..N {
+            let [positions, momenta] = &mut all.output_by_unknowns;
             for n in 0..N {
-                let mut through = 0.0;
-                for j in 0..S {
-                    through += ratio[k][j] * stages[j].impulse.by_position[m][n];
-                }
-                let by_velocity = stages[k].impulse.by_velocity[m][n];
-                let velocity = velocity::<S>(k, n);
-                if moves_position::<S, N, K>() {
-                    all.output_by_unknowns[1][m][velocity] = by_velocity;
-                    all.output_by_unknowns[1][m][displacement::<S, N>(k, n)] = through;
-                } else {
-                    all.output_by_unknowns[1][m][velocity] =
-                        by_velocity + self.weights[k] * through;
+                let by_positions = row(stages, |stage| stage.impulse.by_position[m][n]);
+                // The effects of the stages k through all stages.
+                let through = product(ratio_of, &by_positions);
+                for k in 0..S {
+                    let by_velocity = stages[k].impulse.by_velocity[m][n];
+                    let velocity = velocity::<S>(k, n);
+                    if moves_position::<S, N, K>() {
+                        momenta[m][velocity] = by_velocity;
+                        momenta[m][displacement::<S, N>(k, n)] = through[k];
+                    } else {
+                        momenta[m][velocity] = by_velocity + self.weights[k] * through[k];
+                    }
                 }
             }
-            if moves_position::<S, N, K>() {
-                all.output_by_unknowns[0][m][displacement::<S, N>(k, m)] = 1.0;
-            } else {
-                all.output_by_unknowns[0][m][velocity::<S>(k, m)] = self.weights[k];
+            for k in 0..S {
+                if moves_position::<S, N, K>() {
+                    positions[m][displacement::<S, N>(k, m)] = 1.0;
+                } else {
+                    positions[m][velocity::<S>(k, m)] = self.weights[k];
+                }
             }
         }
     }
 
-    /// Adds the derivatives of the equations of stage `i` and of the results by the state at the
-    /// start.
-    fn start<const K: usize>(i: usize, stages: &[Stage<N>; S], all: &mut Matrices<N, K>) {
+    /// Adds the derivatives of the equations and of the results by the state at the start.
+    fn start<const K: usize>(stages: &[Stage<N>; S], all: &mut Matrices<N, K>) {
         let ratio = const { &Tableau::<S>::VALUES.ratio };
         for m in 0..N {
             for n in 0..N {
-                let mut impulses = 0.0;
-                for j in 0..S {
-                    impulses += ratio[j][i] * stages[j].impulse.by_position[m][n];
+                let by_positions = row(stages, |stage| stage.impulse.by_position[m][n]);
+                let impulses = product(ratio, &by_positions);
+                for i in 0..S {
+                    let row = velocity::<S>(i, m);
+                    *all.residual_by_input(row, n) = stages[i].lagrangian.dqv[n][m] - impulses[i];
+                    if moves_position::<S, N, K>() {
+                        let row = displacement::<S, N>(i, m);
+                        *all.residual_by_input(row, n) = -stages[i].shift.by_position[m][n];
+                    }
+                    *all.output_by_input(N + m, n) += stages[i].impulse.by_position[m][n];
                 }
-                let row = velocity::<S>(i, m);
-                *all.residual_by_input(row, n) = stages[i].lagrangian.dqv[n][m] - impulses;
-                if moves_position::<S, N, K>() {
-                    let row = displacement::<S, N>(i, m);
-                    *all.residual_by_input(row, n) = -stages[i].shift.by_position[m][n];
-                }
-                *all.output_by_input(N + m, n) += stages[i].impulse.by_position[m][n];
             }
-            *all.residual_by_input(velocity::<S>(i, m), N + m) = -1.0;
+            for i in 0..S {
+                *all.residual_by_input(velocity::<S>(i, m), N + m) = -1.0;
+            }
         }
     }
 

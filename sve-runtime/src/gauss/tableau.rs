@@ -36,6 +36,8 @@ pub(super) struct Tableau<const S: usize> {
     pub(super) b: [f64; S],
     /// `a_ij / b_j`.
     pub(super) ratio: [[f64; S]; S],
+    /// The same row by row: `ratio_of[i][j]` for the effect of stage j on stage i.
+    pub(super) ratio_of: [[f64; S]; S],
     /// `Σ_k a_ik a_kj / b_j`.
     pub(super) second_order: [[f64; S]; S],
     /// `Σ_k μ_ik x_kj`, where x extrapolates the impulses of a step to those of the next one.
@@ -68,6 +70,7 @@ impl<const S: usize> Tableau<S> {
             c: [0.0; S],
             b: [0.0; S],
             ratio: [[0.0; S]; S],
+            ratio_of: [[0.0; S]; S],
             second_order: [[0.0; S]; S],
             ratio_ahead: [[0.0; S]; S],
             second_order_ahead: [[0.0; S]; S],
@@ -88,11 +91,11 @@ impl<const S: usize> Tableau<S> {
             let mut j = i;
             while j < S {
                 let ratio = exact.ratio[i][j].to_multiple_of_two_to_minus(BITS_OF_RATIOS);
-                all.ratio[j][i] = ratio;
-                all.ratio[i][j] = 1.0 - ratio;
+                (all.ratio[j][i], all.ratio_of[i][j]) = (ratio, ratio);
+                (all.ratio[i][j], all.ratio_of[j][i]) = (1.0 - ratio, 1.0 - ratio);
                 j += 1;
             }
-            all.ratio[i][i] = 0.5;
+            (all.ratio[i][i], all.ratio_of[i][i]) = (0.5, 0.5);
             let mut j = 0;
             while j < S {
                 let (mut sum, mut second, mut k) = (Double::ZERO, Double::ZERO, 0);

@@ -6,10 +6,16 @@
 //! least possible one (A. Griewank, A. Walther, *Algorithm 799: revolve*, ACM Trans. Math. Software
 //! 26, 2000).
 
-/// Returns a number of states with which a step is made at most twice before the walk passes it.
-/// With c states this number of steps is (c + 1)(c + 2)/2.
-pub(super) fn enough(steps: u64) -> usize {
-    steps.saturating_mul(2).isqrt() as usize + 1
+/// The memory that states may take, in bytes, as long as more of them save steps.
+const MEMORY: usize = 16 << 20;
+
+/// Returns a number of states of this size in bytes: all if they fit into the memory that they may
+/// take, and else so many that a step is made at most twice before the walk passes it. With c states
+/// this number of steps is (c + 1)(c + 2)/2.
+pub(super) fn enough(steps: u64, size: usize) -> usize {
+    let twice = steps.saturating_mul(2).isqrt() as usize + 1;
+    let all = usize::try_from(steps).unwrap_or(usize::MAX);
+    twice.max(all.min(MEMORY / size.max(1)))
 }
 
 /// Returns the distance to the next checkpoint, for so many steps and so many states that can be
@@ -46,7 +52,7 @@ fn reach(checkpoints: u64, repetitions: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{distance, enough, reach};
+    use super::{MEMORY, distance, enough, reach};
 
     /// Counts how often steps are made to walk back over `steps` steps, with the greatest number of
     /// states that are kept.
@@ -83,7 +89,8 @@ mod tests {
                 assert!(kept <= checkpoints, "{steps} {checkpoints}: {kept}");
                 assert!(made <= repetitions * steps, "{steps} {checkpoints}: {made}");
             }
-            assert!(walk(steps, enough(steps)).0 <= 2 * steps);
+            assert!(walk(steps, enough(steps, MEMORY)).0 <= 2 * steps);
+            assert!(walk(steps, enough(steps, 8)).0 < steps);
         }
         assert_eq!(walk(100, 0).0, 99 * 100 / 2);
         assert_eq!(walk(100, 99).0, 99);

@@ -5,19 +5,19 @@
 //! are computed, so they agree with the tangent maps of the steps to rounding.
 //!
 //! The steps are walked backwards: λ ← Mᵀλ + ∂ℓ/∂x for the tangent map M of a step. The states that
-//! this needs are computed again from checkpoints.
+//! this needs are kept, or computed again from checkpoints.
 
 use core::fmt;
 
 use super::Trajectory;
 use super::checkpoints::enough;
-use super::sweep::Sweep;
+use super::sweep::{Kept, Sweep};
 use crate::error::StepError;
 use crate::method::{Differentiable, DimsOf, OneStepMethod};
 use crate::noise::{Noise, Replayable};
 use crate::phase::Field;
 use crate::phase::dual::Dual;
-use crate::system::{ConfigurationOf, DualStateOf, MomentumOf, System};
+use crate::system::{ConfigurationOf, DualStateOf, MomentumOf, StateOf, System};
 
 /// Steps of a trajectory along which a loss is differentiated, with the options of
 /// [`Trajectory::adjoint`].
@@ -109,9 +109,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     ///
     /// The loss is the sum of the numbers that a function returns for the number of a state, from 0
     /// for the present one, and the state, written with [dual numbers](Dual); `None` where a state
-    /// does not count. A gradient takes about 4 times the time of the steps by
-    /// [`Midpoint`](crate::Midpoint), about 10 times by [`Gauss<8>`](crate::Gauss), for a path of
-    /// any length. See [`adjoint`](Self::adjoint) for memory, and for parameters that are step
+    /// does not count. A gradient takes about 3 times the time of the steps by
+    /// [`Midpoint`](crate::Midpoint), 7 to 8 times by [`Gauss<8>`](crate::Gauss), and one such time
+    /// more for paths whose states are not all [kept](Adjoint::checkpoints). See [`adjoint`](Self::adjoint) for memory, and for parameters that are step
     /// functions of time. To differentiate by a few parameters only,
     /// [`step_with_derivatives`](crate::Integrator::step_with_derivatives) goes forwards.
     ///
@@ -144,9 +144,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// # }
     /// ```
     ///
-    /// The steps do not use the numbers that a trajectory carries, nor compensated sums, so they
-    /// agree with the steps of the trajectory to rounding. The noise is asked for the increments of
-    /// a step several times.
+    /// The states are those of the trajectory, bit for bit, except of one with compensated sums, with
+    /// which they agree to rounding. The noise is asked for the increments of a step several times.
     ///
     /// # Errors
     /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations
@@ -211,9 +210,10 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
 
 impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
     /// Sets the number of states that are kept at the same time, besides the first one. By default
-    /// it is √(2 steps), with which each step is made three times at most. With fewer states the
-    /// steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that are made
-    /// `r` + 1 times. [`Trajectory::adjoint`] has an example.
+    /// all states are kept if they take 16 MiB at most, and each step is made twice; else as many as
+    /// fit there, at least √(2 steps), with which a step is made three times at most. With fewer
+    /// states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that
+    /// are made `r` + 1 times. [`Trajectory::adjoint`] has an example.
     #[must_use]
     pub fn checkpoints(mut self, states: usize) -> Self {
         self.checkpoints = Some(states);
@@ -249,10 +249,14 @@ impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
             I::System::PARAMETERS.len(),
             steps.div_ceil(piece).max(1) as usize,
         );
-        let checkpoints = checkpoints.unwrap_or_else(|| enough(steps));
+        let size = size_of::<Kept<StateOf<I::System>>>();
+        let checkpoints = checkpoints.unwrap_or_else(|| enough(steps, size));
         trajectory.method.keep_held(trajectory.step);
+        let carried = trajectory.prepared.filter(|_| trajectory.low.is_none());
+        let prepared = carried.map_or_else(|| trajectory.method.prepare(trajectory.h), Ok)?;
         let mut sweep = Sweep {
-            prepared: trajectory.method.prepare(trajectory.h)?,
+            prepared,
+            at: 0,
             first: trajectory.step,
             method: trajectory.method,
             noise: trajectory.noise,

@@ -1,11 +1,12 @@
 //! The walk of a discrete adjoint from the last state of a path to the first.
 //!
 //! Input: the first state and the number of steps. Output: the loss with its derivatives.
-//! Invariant: the states that the walk reads are computed by the same steps, however many of them
-//! are kept.
+//! Invariant: the states that the walk reads are those of the trajectory, bit for bit, however many
+//! of them are kept.
 
 use core::borrow::Borrow as _;
 use core::cell::RefCell;
+use core::ops::Range;
 
 use super::checkpoints::distance;
 use crate::error::StepError;
@@ -21,10 +22,21 @@ use crate::system::{
     AnyIncrements as _, ConfigurationOf, DualStateOf, StateOf, System as _, VectorOf,
 };
 
+/// A state that is kept.
+pub(super) struct Kept<S> {
+    number: u64,
+    state: S,
+    /// The numbers that the method carries there.
+    memory: Vec<f64>,
+}
+
 /// The walk backwards.
 pub(super) struct Sweep<'a, I: Differentiable, W, F> {
     pub(super) method: Shared<'a, I>,
+    /// Values of the step, and the numbers that the method carries at the state [`at`](Self::at).
     pub(super) prepared: I::Prepared,
+    /// The number of the state that was walked to last.
+    pub(super) at: u64,
     pub(super) noise: W,
     /// Time before the first step of the trajectory.
     pub(super) start: f64,
@@ -54,23 +66,39 @@ where
         steps: u64,
         checkpoints: usize,
     ) -> Result<(), StepError> {
-        // The states that are kept, with their numbers.
-        let mut kept = vec![(0, first)];
+        let memory = self.method.memory(&self.prepared);
+        let (number, state) = (0, first);
+        let mut kept = vec![Kept {
+            number,
+            state,
+            memory,
+        }];
         let mut reached = steps;
         if steps == 0 {
             self.add_loss(0, &first)?;
         }
-        while let Some(&(at, state)) = kept.last().filter(|_| reached > 0) {
-            let left = reached - at;
-            let free = checkpoints.saturating_sub(kept.len() - 1);
+        while let Some(last) = kept.last().filter(|_| reached > 0) {
+            let left = reached - last.number;
+            let free = checkpoints.saturating_sub(kept.len() - 1) as u64;
             if left > 1 && free > 0 {
-                let ahead = at + distance(left, free as u64);
-                kept.push((ahead, self.state_at(ahead, at, state)?));
+                let number = last.number + distance(left, free);
+                let state = self.state_at(number, last)?;
+                // If each of the following states is kept, the walk begins at none of them.
+                let memory = if left <= free + 1 {
+                    Vec::new()
+                } else {
+                    self.method.memory(&self.prepared)
+                };
+                kept.push(Kept {
+                    number,
+                    state,
+                    memory,
+                });
                 continue;
             }
-            let before = self.state_at(reached - 1, at, state)?;
+            let before = self.state_at(reached - 1, last)?;
             if reached == steps {
-                let end = self.state_at(steps, steps - 1, before)?;
+                let end = self.steps(steps - 1..steps, before)?;
                 self.add_loss(steps, &end)?;
             }
             self.pull_back(reached - 1, &before)?;
@@ -83,21 +111,34 @@ where
         Ok(())
     }
 
-    /// Makes the steps from one state to another.
+    /// Returns a state, by steps from a kept one.
     fn state_at(
         &mut self,
         number: u64,
-        from: u64,
+        from: &Kept<StateOf<I::System>>,
+    ) -> Result<StateOf<I::System>, StepError> {
+        if from.number < number && from.number != self.at {
+            let is_recalled = self.method.recall(&mut self.prepared, &from.memory);
+            debug_assert!(is_recalled, "numbers of the same method");
+        }
+        self.steps(from.number..number, from.state)
+    }
+
+    /// Makes steps as the trajectory does.
+    fn steps(
+        &mut self,
+        steps: Range<u64>,
         mut state: StateOf<I::System>,
     ) -> Result<StateOf<I::System>, StepError> {
-        for step in from..number {
+        for step in steps {
             let dw = self.increments(step, state.t)?;
             let end = time_of_next(self.start, self.first + step + 1, self.h, state.t)?;
             let number = self.first + step;
             self.method.hold(&mut self.prepared, 0, number, &state)?;
-            let method = &*self.method;
-            method.step_prepared(&self.prepared, &mut state, self.h, dw.borrow())?;
+            let (method, prepared) = (&*self.method, &mut self.prepared);
+            method.next_step(prepared, &mut state, self.h, dw.borrow())?;
             state.t = end;
+            self.at = step + 1;
         }
         Ok(state)
     }
@@ -191,7 +232,7 @@ where
     }
 
     /// Returns the places of the derivatives by the parameters in the piece of a step.
-    fn range_of(&self, step: u64) -> core::ops::Range<usize> {
+    fn range_of(&self, step: u64) -> Range<usize> {
         let (parameters, piece) = (I::System::PARAMETERS.len(), (step / self.piece) as usize);
         piece * parameters..(piece + 1) * parameters
     }
