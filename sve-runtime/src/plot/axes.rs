@@ -302,6 +302,20 @@ mod tests {
         }
     }
 
+    #[test]
+    fn axes_without_labels_are_near_their_names() {
+        let frame = |labels| {
+            let axis = || Axis {
+                labels,
+                ..Axis::new("x", 0.0..1.0)
+            };
+            Frame::new(&Panel::new("", axis(), axis()), (2000, 2000)).unwrap()
+        };
+        let ([left, top, right, bottom], with) = (frame(0).edges, frame(6).edges);
+        assert!(left < with[0] && bottom > with[3], "{left} {bottom}");
+        assert_eq!([top, right], [with[1], with[2]]);
+    }
+
     /// Checks that points and lines may be anywhere.
     #[test]
     fn far_points_do_not_overflow() {

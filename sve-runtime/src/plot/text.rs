@@ -78,9 +78,9 @@ pub(super) fn width(text: &str, size: f64) -> f64 {
     widths.sum()
 }
 
-/// Divides a text into lines of at most this width: between words, not at a no-break space, or within a word that is longer
-/// than a line. If the text needs more than `most` lines, the rest is left out, and the last line
-/// ends with `…`.
+/// Divides a text into lines of at most this width: between words, not at a no-break space, or
+/// within a word that is longer than a line. If the text needs more than `most` lines, the rest is
+/// left out, and the last line ends with `…`.
 pub(super) fn lines(text: &str, size: f64, widest: f64, most: usize) -> Vec<String> {
     let fits = |text: &str| width(text, size) <= widest;
     let mut lines = vec![String::new()];
@@ -145,6 +145,10 @@ mod tests {
         assert_eq!(lines("two words", NAME, 500.0, 3), ["two words"]);
         assert_eq!(lines("two words", NAME, 45.0, 3), ["two", "words"]);
         assert_eq!(lines("", NAME, 45.0, 3), [""]);
+        assert_eq!(
+            lines("at h\u{a0}=\u{a0}1", NAME, 45.0, 3),
+            ["at", "h\u{a0}=\u{a0}1"]
+        );
         let name = "a_long_name_of_an_observable_without_any_space_in_it";
         let parts = lines(name, NAME, 90.0, 9);
         assert_eq!(parts.concat(), name);
