@@ -110,8 +110,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// The loss is the sum of the numbers that a function returns for the number of a state, from 0
     /// for the present one, and the state, written with [dual numbers](Dual); `None` where a state
     /// does not count. A gradient takes about 3 times the time of the steps by
-    /// [`Midpoint`](crate::Midpoint), 7 to 8 times by [`Gauss<8>`](crate::Gauss), and one such time
-    /// more for paths whose states are not all [kept](Adjoint::checkpoints). See
+    /// [`Midpoint`](crate::Midpoint), 7 to 8 times by [`Gauss<8>`](crate::Gauss), and up to one such
+    /// time more for paths whose states are not all [kept](Adjoint::checkpoints). See
     /// [`adjoint`](Self::adjoint) for memory, and for parameters that are step functions of time. To
     /// differentiate by a few parameters only,
     /// [`step_with_derivatives`](crate::Integrator::step_with_derivatives) goes forwards.
