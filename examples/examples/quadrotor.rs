@@ -296,6 +296,6 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let integrator = Integrator::new(QUADROTOR, StormerVerlet);
     println!("{}\n", integrator.plan().structure());
     let righted = path(start(150.0), true, 1, 1000)?;
-    let caption = "A controller reads the state once a step of 0.005 and holds the thrust and three torques over it. Left: it rights the vehicle from a tilt of 150 degrees; the propellers only push, so it falls meanwhile. Right: torques of gusts in the frame of the body, seed 7.";
+    let caption = "A controller reads the state once a step of 0.005 and holds the thrust and three torques over it. Left: it rights the vehicle from a tilt of 150 degrees; the propellers only push, so it falls meanwhile. Right: the torques of the gusts act in the frame of the body. Seed 1, and 2 on the right.";
     report("Quadrotor", &figure(&righted)?, caption, &checks(&righted)?)
 }

@@ -187,7 +187,8 @@ pub enum StepError {
         /// The message of the panic.
         message: String,
     },
-    /// The time scale of a system is not positive and finite at a node of a step.
+    /// The time scale of a system is not positive and finite at a node of a step, or at the place to
+    /// which the velocity at its start leads.
     #[error(
         "the time scale is {scale} at q = {q:?}, in the step from t = {t} with h = {h:e}: \
          a function with `#[time_scale]` is positive and finite wherever the motion comes; look at it there, or take a smaller h"
@@ -202,7 +203,7 @@ pub enum StepError {
         /// The value of the time scale.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         scale: f64,
-        /// The configuration at the node.
+        /// The configuration there.
         q: Vec<f64>,
     },
     /// The step size is zero or not finite.

@@ -152,7 +152,7 @@ struct Net {
     bonds: Vec<[usize; 2]>,
 }
 
-#[variational(stormer_verlet, endpoint, midpoint)]
+#[variational(stormer_verlet, midpoint)]
 impl Net {
     fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
         let mut l = 0.0;

@@ -41,4 +41,4 @@ mod tests;
 
 pub use driver::expand;
 pub use operations::{CALL, Operations};
-pub use settings::Settings;
+pub use settings::{Derivatives, Settings};

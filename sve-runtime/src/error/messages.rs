@@ -70,7 +70,7 @@ pub(super) fn iteration_limit(iterations: u32) -> &'static str {
 
 /// The message of `StepError::BranchLost`.
 pub(super) fn branch_lost(t: f64, h: f64, dw: &[f64], step: f64, reached: f64) -> String {
-    let knobs = "take a smaller h, or let the trajectory do so with `refine`";
+    let knobs = "take a smaller h, or let the trajectory do so with `refine` where it has that";
     if step < 1.0 {
         return format!(
             "the step from t = {t} with h = {h:e}: its solution was followed from h = 0 without noise and lost at {step:.3} of h, \

@@ -12,6 +12,7 @@ use super::modes::SingleMode;
 use super::step::solve_step;
 use super::steps::{Prepared, Steps, walk_on};
 use crate::error::StepError;
+use crate::mechanics::Mechanics;
 use crate::mechanics::time_scale::{TimeScale, WithTimeScale, is_time_scale};
 use crate::method::OneStepMethod;
 use crate::phase::configuration::{Coordinates, FlatConfiguration, two_sum};
@@ -200,15 +201,25 @@ where
         Ok(())
     }
 
-    /// Returns the error of a step that failed, with its time.
+    /// Returns the error of a step that failed, with its time: that of the time scale, if it has no
+    /// value at the start, or at the place to which the velocity at the start leads.
     #[cold]
     fn explain(&self, error: StepError, state: &State<Q>, h: f64) -> StepError {
-        let (t, scale) = (state.t, self.integrator.system().time_scale(state));
-        let q = state.to_coordinates().q.values();
-        if !is_time_scale(scale) && t.is_finite() && q.iter().all(|x| x.is_finite()) {
-            return StepError::TimeScale { t, h, scale, q };
-        }
-        error.at_time(t)
+        let (system, t) = (self.system(), state.t);
+        let without_scale = |at: &State<Q>| {
+            let (scale, q) = (system.time_scale(at), at.to_coordinates().q.values());
+            let is_place = t.is_finite() && q.iter().all(|x| x.is_finite());
+            (is_place && !is_time_scale(scale)).then_some(StepError::TimeScale { t, h, scale, q })
+        };
+        let ahead = || {
+            let v = system.velocity(state).ok()?;
+            let mut end = state.to_coordinates();
+            let dq = Q::components(&v).map(|v| h * v);
+            end.q = Q::Flat::moved(&end, &dq, &[0.0; N]).0;
+            Some(State::from_coordinates(&end))
+        };
+        let reason = without_scale(state).or_else(|| without_scale(&ahead()?));
+        reason.unwrap_or_else(|| error.at_time(t))
     }
 }
 

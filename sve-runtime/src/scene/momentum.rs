@@ -27,7 +27,9 @@ impl AddAssign<f64> for PartialSums {
 }
 
 impl PartialSums {
-    fn total(self) -> f64 {
+    /// Returns the sum of the partial sums, which are added in pairs.
+    #[inline(always)]
+    pub fn total(self) -> f64 {
         let mut parts = self.parts;
         let mut half = PARTS / 2;
         while half > 0 {

@@ -5,6 +5,7 @@
 
 use core::cell::RefCell;
 use core::fmt;
+use core::iter::Take;
 
 use super::{Snapshot, Trajectory};
 use crate::error::StepError;
@@ -138,6 +139,33 @@ impl<S: WithInputs + StepsWithoutInputs, R, W> Iterator for NeedsInputs<'_, S, R
 
     fn next(&mut self) -> Option<Self::Item> {
         Some(S::step(&mut self.state).map(|()| self.state.clone()))
+    }
+}
+
+/// As the methods of its iterator, whose errors would not name the call that compiles.
+impl<S: WithInputs, R, W> NeedsInputs<'_, S, R, W> {
+    #[doc(hidden)]
+    pub fn last(self) -> Option<Result<StateOf<S>, StepError>>
+    where
+        S: StepsWithoutInputs,
+    {
+        Iterator::last(self)
+    }
+
+    #[doc(hidden)]
+    pub fn nth(&mut self, step: usize) -> Option<Result<StateOf<S>, StepError>>
+    where
+        S: StepsWithoutInputs,
+    {
+        Iterator::nth(self, step)
+    }
+
+    #[doc(hidden)]
+    pub fn take(self, steps: usize) -> Take<Self>
+    where
+        S: StepsWithoutInputs,
+    {
+        Iterator::take(self, steps)
     }
 }
 

@@ -44,6 +44,16 @@ impl Driven {
     }
 }
 
+/// With a second input that nothing reads.
+struct Unread;
+
+#[variational(midpoint)]
+impl Unread {
+    fn lagrangian(&self, q: f64, v: f64, u: [f64; 2]) -> f64 {
+        0.5 * v * v + u[0] * q
+    }
+}
+
 type Noisy = Integrator<Pendulum, Midpoint>;
 type Staged = Integrator<Pendulum, StageNoise<Gauss<3>>>;
 type Start = State<[f64; 1]>;

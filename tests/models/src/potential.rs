@@ -1,13 +1,14 @@
 //! Systems with the option `weak2`, and systems whose Lagrangian contains the potential of the
 //! option explicitly.
 
-use sve_comparison::compared;
+use sve_comparison::compared_with_derivatives;
 use sve_runtime::prelude::*;
 
-/// Two systems with the same functions: one with the option, and one whose Lagrangian has the
-/// potential.
+/// Systems with the same functions: one with the option, one whose Lagrangian has the potential,
+/// and one whose steps are also derived without structure.
 macro_rules! both {
-    ($system:ident $by_hand:ident $size:literal $functions:tt) => {
+    ($system:ident $by_hand:ident $unstructured:ident $size:literal $functions:tt) => {
+        both! { @with_option $unstructured (compared_with_derivatives) (gauss(2, weak2), gauss(4, weak2)) $size $functions }
         both! {
             $system (
                 midpoint,
@@ -33,7 +34,7 @@ macro_rules! both {
             $size $functions
         }
     };
-    ($system:ident $rules:tt $by_hand:ident $rules_by_hand:tt $size:literal { $($functions:tt)* }) => {
+    (@with_option $system:ident ($attribute:ident) $rules:tt $size:literal { $($functions:tt)* }) => {
         /// The system with the option.
         #[derive(Clone, Debug)]
         pub struct $system {
@@ -43,7 +44,7 @@ macro_rules! both {
             pub m: f64,
         }
 
-        #[compared $rules]
+        #[$attribute $rules]
         impl $system {
             /// L.
             pub fn lagrangian(&self, t: f64, q: [f64; $size], v: [f64; $size]) -> f64 {
@@ -52,6 +53,9 @@ macro_rules! both {
 
             $($functions)*
         }
+    };
+    ($system:ident $rules:tt $by_hand:ident $rules_by_hand:tt $size:literal { $($functions:tt)* }) => {
+        both! { @with_option $system (variational) $rules $size { $($functions)* } }
 
         /// The system with the potential.
         #[derive(Clone, Debug)]
@@ -76,7 +80,7 @@ macro_rules! both {
     };
 }
 
-both!(Well WellByHand 1 {
+both!(Well WellByHand WellUnstructured 1 {
     fn l(&self, _t: f64, q: [f64; 1], v: [f64; 1]) -> f64 {
         0.5 * self.m * v[0] * v[0] - 0.25 * (q[0] * q[0] - 1.0).powi(2)
     }
@@ -93,7 +97,7 @@ both!(Well WellByHand 1 {
     }
 });
 
-both!(Heavy HeavyByHand 1 {
+both!(Heavy HeavyByHand HeavyUnstructured 1 {
     fn l(&self, _t: f64, q: [f64; 1], v: [f64; 1]) -> f64 {
         0.5 * (self.m + 0.25 * q[0] * q[0]) * v[0] * v[0] + q[0].cos()
     }
@@ -117,7 +121,7 @@ both!(Heavy HeavyByHand 1 {
 });
 
 // The angles of a double pendulum, both shaken by noise that changes with time.
-both!(Pendulums PendulumsByHand 2 {
+both!(Pendulums PendulumsByHand PendulumsUnstructured 2 {
     fn l(&self, _t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
         self.m * v[0] * v[0] + 0.5 * v[1] * v[1] + (q[0] - q[1]).cos() * v[0] * v[1]
             + 2.0 * q[0].cos() + q[1].cos()

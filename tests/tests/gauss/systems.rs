@@ -1,6 +1,6 @@
 //! Systems of these tests, each with one feature that the equations of the stages have to treat.
 
-use sve_comparison::compared;
+use sve_comparison::compared_with_derivatives;
 use sve_runtime::prelude::*;
 
 /// L = v²/2 + g cos q: of second order.
@@ -114,7 +114,7 @@ pub(crate) struct Everything {
     pub(crate) sigma: [f64; 2],
 }
 
-#[compared(gauss(2), gauss(4))]
+#[compared_with_derivatives(gauss(2), gauss(4))]
 impl Everything {
     fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
         let mass = self.m * (1.0 + 0.1 * t.sin()) + 0.25 * q[1] * q[1];
@@ -177,7 +177,7 @@ pub(crate) struct Wells {
     pub(crate) sigma: f64,
 }
 
-#[compared(gauss(4))]
+#[compared_with_derivatives(gauss(4))]
 impl Wells {
     fn lagrangian(&self, t: f64, q: [f64; 2], v: [f64; 2]) -> f64 {
         let [m0, m1, m2] = self.m;

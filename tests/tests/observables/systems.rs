@@ -6,7 +6,7 @@ use sve_runtime::prelude::*;
 #[derive(Clone, Copy)]
 pub(crate) struct Oscillator;
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2), gauss(4))]
+#[variational(midpoint, gauss(4))]
 impl Oscillator {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v - 0.5 * q * q
@@ -73,7 +73,7 @@ pub(crate) struct Pendulum {
     pub(crate) sigma: f64,
 }
 
-#[variational(midpoint, stormer_verlet, gauss(3))]
+#[variational(midpoint, stormer_verlet)]
 impl Pendulum {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v + q.cos()

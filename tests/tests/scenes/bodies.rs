@@ -147,7 +147,7 @@ const PAIRS: [[usize; 2]; 5] = [[0, 2], [0, 3], [2, 5], [3, 6], [4, 6]];
 const NEAR: [usize; 3] = [0, 2, 4];
 const MASS: [f64; 7] = [1.0, 2.0, 1.5, 1.0, 3.0, 1.0, 0.5];
 
-#[variational(initial_point, endpoint, stormer_verlet)]
+#[sve_comparison::stepped(initial_point, endpoint, stormer_verlet)]
 impl Written {
     fn lagrangian(&self, q: [Vector3<f64>; 7], v: [Vector3<f64>; 7]) -> f64 {
         let mut l = 0.0;

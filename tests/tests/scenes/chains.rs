@@ -184,6 +184,14 @@ fn noisy_chains_step_as_unrolled_ones() {
         array::<8>(10)
     );
     compare!(
+        compositions each {
+            sigma: sigma.clone()
+        },
+        array::<8>(7),
+        array::<8>(8),
+        array::<8>(10)
+    );
+    compare!(
         listed { sigma: 0.6 },
         array::<8>(7),
         array::<8>(8),

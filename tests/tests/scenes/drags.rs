@@ -186,6 +186,16 @@ fn forces_of_velocities_are_those_of_unrolled_systems() {
         dw
     );
     compare!(
+        compositions pairs {
+            m: m.clone(),
+            gamma: 0.7,
+            sigma: 0.3
+        },
+        rows::<8>(1),
+        rows::<8>(2),
+        dw
+    );
+    compare!(
         explicit magnetic {
             b: spread(6, 9),
             k: 0.4,

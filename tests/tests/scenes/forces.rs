@@ -104,6 +104,16 @@ fn forces_of_scenes_are_those_of_unrolled_systems() {
         numbers(2),
         numbers(4).map(|x| 0.2 * x)
     );
+    compare!(
+        compositions chain {
+            nu: nu.clone(),
+            sigma: 0.4,
+            push: 0.7
+        },
+        numbers(1),
+        numbers(2),
+        numbers(4).map(|x| 0.2 * x)
+    );
     let vectors = |seed| -> [Vector3<f64>; 5] {
         let x = spread(15, seed);
         std::array::from_fn(|i| Vector3::from_column_slice(&x[3 * i..3 * i + 3]))

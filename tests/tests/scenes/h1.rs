@@ -26,11 +26,10 @@ macro_rules! both_h1 {
             }
         }
         pub(crate) mod unrolled {
-            use sve_runtime::prelude::*;
             #[derive(Clone, Debug)]
             pub(crate) struct System { $(pub(crate) $field: $ty),* }
 
-            #[variational($($rule),*)]
+            #[sve_comparison::stepped($($rule),*)]
             impl System {
                 fn lagrangian(&$this, $q: [$($row)*; $n], $v: [$($row)*; $n]) -> f64 { $($body)* }
                 $($unrolled)*

@@ -41,7 +41,7 @@ struct Unrolled {
     s: f64,
 }
 
-#[variational(endpoint, initial_point, midpoint, stormer_verlet)]
+#[sve_comparison::stepped(endpoint, initial_point, midpoint, stormer_verlet)]
 impl Unrolled {
     fn lagrangian(&self, q: [f64; 7], v: [f64; 7], u: [f64; 2]) -> f64 {
         let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
@@ -164,7 +164,7 @@ struct Pair<'a> {
     mass: &'a [f64; 2],
 }
 
-#[variational(midpoint, stormer_verlet)]
+#[sve_comparison::stepped(midpoint, stormer_verlet)]
 impl Pair<'_> {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2], u: f64) -> f64 {
         let mut l = 0.0;

@@ -48,7 +48,7 @@ struct Unrolled {
     s: [f64; 3],
 }
 
-#[variational(endpoint, initial_point, midpoint, stormer_verlet)]
+#[sve_comparison::stepped(endpoint, initial_point, midpoint, stormer_verlet)]
 impl Unrolled {
     fn lagrangian(&self, q: [f64; 7], v: [f64; 7]) -> f64 {
         let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();

@@ -1,5 +1,6 @@
 //! Conditions on numbers, and rounded numbers: L is smooth between their steps only.
 
+use sve_runtime::Plan;
 use sve_runtime::prelude::*;
 
 use crate::common::spread;
@@ -32,6 +33,35 @@ impl Periodic {
         }
         l
     }
+}
+
+/// The plan says it of scenes whose conditions or rounded numbers depend on the state, and of no
+/// others.
+#[test]
+fn plans_say_what_is_only_piecewise_smooth() {
+    struct Parameters {
+        side: f64,
+        cut: f64,
+    }
+    #[variational(endpoint)]
+    impl Parameters {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            let mut l = 0.0;
+            for i in 0..q.len() {
+                l += 0.5 * v[i] * v[i] - self.side.round() * q[i] * q[i];
+                if i % 2 == 0 && self.side < self.cut {
+                    l -= q[i].powi(4);
+                }
+            }
+            l
+        }
+    }
+    let [side, cut] = [3.0, 4.0];
+    let smooth = Integrator::new(Parameters { side, cut }, Endpoint).plan();
+    let rough = Periodic { side, cut2: 1.2 };
+    let rough = Integrator::new(rough, StormerVerlet).plan();
+    let says = |plan: &Plan| plan.to_string().contains("only piecewise smooth");
+    assert_eq!([says(smooth), says(rough)], [false, true]);
 }
 
 #[test]

@@ -152,7 +152,58 @@ fn the_plan_lists_what_steps_conserve() {
     assert_eq!(composed.conserved, ["along_momentum", "turn_momentum"]);
 }
 
-/// The terms are added to eight partial sums in turn, and these in pairs.
+/// The sum of numbers that are added to eight partial sums in turn, and these in pairs.
+fn in_eight_parts(numbers: &[f64]) -> f64 {
+    let mut parts = [0.0; 8];
+    for (at, x) in numbers.iter().enumerate() {
+        parts[at % 8] += x;
+    }
+    let [a, b, c, d, e, f, g, h] = parts;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// Scenes of which one has the energy Σq and the other (Σq)².
+mod weights {
+    use sve_runtime::prelude::*;
+
+    pub(crate) struct Alone;
+
+    #[variational(endpoint)]
+    impl Alone {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            (0..q.len()).map(|i| 0.5 * v[i] * v[i] - q[i]).sum()
+        }
+    }
+
+    pub(crate) struct Squared;
+
+    #[variational(endpoint)]
+    impl Squared {
+        fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+            let kinetic: f64 = (0..q.len()).map(|i| 0.5 * v[i] * v[i]).sum();
+            let total: f64 = q.iter().sum();
+            kinetic - total * total
+        }
+    }
+}
+
+/// The energy, and a sum that enters a formula.
+#[test]
+fn sums_over_sites_have_the_bits_of_eight_partial_sums() {
+    let n = 1003;
+    let state = State::new(spread(n, 1), vec![0.0; n]);
+    let (sum, plain) = (in_eight_parts(&state.q), state.q.iter().sum::<f64>());
+    assert_ne!(sum.to_bits(), plain.to_bits());
+    let alone = weights::Alone.hamiltonian(&state).expect("an energy");
+    assert_eq!(alone.to_bits(), sum.to_bits());
+    let squared = weights::Squared.hamiltonian(&state).expect("an energy");
+    assert_eq!(squared.to_bits(), (sum * sum).to_bits());
+    let flow = Integrator::new(weights::Squared, Endpoint);
+    let mut after = state.clone();
+    flow.step(&mut after, 0.5, &[]).expect("a step");
+    assert_eq!(after.p[7].to_bits(), (-0.5 * (2.0 * sum)).to_bits());
+}
+
 #[test]
 fn a_momentum_has_the_bits_of_eight_partial_sums() {
     let n = 1003;
@@ -162,12 +213,7 @@ fn a_momentum_has_the_bits_of_eight_partial_sums() {
         sigma: 0.0,
     };
     let state = State::new(spread(n, 1), spread(n, 2));
-    let mut parts = [0.0; 8];
-    for (at, p) in state.p.iter().enumerate() {
-        parts[at % 8] += p;
-    }
-    let [a, b, c, d, e, f, g, h] = parts;
-    let expected = ((a + e) + (c + g)) + ((b + f) + (d + h));
+    let expected = in_eight_parts(&state.p);
     let found: f64 = ring.shift_momentum(&state).expect("a momentum");
     assert_eq!(found.to_bits(), expected.to_bits());
     let plain: f64 = state.p.iter().sum();

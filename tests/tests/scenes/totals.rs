@@ -72,6 +72,16 @@ fn mean_fields_step_like_unrolled_ones() {
         p,
         [0.2]
     );
+    compare!(
+        compositions rotors {
+            j: 0.8,
+            sigma: 0.3,
+            mass: mass.clone()
+        },
+        q,
+        p,
+        [0.2]
+    );
 }
 
 #[test]

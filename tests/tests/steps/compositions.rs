@@ -247,7 +247,6 @@ fn compositions_have_all_modes_of_a_step() {
     has_all_modes(Split::new(BlanesMoan4), bound, 1e-14);
     has_all_modes(Split::new(BlanesMoanRkn6), bound, 1e-14);
     has_all_modes(nested(StormerVerlet), 1e-13, 1e-12);
-    has_all_modes(nested(Midpoint), 1e-13, 1e-12);
 }
 
 /// The outer step is 17 steps by the inner composition, bit for bit.

@@ -47,7 +47,7 @@ impl Comet {
 /// A double pendulum with masses and lengths 1, whose mass matrix depends on the configuration.
 struct DoublePendulum;
 
-#[variational(midpoint, gauss(4), gauss(8))]
+#[variational(gauss(4), gauss(8))]
 impl DoublePendulum {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         let mixed = v[0] * v[1] * (q[0] - q[1]).cos();

@@ -23,7 +23,7 @@ pub(crate) struct Pendulum {
     pub(crate) g: f64,
 }
 
-#[variational(midpoint, gauss(4), gauss(6), gauss(8))]
+#[variational(gauss(4), gauss(6), gauss(8))]
 impl Pendulum {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * v * v + self.g * q.cos()

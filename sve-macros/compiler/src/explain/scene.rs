@@ -11,6 +11,7 @@ use crate::model::scene::{Processes, SceneNames, SceneNoise};
 use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
 
 const CHEBYSHEV: &str = "Chebyshev";
+const PIECEWISE: &str = "only piecewise smooth: it jumps or bends where a condition on numbers changes, or a rounded number";
 
 /// The texts about a scene.
 #[allow(clippy::struct_excessive_bools)] // properties that do not depend on one another
@@ -28,6 +29,7 @@ pub(crate) struct SceneTexts {
     in_drifts: [Vec<String>; 3],
     /// Whose iteration solves a step of the midpoint rule.
     iteration: &'static str,
+    is_piecewise: bool,
     has_masses: bool,
     has_gamma: bool,
     has_forces: bool,
@@ -141,6 +143,7 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         } else {
             "Richardson"
         },
+        is_piecewise: derived.scene.is_piecewise(arena),
         has_masses,
         has_gamma,
         has_forces,
@@ -149,11 +152,12 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
 }
 
 impl SceneTexts {
-    /// Returns L, the noises, the forces and the conserved momenta.
+    /// Returns L, the noises, the forces, whether they are smooth, and the conserved momenta.
     pub(crate) fn system(&self) -> String {
         let momenta = self.momenta.iter().map(|(_, text)| text.as_str());
-        let lines: Vec<&str> = [self.system.as_str()].into_iter().chain(momenta).collect();
-        lines.join("\n")
+        let lines = [self.system.as_str()].into_iter();
+        let lines = lines.chain(self.is_piecewise.then_some(PIECEWISE));
+        lines.chain(momenta).collect::<Vec<_>>().join("\n")
     }
 
     /// Returns the momentum of a symmetry.

@@ -102,6 +102,16 @@ impl Model {
         self.v.len()
     }
 
+    /// Returns the formulas of L, the noises and the force.
+    pub(crate) fn formulas(&self) -> impl Iterator<Item = Expr> + '_ {
+        let noises = self.noises.iter().flat_map(|noise| {
+            let force = noise.force.iter().flatten();
+            force.copied().chain([noise.hamiltonian])
+        });
+        let force = self.force.iter().flatten().copied();
+        noises.chain(force).chain([self.lagrangian])
+    }
+
     pub(crate) fn configuration(&self) -> &Configuration {
         &self.symbols.configuration
     }

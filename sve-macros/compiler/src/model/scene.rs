@@ -230,6 +230,36 @@ impl Scene {
         std::iter::successors(sum, |sum| self.sums[sum.0].parent)
     }
 
+    /// Returns the formulas of L, the noises and the forces.
+    pub(crate) fn formulas(&self) -> impl Iterator<Item = Expr> + '_ {
+        let sums = self.sums.iter().flat_map(|sum| {
+            let conditions = sum.head.numbers().into_iter();
+            conditions.chain([sum.summand])
+        });
+        let listed = self.noises.iter().flat_map(|noise| match &noise.processes {
+            Processes::Listed(list) => list.as_slice(),
+            Processes::Each(_) => &[],
+        });
+        sums.chain(listed.copied()).chain([self.lagrangian])
+    }
+
+    /// Returns whether a condition on numbers or a rounded number depends on the state or the time.
+    /// The functions of the scene are then smooth only between its jumps.
+    pub(crate) fn is_piecewise(&self, arena: &Arena) -> bool {
+        let conditions = self.sums.iter().flat_map(|sum| sum.head.numbers());
+        let rounded = self.slots.iter().filter_map(|slot| match slot.array {
+            SlotArray::Rounded(number) => Some(number),
+            _ => None,
+        });
+        let moves = |symbol| {
+            let slot = self.slot(symbol);
+            symbol == self.time || slot.is_some_and(|slot| slot.array.moves())
+        };
+        conditions
+            .chain(rounded)
+            .any(|number| arena.symbols_of(number).any(moves))
+    }
+
     /// Returns whether a head stands for what is outside of all loops.
     pub(crate) fn is_once(&self, head: &Head) -> bool {
         let Head::For { from, to, .. } = *head else {

@@ -33,7 +33,7 @@ struct Curl {
     sigma: f64,
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Curl {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * (q[0] * q[0] + q[1] * q[1])
@@ -52,7 +52,7 @@ struct Turned {
     s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Turned {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         0.5 * (v[0] * v[0] + v[1] * v[1]) - 0.5 * q[0] * q[0] - q[1] * q[1]
@@ -76,7 +76,7 @@ struct Mixed {
     s: [f64; 2],
 }
 
-#[variational(initial_point, endpoint, midpoint, stormer_verlet, gauss(2))]
+#[variational(initial_point, endpoint, midpoint, stormer_verlet)]
 impl Mixed {
     fn lagrangian(&self, q: f64, v: f64) -> f64 {
         0.5 * (1.0 + 0.3 * q * q) * v * v - 0.5 * q * q

@@ -156,7 +156,7 @@ struct TorqueAndTurn {
     f: Vector3<f64>,
 }
 
-#[variational(midpoint, stormer_verlet)]
+#[variational(midpoint)]
 impl TorqueAndTurn {
     fn lagrangian(&self, _r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
         0.5 * (0.8 * w.x * w.x + 1.1 * w.y * w.y + 1.7 * w.z * w.z)

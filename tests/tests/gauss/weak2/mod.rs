@@ -5,7 +5,8 @@ mod systems;
 
 use sve_models::orders::numbers;
 use sve_models::potential::{
-    Additive, Heavy, HeavyByHand, Pendulums, PendulumsByHand, Well, WellByHand,
+    Additive, Heavy, HeavyByHand, HeavyUnstructured, Pendulums, PendulumsByHand,
+    PendulumsUnstructured, Well, WellByHand, WellUnstructured,
 };
 use sve_models::random::Random;
 use sve_models::steps::{check_return, check_tangent};
@@ -168,9 +169,9 @@ fn steps_are_those_of_the_unrolled_action() {
         )*)*};
     }
     check! {
-        Well 2: 2 4;
-        Heavy 1: 2 4;
-        Pendulums 2: 2 4;
+        WellUnstructured 2: 2 4;
+        HeavyUnstructured 1: 2 4;
+        PendulumsUnstructured 2: 2 4;
         Stretched 2: 2 4;
     }
 }

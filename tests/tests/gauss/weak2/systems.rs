@@ -1,6 +1,6 @@
 //! Systems with the option `weak2` whose noise moves the position.
 
-use sve_comparison::compared;
+use sve_comparison::compared_with_derivatives;
 use sve_runtime::prelude::*;
 
 /// H = ½p²w + ½kq² with H₁ = ½(aq² + bp²).
@@ -39,7 +39,7 @@ pub(crate) struct Stretched {
     pub(crate) m: f64,
 }
 
-#[compared(gauss(2, weak2), gauss(4, weak2))]
+#[compared_with_derivatives(gauss(2, weak2), gauss(4, weak2))]
 impl Stretched {
     fn lagrangian(&self, t: f64, q: f64, v: f64) -> f64 {
         0.5 * (self.m + 0.5 * q * q) * v * v + self.m * q * q * v + q.cos() * (1.0 + 0.2 * t)

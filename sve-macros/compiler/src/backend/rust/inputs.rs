@@ -2,12 +2,16 @@
 //! path, beside the system, for which steps are derived, and the implementation of `WithInputs` or
 //! `WithTimeScale`. Formulas read a field of the system as `self.m`, through `Deref`.
 
+use std::collections::HashSet;
+
 use proc_macro2::{Group, Ident, Literal, Span, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
+use syn::spanned::Spanned;
 use syn::{Lifetime, Type, parse_quote};
 
 use super::attributes;
-use crate::model::Symbols;
+use crate::algebra::{Arena, Expr, Symbol};
+use crate::model::{Meaning, Symbols};
 use crate::syntax::parse::{Annotated, is_f64};
 
 /// Returns the type whose steps are derived.
@@ -59,6 +63,38 @@ fn each_elided(tokens: TokenStream, name: &mut impl FnMut() -> Ident) -> TokenSt
         }
     });
     tokens.collect()
+}
+
+/// Returns a warning at the type of `u` for each of its numbers that no formula reads.
+pub(super) fn unread(
+    block: &Annotated,
+    symbols: &Symbols,
+    formulas: impl Iterator<Item = Expr>,
+    arena: &Arena,
+) -> TokenStream {
+    let Some(input) = &block.inputs else {
+        return TokenStream::new();
+    };
+    let read: HashSet<Symbol> = formulas.flat_map(|of| arena.symbols_of(of)).collect();
+    let inputs = symbols.parameters().filter(|symbol| {
+        let meaning = symbols.meaning(*symbol);
+        matches!(meaning, Meaning::Parameter { input: Some(_), .. }) && !read.contains(symbol)
+    });
+    let at = input.span().resolved_at(Span::call_site());
+    let warnings = inputs.map(|symbol| {
+        let number = symbols.source(symbol);
+        let note =
+            format!("no function of the block reads `{number}`: use it, or leave it out of `u`");
+        let name = Ident::new("INPUT", at);
+        quote! {
+            const _: () = {
+                #[deprecated(note = #note)]
+                const #name: () = ();
+                #name
+            };
+        }
+    });
+    warnings.collect()
 }
 
 /// Returns the implementations together with the type that holds inputs or an energy, if the block

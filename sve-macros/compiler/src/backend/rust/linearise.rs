@@ -17,6 +17,12 @@ pub(super) fn linearise(
     derived: &Derived,
     open_state: &TokenStream,
 ) -> TokenStream {
+    let derivatives = context.settings.derivatives;
+    if !derivatives.include(derived.is_unstructured) {
+        return quote!(::core::panic!(
+            "the derivatives of this step are not derived"
+        ));
+    }
     let Linearisation {
         unknowns,
         outputs,

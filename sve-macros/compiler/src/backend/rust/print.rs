@@ -50,6 +50,12 @@ pub(crate) fn print(derivation: &Derivation) -> TokenStream {
         let texts = explain::step(derived, classified);
         output.extend(rule(&Context { arena, ..context }, derived, &texts));
     }
+    output.extend(inputs::unread(
+        block,
+        &model.symbols,
+        model.formulas(),
+        arena,
+    ));
     let of = (context.block, &context.model.symbols);
     bounded(inputs::within(context.private, of, output))
 }

@@ -287,7 +287,11 @@ impl Loops<'_> {
             let place = total(of.number);
             let loops = self.values(&of.summands);
             quote! {
-                let total = { let mut value = 0f64; #loops value };
+                let total = {
+                    let mut value = #private::scene::PartialSums::default();
+                    #loops
+                    value.total()
+                };
                 #place = total;
             }
         });
@@ -342,9 +346,9 @@ impl Loops<'_> {
             ) -> ::core::result::Result<f64, #private::scene::IndexError> {
                 let n = q.len();
                 #totals
-                let mut value = 0f64;
+                let mut value = #private::scene::PartialSums::default();
                 #loops
-                ::core::result::Result::Ok(value)
+                ::core::result::Result::Ok(value.total())
             }
         }
     }

@@ -14,7 +14,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::function::Formulas;
-use super::inputs::{stepped, within};
+use super::inputs::{stepped, unread, within};
 use super::{bounded, private};
 use crate::algebra::Arena;
 use crate::explain;
@@ -59,7 +59,9 @@ pub(crate) fn print(
     let rules = block.arguments.rules.iter();
     let rules = rules.map(|listed| context.rule(listed.rule));
     let momenta = context.momenta();
-    let stepped = quote!(#system #scene #slopes #(#rules)*);
-    let stepped = within(private, (block, &derived.scene.symbols), stepped);
+    let (symbols, read) = (&derived.scene.symbols, derived.scene.formulas());
+    let unread = unread(block, symbols, read, arena);
+    let stepped = quote!(#system #scene #slopes #(#rules)* #unread);
+    let stepped = within(private, (block, symbols), stepped);
     bounded(quote!(#stepped #momenta))
 }
