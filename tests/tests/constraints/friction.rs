@@ -1,5 +1,6 @@
-//! RATTLE with a friction that is linear in the velocity: Newton's method has one unknown for each
-//! constraint, and the steps are those of equations that are solved in all unknowns.
+//! RATTLE with a friction that is linear in the velocity, and with a noise force: Newton's method
+//! has one unknown for each constraint, and the steps are those of equations that are solved in all
+//! unknowns.
 
 use sve_models::checks::assert_close;
 use sve_runtime::nalgebra::{SMatrix, SVector};
@@ -10,7 +11,7 @@ const H: f64 = 0.02;
 
 /// A chain of five beads in a bath. The force on bead i also has `more` times `$more`.
 macro_rules! chain {
-    ($name:ident, |$this:ident, $q:ident, $v:ident, $i:ident| $more:expr) => {
+    ($name:ident, |$this:ident, $q:ident, $v:ident, $i:ident| $more:expr $(, $($gust:tt)*)?) => {
         #[derive(Clone, Debug)]
         struct $name {
             m: [f64; 5],
@@ -49,6 +50,7 @@ macro_rules! chain {
                 }
                 rods
             }
+            $($($gust)*)?
         }
 
         impl $name {
@@ -63,6 +65,14 @@ macro_rules! chain {
 chain!(Chain, |self, _q, v, i| v[i]);
 chain!(Placed, |self, q, v, i| q[i].x.powi(2) * v[i]);
 chain!(Coupled, |self, _q, v, i| v[0] + v[1] + v[2] + v[3] + v[4]);
+chain!(
+    Stirred,
+    |self, _q, v, i| v[i],
+    #[force(noise)]
+    fn stir(&self, q: [Vector2<f64>; 5], _v: [Vector2<f64>; 5]) -> [Vector2<f64>; 5] {
+        q.map(|q| Vector2::new(-q.y, q.x))
+    }
+);
 
 /// The chain in motion, hanging aslant.
 fn start() -> State<[Vector2<f64>; 5]> {
@@ -90,6 +100,8 @@ fn newton_has_an_unknown_for_each_constraint_with_friction() {
     assert_eq!(blocks(chain.plan()), expected, "{}", chain.plan());
     let placed = Integrator::new(Placed::new(), StormerVerlet);
     assert_eq!(blocks(placed.plan()), expected, "{}", placed.plan());
+    let stirred = Integrator::new(Stirred::new(), StormerVerlet);
+    assert_eq!(blocks(stirred.plan()), expected, "{}", stirred.plan());
     // velocities that a force couples stay unknowns
     let coupled = Integrator::new(Coupled::new(), StormerVerlet);
     assert_eq!(blocks(coupled.plan())[0], (BlockKind::Newton, 15));
@@ -112,15 +124,18 @@ fn steps_are_those_of_newtons_method_in_all_unknowns() {
     }
 }
 
-/// One step by hand: Newton's method in the multipliers, then the projection.
+/// One step by hand: Newton's method in the multipliers, then the projection. The noise force turns
+/// q by a right angle.
 fn rattle(
     chain: &Chain,
     q: SVector<f64, 10>,
     p: SVector<f64, 10>,
     dw: &[f64; 10],
+    stir: f64,
 ) -> [SVector<f64, 10>; 2] {
     type Row = SVector<f64, 10>;
     let m = Row::from_fn(|i, _| chain.m[i / 2]);
+    let turned = |q: Row| Row::from_fn(|k, _| if k % 2 == 0 { -q[k + 1] } else { q[k - 1] });
     let slopes = |q: &Row| {
         let mut slopes = SMatrix::<f64, 5, 10>::zeros();
         for k in 0..10 {
@@ -138,14 +153,16 @@ fn rattle(
             0.5 * (side(2 * i).powi(2) + side(2 * i + 1).powi(2) - 1.0)
         })
     };
-    let half = Row::from_fn(|k, _| {
+    let pushes = Row::from_fn(|k, _| {
         let weight = if k % 2 == 1 { -m[k] * chain.g } else { 0.0 };
-        0.5 * (H * weight + chain.sigma * dw[k])
+        H * weight + chain.sigma * dw[k]
     });
+    let half = |q: Row| 0.5 * (pushes + stir * turned(q));
     let heavy = m.add_scalar(0.5 * H * chain.nu);
     let at_start = slopes(&q);
-    let velocity =
-        |lambda: &SVector<f64, 5>| (p + half + at_start.transpose() * lambda).component_div(&heavy);
+    let velocity = |lambda: &SVector<f64, 5>| {
+        (p + half(q) + at_start.transpose() * lambda).component_div(&heavy)
+    };
     let mut lambda = SVector::<f64, 5>::zeros();
     for _ in 0..20 {
         let end = q + H * velocity(&lambda);
@@ -158,7 +175,7 @@ fn rattle(
     }
     let v = velocity(&lambda);
     let end = q + H * v;
-    let free = m.component_mul(&v) + half - 0.5 * H * chain.nu * v;
+    let free = m.component_mul(&v) + half(end) - 0.5 * H * chain.nu * v;
     let at_end = slopes(&end);
     let over_masses = SMatrix::<f64, 10, 5>::from_fn(|k, i| at_end[(i, k)] / m[k]);
     let mu = (at_end * over_masses)
@@ -169,18 +186,26 @@ fn rattle(
 }
 
 #[test]
-fn stormer_verlet_with_friction_is_rattle() {
+fn stormer_verlet_with_friction_and_a_noise_force_is_rattle() {
     let chain = Chain::new();
-    let integrator = Integrator::new(&chain, StormerVerlet);
-    let mut state = start();
-    for k in 0..100 {
-        let dw = increments(k);
-        let [q, p] = [state.q, state.p].map(|x| SVector::from_fn(|i, _| x[i / 2][i % 2]));
-        let [q, p] = rattle(&chain, q, p, &dw);
-        integrator.step(&mut state, H, &dw).unwrap();
-        let flat = |x: [Vector2<f64>; 5]| x.map(|x| [x.x, x.y]).concat();
-        assert_close(&flat(state.q), q.as_slice(), 1e-12, k);
-        assert_close(&flat(state.p), p.as_slice(), 1e-12, k);
+    let quiet = Integrator::new(&chain, StormerVerlet);
+    let stirred = Integrator::new(Stirred::new(), StormerVerlet);
+    for stir in [0.0, 0.4] {
+        let mut state = start();
+        for k in 0..100 {
+            let (dw, stir) = (increments(k), stir * (5.0 * k as f64).cos());
+            let [q, p] = [state.q, state.p].map(|x| SVector::from_fn(|i, _| x[i / 2][i % 2]));
+            let [q, p] = rattle(&chain, q, p, &dw, stir);
+            if stir == 0.0 {
+                quiet.step(&mut state, H, &dw).unwrap();
+            } else {
+                let all = std::array::from_fn(|a| if a < 10 { dw[a] } else { stir });
+                stirred.step(&mut state, H, &all).unwrap();
+            }
+            let flat = |x: [Vector2<f64>; 5]| x.map(|x| [x.x, x.y]).concat();
+            assert_close(&flat(state.q), q.as_slice(), 1e-12, k);
+            assert_close(&flat(state.p), p.as_slice(), 1e-12, k);
+        }
     }
 }
 
