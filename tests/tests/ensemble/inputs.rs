@@ -1,8 +1,13 @@
 //! Inputs of the paths of an ensemble: each path is the trajectory with the same inputs, also where
 //! a step leaves the lanes.
 
-use sve_runtime::ensemble::Cause;
+use std::time::Duration;
+
+use sve_models::assert_matches;
+use sve_runtime::ensemble::{Cause, Difference};
 use sve_runtime::prelude::*;
+
+use crate::runs::scratch;
 
 /// A pendulum with a motor, whose noise is fed back too.
 struct Motor {
@@ -158,6 +163,32 @@ fn no_path_sees_the_inputs_of_another() {
     {
         assert!((end.q[0] - other.q[0]).abs() < 1e-12, "{path}");
     }
+}
+
+/// The name stands for the function: under another name shards do not merge, and a checkpoint does
+/// not continue.
+#[test]
+fn inputs_of_another_name_are_another_run() {
+    let (motor, file) = (motor(), scratch("inputs.sve"));
+    let renamed = || ensemble!(&motor).inputs("fed back twice", fed_back);
+    let mut shard = ensemble!(&motor).shard(0, 2).run().unwrap();
+    let error = shard.merge(renamed().shard(1, 2).run().unwrap());
+    let what = Difference::Method;
+    assert_matches!(error, Err(EnsembleError::OtherRun { what: w }) if *w == what);
+    let written = ensemble!(&motor)
+        .checkpoint(&file, Duration::ZERO)
+        .run()
+        .unwrap();
+    let error = renamed()
+        .checkpoint(&file, Duration::ZERO)
+        .resume(true)
+        .run();
+    assert_matches!(error, Err(EnsembleError::OtherCheckpoint { what: w, .. }) if *w == what);
+    let again = ensemble!(&motor)
+        .checkpoint(&file, Duration::ZERO)
+        .resume(true);
+    assert_eq!(again.run().unwrap(), written);
+    std::fs::remove_file(file).unwrap();
 }
 
 /// Each row of a sweep over starts is the run of its own, with the same inputs.
