@@ -4,6 +4,8 @@
 use sve_models::differences::derivative;
 use sve_runtime::prelude::*;
 
+use crate::noise_forces::poles::Driven as DrivenBead;
+
 /// A particle that is pushed.
 struct Pushed;
 
@@ -72,8 +74,116 @@ fn held_mass_and_stiffness() {
     let work =
         0.5 * 0.81 * (1.0 / after[0] - 1.0 / before[0]) + 0.5 * 0.49 * (after[1] - before[1]);
     assert!((energy(after) - energy(before) - work).abs() < 1e-15);
-    let velocity = tuned.holding(&after).system().velocity(&state).unwrap();
+    let held = tuned.holding(&after);
+    let velocity = held.system().velocity(&state).unwrap();
     assert!((velocity[0] - 1.5).abs() < 1e-15);
+    let same = State::from_velocity(held.system(), state.q, velocity).unwrap();
+    assert!(same.q == state.q && (same.p[0] - 0.9).abs() < 1e-15);
+}
+
+/// A jump of mass and stiffness between steps leaves the order. A step back with the same inputs by
+/// the adjoint rule returns, and the tangent map along the sequence keeps areas.
+#[test]
+fn inputs_that_jump_between_steps_keep_order_return_and_areas() {
+    /// Rounding errors of some hundred substeps of size ε.
+    const ROUNDING: f64 = 4e-15;
+    let (h, start) = (0.1, State::new([0.7], [0.9]));
+    let pieces = [[1.3, 0.8], [0.6, 2.0], [0.9, 1.1]];
+    let exact = pieces
+        .iter()
+        .fold([0.7_f64, 0.9], |[q, p], [m, w]: &[f64; 2]| {
+            let (sin, cos) = (w / m).sqrt().sin_cos();
+            let impedance = (w * m).sqrt();
+            [q * cos + p / impedance * sin, p * cos - impedance * q * sin]
+        });
+    macro_rules! check {
+        ($($rule:expr, $adjoint:expr, $steps:expr => $order:expr;)*) => {$(
+            let tuned = Integrator::new(Tuned, $rule);
+            let error = |steps: u64| {
+                let path = tuned.trajectory(start, 1.0 / steps as f64, NoNoise);
+                let mut path = path.inputs(|k, _| pieces[(k / steps) as usize]);
+                let end = path.advance(3 * steps).unwrap();
+                (end.q[0] - exact[0]).hypot(end.p[0] - exact[1])
+            };
+            let order = (error($steps) / error(2 * $steps)).log2();
+            assert!((order - $order).abs() < 0.02 * $order, "{order} for {}", $order);
+            let (mut state, mut area) = (start, 1.0);
+            for u in &pieces {
+                let map = tuned.holding(u).tangent(&state, h, &[]).unwrap();
+                area *= map[0][0] * map[1][1] - map[0][1] * map[1][0];
+                tuned.step_with(&mut state, h, &[], u).unwrap();
+            }
+            assert!((area - 1.0_f64).abs() < ROUNDING, "{area}");
+            let back = Integrator::new(Tuned, $adjoint);
+            for u in pieces.iter().rev() {
+                back.step_with(&mut state, -h, &[], u).unwrap();
+            }
+            let (q, p) = (state.q[0] - start.q[0], state.p[0] - start.p[0]);
+            assert!(q.hypot(p) < ROUNDING, "{state:?}");
+        )*};
+    }
+    let composed = Composed::new(Midpoint, KahanLi8);
+    check!(
+        Endpoint, InitialPoint, 400 => 1.0;
+        Midpoint, Midpoint, 40 => 2.0;
+        StormerVerlet, StormerVerlet, 40 => 2.0;
+        Gauss::<2>, Gauss::<2>, 10 => 4.0;
+        composed, composed, 2 => 8.0;
+    );
+}
+
+/// A rotor whose noise has the sum of a parameter and an input as its strength. The Lagrangian takes
+/// the input and does not read it.
+struct Jittered {
+    s: f64,
+}
+
+#[variational(endpoint, midpoint, stormer_verlet)]
+impl Jittered {
+    fn lagrangian(&self, q: f64, v: f64, _u: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+    #[h1]
+    fn jitter(&self, q: f64, p: f64, u: f64) -> f64 {
+        0.5 * (self.s + u) * p * p * (1.0 + 0.3 * q.sin())
+    }
+}
+
+/// An input in H₁ is the parameter beside it, in steps and in gradients.
+#[test]
+fn inputs_of_noises_in_the_momentum() {
+    let end_and_slopes = |rule: usize, s: f64, u: f64| {
+        let start = State::new([0.4], [0.8]);
+        let jittered = Jittered { s };
+        macro_rules! of {
+            ($rule:expr) => {{
+                let jittered = Integrator::new(jittered, $rule);
+                let path = jittered
+                    .trajectory(start, 0.1, Wiener::new(2))
+                    .inputs(|_, _| u);
+                let loss = path.gradient(9, |k, state| (k == 9).then(|| state.q[0] + state.p[0]));
+                let loss = loss.unwrap();
+                let by_inputs: f64 = loss.inputs().map(|u| u[0]).sum();
+                [loss.loss(), loss.get("s").unwrap(), by_inputs]
+            }};
+        }
+        match rule {
+            0 => of!(Endpoint),
+            1 => of!(Midpoint),
+            _ => of!(StormerVerlet),
+        }
+    };
+    for rule in 0..3 {
+        let [loss, by_s, by_u] = end_and_slopes(rule, 0.0, 0.6);
+        let expected = end_and_slopes(rule, 0.6, 0.0);
+        for (x, y) in [loss, by_s, by_u].iter().zip(expected) {
+            assert!((x - y).abs() < 1e-14, "{rule}: {x} {y}");
+        }
+        assert!(
+            (by_s - by_u).abs() < 1e-14 && by_s.abs() > 0.01,
+            "{rule}: {by_s} {by_u}"
+        );
+    }
 }
 
 /// Without stiffness `∂q_N/∂m_k` = −h `p₀/m_k²`, by every rule.
@@ -349,6 +459,48 @@ impl Body {
     #[force]
     fn torque(&self, _r: Rotation3<f64>, _w: Vector3<f64>, u: Vector3<f64>) -> Vector3<f64> {
         u
+    }
+}
+
+/// Gradients by inputs of turning bodies and of beads on a sphere are those of differences.
+#[test]
+fn gradients_by_inputs_of_rotations_and_with_constraints() {
+    macro_rules! check {
+        ($system:expr, [$($rule:expr),*], $start:expr, $input:expr, |$state:ident| $loss:expr) => {$(
+            let integrator = Integrator::new($system, $rule);
+            let path = |changed: u64, i: usize, d: f64| {
+                let path = integrator.trajectory($start, 0.1, Wiener::new(5));
+                path.inputs(move |k, _| $input(k, i, if k == changed { d } else { 0.0 }))
+            };
+            let found = path(0, 0, 0.0).gradient(6, |k, $state| (k > 2).then(|| $loss));
+            for (k, by_input) in found.unwrap().inputs().enumerate() {
+                for (i, found) in by_input.iter().enumerate() {
+                    let expected = derivative(|d| {
+                        let states = path(k as u64, i, d).take(6).skip(2).map(Result::unwrap);
+                        states.map(|$state| $loss).sum()
+                    });
+                    assert!((found - expected).abs() < 1e-11, "{k} {i}: {found} {expected}");
+                    assert!(expected.abs() > 1e-5, "{k} {i}: {expected}");
+                }
+            }
+        )*};
+    }
+    let turning = State::new(UnitQuaternion::identity(), Vector3::new(0.7, 1.1, -0.4));
+    let torque = |k: u64, i: usize, d: f64| {
+        let mut u = Vector3::new(0.3, -0.2, (k as f64).sin());
+        u[i] += d;
+        u
+    };
+    let arm = Vector3::new(0.5, -0.3, 0.8);
+    check! {
+        Body, [Midpoint, StormerVerlet], turning, torque,
+        |s| (s.q * arm)[2] + s.p[0] * (s.q * arm)[0]
+    }
+    let bead = State::new([1.0, 0.0, 0.0], [0.0, 0.4, 0.3]);
+    let strength = |k: u64, _: usize, d: f64| 0.5 * (k as f64).cos() + d;
+    check! {
+        DrivenBead, [Midpoint, StormerVerlet], bead, strength,
+        |s| s.q[1] + s.p[0] * s.p[2]
     }
 }
 

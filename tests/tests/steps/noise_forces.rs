@@ -2,7 +2,7 @@
 //! ensembles. Poles of many unknowns are in `noise_forces/poles.rs`. `derivatives.rs` compares the steps with the equations of the discrete action, with
 //! the corrections of rules with one node at an end.
 
-mod poles;
+pub(crate) mod poles;
 
 use sve_models::differences::derivatives;
 use sve_models::models::Rubbed;

@@ -196,7 +196,7 @@ fn a_path_of_an_ensemble_fails_at_the_pole_of_the_single_step() {
 }
 
 /// A bead whose noise force has the strength of its input.
-struct Driven;
+pub(crate) struct Driven;
 
 #[variational(midpoint, stormer_verlet)]
 impl Driven {
