@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use sve_models::is_thorough;
 use sve_models::models::{Curved, Ellipsoid, OnSphere, TurnedSphere, TwoRods};
-use sve_models::orders::{Paths, Row, Tolerance, end, total};
+use sve_models::orders::{Paths, Row, Tolerance, end, numbers, total};
 use sve_runtime::__private::VectorCoordinates;
 use sve_runtime::Variational;
 use sve_runtime::prelude::*;
@@ -146,6 +146,56 @@ impl Angles {
     }
 }
 
+/// A pendulum bead whose noise force has no potential: s(1 + x) along the circle, and `$rub`.
+macro_rules! bead {
+    ($name:ident, [$($rule:ident),*], |$this:ident, $q:ident, $v:ident| $rub:expr) => {
+        #[derive(Clone, Copy)]
+        struct $name {
+            s: f64,
+            sigma: f64,
+        }
+
+        #[variational($($rule),*)]
+        impl $name {
+            fn lagrangian(&self, q: Vector2<f64>, v: Vector2<f64>) -> f64 {
+                0.5 * v.norm_squared() - q.y
+            }
+
+            #[force(noise)]
+            fn gust(&$this, $q: Vector2<f64>, $v: Vector2<f64>) -> Vector2<f64> {
+                $this.s * (1.0 + $q.x) * Vector2::new(-$q.y, $q.x) + $rub
+            }
+
+            #[constraint]
+            fn circle(&self, q: Vector2<f64>) -> f64 {
+                0.5 * (q.norm_squared() - 1.0)
+            }
+        }
+    };
+}
+
+bead! { Blown, [initial_point, endpoint, midpoint, stormer_verlet], |self, q, _v| self.sigma * q }
+bead! { Rubbed, [midpoint, stormer_verlet], |self, q, v| self.sigma * v }
+
+/// The pendulum bead in its angle from the downward vertical.
+#[derive(Clone, Copy)]
+struct Angle {
+    s: f64,
+    sigma: f64,
+}
+
+#[variational(midpoint)]
+impl Angle {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+
+    #[force(noise)]
+    fn gust(&self, q: f64, v: f64) -> f64 {
+        self.s * (1.0 + q.sin()) + self.sigma * v
+    }
+}
+
 /// The end of an exact path, from its start and its noise.
 type ExactEnd<'a, Q> = &'a dyn Fn(&State<Q>, &Recorded) -> Vec<f64>;
 
@@ -236,6 +286,36 @@ fn rods_against_angles() {
         cartesian(end.q, angles.system().velocity(&end).unwrap())
     };
     check(*STEPS, &rods, "two γ, in angles", start, Some(&exact));
+}
+
+/// Forces across the circle do no work: the constraint holds the bead against them.
+#[test]
+fn noise_forces_on_a_circle_against_the_angle() {
+    let (s, sigma, from) = (0.5, 0.3, State::new([0.8], [0.5]));
+    let cartesian = |q: f64, p: f64| {
+        let along = Vector2::new(q.cos(), q.sin());
+        State::new(Vector2::new(along.y, -along.x), p * along)
+    };
+    let start = cartesian(0.8, 0.5);
+    let path = |sigma: f64| {
+        let angle = Integrator::new(Angle { s, sigma }, Midpoint);
+        STEPS.against(1, move |path| {
+            let end = end(&angle, from, path);
+            numbers(&cartesian(end[0], end[1]))
+        })
+    };
+    let blown = Blown { s, sigma };
+    STEPS.check(
+        "s(1 + x) along, σ across",
+        &Row::rules(&blown, start),
+        path(0.0),
+    );
+    let rubbed = Rubbed { s, sigma };
+    let rows = [
+        Row::new(&rubbed, Midpoint, start),
+        Row::new(&rubbed, StormerVerlet, start),
+    ];
+    STEPS.check("s(1 + x) along, σv", &rows, path(sigma));
 }
 
 #[test]

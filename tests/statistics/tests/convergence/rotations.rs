@@ -6,7 +6,7 @@
 use std::sync::LazyLock;
 
 use sve_models::is_thorough;
-use sve_models::orders::{Order, Path, Paths, Row, Tolerance, distance2, numbers};
+use sve_models::orders::{Order, Path, Paths, Row, Tolerance, distance2, end, numbers};
 use sve_runtime::__private::Coordinates;
 use sve_runtime::Variational;
 use sve_runtime::plan::StrongOrder;
@@ -128,6 +128,22 @@ impl SpaceAndBody {
     #[h1]
     fn kicks(&self, r: Rotation3<f64>, pi: Vector3<f64>) -> [f64; 2] {
         [self.s * (r * pi).x, self.s * pi.z]
+    }
+}
+
+/// A heavy top with a noise of its attitude and its momentum.
+struct ShakenTop {
+    s: f64,
+}
+
+#[variational(midpoint, stormer_verlet)]
+impl ShakenTop {
+    fn lagrangian(&self, r: Rotation3<f64>, w: Vector3<f64>) -> f64 {
+        0.5 * (w.x * w.x + 2.0 * w.y * w.y + 3.0 * w.z * w.z) - 2.0 * r[(2, 2)]
+    }
+    #[h1]
+    fn kick(&self, r: Rotation3<f64>, pi: Vector3<f64>) -> f64 {
+        self.s * (1.0 + r[(2, 0)]) * (pi.y + 0.5 * pi.x * pi.x - 0.3 * pi.z * pi.z)
     }
 }
 
@@ -266,6 +282,23 @@ fn noises_of_the_attitude() {
         one,
         pair(),
     );
+}
+
+/// A rule with a wrong factor of H₁ has an order too, but another limit.
+#[test]
+fn stormer_verlet_and_midpoint_have_the_same_limit() {
+    let (top, start) = (ShakenTop { s: 0.4 }, body());
+    let fine = Integrator::new(&top, Midpoint);
+    let paths = Paths {
+        count: 20,
+        coarsest: 6,
+        levels: 4,
+        finest: 13,
+        ..*PATHS
+    };
+    let row = Row::new(&top, StormerVerlet, start);
+    let path = paths.against(1, |path| end(&fine, start, path));
+    paths.check("H₁(R, Π), fine midpoint", &[row], path);
 }
 
 #[test]
