@@ -203,6 +203,88 @@ fn library() -> u64 {
     hash.0
 }
 
+/// A pendulum, with steps of second order.
+struct Swing {
+    g: f64,
+}
+
+#[variational(gauss(2), gauss(4), gauss(8))]
+impl Swing {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + self.g * q.cos()
+    }
+}
+
+/// Two pendula, one at the other, with masses that depend on the angles.
+struct Arms {
+    g: f64,
+}
+
+#[variational(gauss(2), gauss(4), gauss(8))]
+impl Arms {
+    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        let kinetic = v[0] * v[0] + 0.5 * v[1] * v[1] + v[0] * v[1] * (q[0] - q[1]).cos();
+        kinetic + self.g * (2.0 * q[0].cos() + q[1].cos())
+    }
+}
+
+/// A pendulum with noises in its momentum and in its position.
+struct Shaken {
+    s: f64,
+}
+
+#[variational(gauss(2), gauss(4), gauss(8))]
+impl Shaken {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v + q.cos()
+    }
+
+    #[gamma]
+    fn push(&self, q: f64) -> f64 {
+        self.s * q.sin()
+    }
+
+    #[h1]
+    fn jitter(&self, q: f64, p: f64) -> f64 {
+        self.s * (q * q + p * p)
+    }
+}
+
+/// Steps, tangent maps and trajectories of a system by a Gauss rule.
+fn gauss<S, R, const N: usize, const M: usize>(system: S, rule: R) -> [(String, u64); 3]
+where
+    S: System<Dims = Dims<N, M>> + Variational<R>,
+    R: Copy,
+{
+    let integrator = Integrator::new(system, rule);
+    let mut random = Random::new(5);
+    let mut hashes = [const { Hash::new() }; 3];
+    let [steps, tangents, along] = &mut hashes;
+    for h in [1e-3, 0.05, 0.2] {
+        let mut state = State::at(0.3, random.array(-1.0, 1.0), random.array(-1.0, 1.0));
+        for _ in 0..4 {
+            let dw = random.array(-0.3, 0.3);
+            let derivatives = integrator.step_with_derivatives(&mut state.clone(), h, &dw);
+            let (tangent, sensitivity) = derivatives.expect("derivatives");
+            (0..2 * N).for_each(|row| tangents.numbers(&tangent[row]));
+            for (_, derivative) in sensitivity.iter() {
+                tangents.numbers(derivative.q.iter().chain(&derivative.p));
+            }
+            integrator.step(&mut state, h, &dw).expect("a step");
+            steps.numbers(state.q.iter().chain(&state.p));
+        }
+        let path = integrator.trajectory(state, h, Wiener::new(3));
+        for state in path.take(10) {
+            let state = state.expect("a step");
+            along.numbers(state.q.iter().chain(&state.p));
+        }
+    }
+    let plan = integrator.plan();
+    let name = |what: &str| format!("{} by {}, {what}", plan.system, plan.rule);
+    let names = ["single steps", "tangent maps", "trajectories"].map(name);
+    std::array::from_fn(|k| (names[k].clone(), hashes[k].0))
+}
+
 const LIBRARY: &str = "functions of the platform's library";
 
 fn measured() -> BTreeMap<String, u64> {
@@ -215,6 +297,16 @@ fn measured() -> BTreeMap<String, u64> {
         lines.insert(format!("{name}, trajectories"), along);
         lines.insert(format!("{name}, lanes"), lanes(&*case));
     }
+    macro_rules! add {
+        ($system:expr) => {
+            lines.extend(gauss($system, Gauss::<2>));
+            lines.extend(gauss($system, Gauss::<4>));
+            lines.extend(gauss($system, Gauss::<8>));
+        };
+    }
+    add!(Swing { g: 9.8 });
+    add!(Arms { g: 9.8 });
+    add!(Shaken { s: 0.2 });
     lines.extend(noise());
     lines.extend(ensembles());
     lines.insert(LIBRARY.to_owned(), library());
