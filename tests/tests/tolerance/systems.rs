@@ -5,7 +5,7 @@ use sve_runtime::prelude::*;
 /// A body around the sun.
 pub(crate) struct Kepler;
 
-#[variational(gauss(4), gauss(6), gauss(8))]
+#[variational(gauss(4), gauss(5), gauss(6), gauss(7), gauss(8))]
 impl Kepler {
     fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
         0.5 * (v[0] * v[0] + v[1] * v[1]) + 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
