@@ -150,6 +150,7 @@ fn a_stored_path_is_continued_with_the_same_bits() {
     let path = || comet.trajectory(start, 0.01, NoNoise).tolerance(tolerance);
     let whole: Vec<_> = path().take(60).map(Result::unwrap).collect();
     let mut first = path();
+    let mut rejected_before = 0;
     for stop in 0..50 {
         let text = serde_json::to_string(&first.snapshot()).expect("text");
         let snapshot = serde_json::from_str(&text).expect("a snapshot");
@@ -157,6 +158,7 @@ fn a_stored_path_is_continued_with_the_same_bits() {
             .resume(snapshot, start.energy(), NoNoise)
             .expect("the same system");
         let mut rest = rest.tolerance(tolerance);
+        assert_eq!(rest.rejections(), first.rejections());
         for state in whole[stop..].iter().take(4) {
             assert_eq!(
                 &rest.next().expect("no end").expect("a step"),
@@ -164,8 +166,12 @@ fn a_stored_path_is_continued_with_the_same_bits() {
                 "after {stop}"
             );
         }
+        let rejections = first.rejections();
         first.next().expect("no end").expect("a step");
+        rejected_before += usize::from(first.rejections() > rejections);
     }
+    // also right after steps that were tried more than once
+    assert!(rejected_before >= 2, "{rejected_before}");
 }
 
 #[test]
