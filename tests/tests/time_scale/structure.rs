@@ -177,6 +177,8 @@ fn the_plan_says_what_is_kept() {
         "symplectic for K = s (H − E) at equal steps of τ",
         "H oscillates about E without drift",
         "between equal times t is not symplectic",
+        "`.tolerance(tol)` adapts the size of the steps",
+        "such steps are not symplectic, and conserve no momenta",
     ] {
         assert!(text.contains(part), "{text}");
     }
