@@ -189,7 +189,7 @@ fn units_of_tau_do_not_matter() {
 }
 
 #[test]
-fn exponents_and_gradients_are_those_of_the_map_in_tau() {
+fn exponents_and_sensitivities_are_those_of_the_map_in_tau() {
     let comet = Integrator::new(COMET, Gauss::<8>);
     let start = perihelion(0.6);
     let in_tau = comet.at_energy(start.energy());
@@ -211,6 +211,51 @@ fn exponents_and_gradients_are_those_of_the_map_in_tau() {
         (by_energy - difference).abs() < 1e-8,
         "{by_energy} {difference}"
     );
+}
+
+/// The gradient of a loss by the start holds the energy, which is a parameter beside it.
+#[test]
+fn gradients_hold_the_energy_of_the_path() {
+    let comet = Integrator::new(COMET, Gauss::<8>);
+    let start = perihelion(0.6);
+    let in_tau = comet.at_energy(start.energy());
+    let path = in_tau.trajectory(*start, 0.5, NoNoise);
+    let gradient = path.gradient(9, |k, end| (k == 9).then(|| end.q[0]));
+    let gradient = gradient.expect("steps");
+    let by_start = [gradient.start().q, gradient.start().p].concat();
+    // the first row of the product of the tangent maps of the steps
+    let mut state = *start;
+    let mut product = sve_runtime::Tangent::identity();
+    for _ in 0..9 {
+        let step = in_tau.step_with_derivatives(&mut state, 0.5, &[]);
+        product = &step.expect("a step").0 * &product;
+    }
+    for (found, expected) in by_start.iter().zip(&product[0]) {
+        assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+    }
+    // differences of paths in t, by the start, the energy and the strength
+    let end = |by: [f64; 6]| {
+        let [x, y, a, b, energy, mu] = by;
+        let comet = Integrator::new(Comet { mu: 1.0 + mu }, Gauss::<8>);
+        let moved = State::new(
+            [start.q[0] + x, start.q[1] + y],
+            [start.p[0] + a, start.p[1] + b],
+        );
+        let moved = TimedState::on_path(moved, start.energy() + energy);
+        let end = comet.trajectory(moved, 0.5, NoNoise).nth(8);
+        end.expect("no end").expect("a step").q[0]
+    };
+    let by_parameters = ["E", "mu"].map(|name| gradient.get(name).expect("a parameter"));
+    for (k, found) in by_start.into_iter().chain(by_parameters).enumerate() {
+        let moved = |d: f64| end(std::array::from_fn(|i| if i == k { d } else { 0.0 }));
+        let d = 1e-4;
+        let [near, far] = [d, 2.0 * d].map(|d| moved(d) - moved(-d));
+        let difference = (8.0 * near - far) / (12.0 * d);
+        assert!(
+            (found - difference).abs() < 1e-9,
+            "{k}: {found} {difference}"
+        );
+    }
 }
 
 /// A kick at each passage of an axis: the path ends there, and another one begins with its energy.
