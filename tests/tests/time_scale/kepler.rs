@@ -82,6 +82,13 @@ fn places_at_a_time_converge_with_the_orders_of_the_rules() {
         (2, errors(&Integrator::new(comet, StormerVerlet), 0.02)),
         (4, errors(&Integrator::new(comet, Gauss::<2>), 0.1)),
         (6, errors(&Integrator::new(comet, Gauss::<3>), 0.2)),
+        (
+            8,
+            errors(
+                &Integrator::new(comet, Composed::new(Midpoint, KahanLi8)),
+                0.4,
+            ),
+        ),
     ] {
         let found = (coarse / fine).log2();
         assert!((found - f64::from(order)).abs() < 0.3, "{order} {found}");

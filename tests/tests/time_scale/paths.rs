@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use sve_runtime::prelude::*;
 
-use super::{Comet, distance, perihelion};
+use super::{Comet, distance, on_orbit, perihelion};
 
 const COMET: Comet = Comet { mu: 1.0 };
 
@@ -256,6 +256,32 @@ fn gradients_hold_the_energy_of_the_path() {
             "{k}: {found} {difference}"
         );
     }
+}
+
+/// The steps of a composition go back in τ and in t too.
+#[test]
+fn compositions_reach_times_and_continue_with_the_same_bits() {
+    let comet = Integrator::new(COMET, Composed::new(Midpoint, KahanLi8));
+    let path = || comet.trajectory(perihelion(0.6), 0.2, NoNoise);
+    let plain: Vec<_> = path().take(60).map(Result::unwrap).collect();
+    let t = 0.7 * plain[29].t + 0.3 * plain[30].t;
+    let times = [plain[4].t, t, t + 1e-9, plain[40].t];
+    let states: Vec<_> = path().at(times).map(Result::unwrap).collect();
+    let until: Vec<_> = path().until(t).map(Result::unwrap).collect();
+    assert_eq!((states[0], states[3]), (plain[4], plain[40]));
+    assert_eq!((&until[..30], until[30]), (&plain[..30], states[1]));
+    for (state, t) in states.iter().zip(times) {
+        let exact = on_orbit(0.6, t);
+        let error = (state.q[0] - exact[0]).hypot(state.q[1] - exact[1]);
+        assert!(state.t == t && error < 1e-9, "{t}: {error:e}");
+    }
+    let mut first = path();
+    first.advance(25).expect("steps");
+    let text = serde_json::to_string(&first.snapshot()).expect("a text");
+    let snapshot = serde_json::from_str(&text).expect("a snapshot");
+    let rest = comet.resume(snapshot, first.energy(), NoNoise);
+    let rest = rest.expect("the same method").take(35).map(Result::unwrap);
+    assert_eq!(rest.collect::<Vec<_>>(), plain[25..]);
 }
 
 /// A kick at each passage of an axis: the path ends there, and another one begins with its energy.
