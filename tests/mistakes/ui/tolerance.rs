@@ -85,4 +85,28 @@ fn compensated(pendulum: Rule<Gauss<8>>, start: Start) {
     let _ = pendulum.trajectory(start, 0.1, NoNoise).tolerance(1e-8).compensated();
 }
 
+fn changed_before(pendulum: Rule<Gauss<8>>, start: Start) {
+    let path = pendulum.trajectory(start, 0.1, NoNoise);
+    let _ = path.change_at(|_, state| state.q[0], |_, _| ()).tolerance(1e-8);
+}
+
+/// With steps of τ.
+struct Scaled;
+
+#[variational(gauss(8))]
+impl Scaled {
+    fn lagrangian(&self, q: f64, v: f64) -> f64 {
+        0.5 * v * v - 0.5 * q * q
+    }
+
+    #[time_scale]
+    fn scale(&self, q: f64) -> f64 {
+        1.0 + q * q
+    }
+}
+
+fn compensated_in_tau(scaled: Integrator<Scaled, Gauss<8>>, start: TimedState<[f64; 1]>) {
+    let _ = scaled.trajectory(start, 0.1, NoNoise).compensated();
+}
+
 fn main() {}
