@@ -291,31 +291,32 @@ fn rods_against_angles() {
 /// Forces across the circle do no work: the constraint holds the bead against them.
 #[test]
 fn noise_forces_on_a_circle_against_the_angle() {
-    let (s, sigma, from) = (0.5, 0.3, State::new([0.8], [0.5]));
+    let (sigma, from) = (0.3, State::new([0.8], [0.5]));
     let cartesian = |q: f64, p: f64| {
         let along = Vector2::new(q.cos(), q.sin());
         State::new(Vector2::new(along.y, -along.x), p * along)
     };
     let start = cartesian(0.8, 0.5);
-    let path = |sigma: f64| {
+    let path = |s: f64, sigma: f64| {
         let angle = Integrator::new(Angle { s, sigma }, Midpoint);
         STEPS.against(1, move |path| {
             let end = end(&angle, from, path);
             numbers(&cartesian(end[0], end[1]))
         })
     };
-    let blown = Blown { s, sigma };
+    let blown = Blown { s: 0.5, sigma };
     STEPS.check(
         "s(1 + x) along, σ across",
         &Row::rules(&blown, start),
-        path(0.0),
+        path(0.5, 0.0),
     );
-    let rubbed = Rubbed { s, sigma };
+    // Stronger noise gives most of the error to a few paths.
+    let rubbed = Rubbed { s: 0.2, sigma };
     let rows = [
         Row::new(&rubbed, Midpoint, start),
         Row::new(&rubbed, StormerVerlet, start),
     ];
-    STEPS.check("s(1 + x) along, σv", &rows, path(sigma));
+    STEPS.check("s(1 + x) along, σv", &rows, path(0.2, sigma));
 }
 
 #[test]
