@@ -67,7 +67,7 @@ pub enum Difference {
     #[error("values of the system's parameters")]
     Parameters,
     /// The method or its options.
-    #[error("a method (rule or options of Newton's method)")]
+    #[error("a method (rule, options of Newton's method, or the name of the inputs)")]
     Method,
     /// The starts of the paths.
     #[error("starts of the paths")]
