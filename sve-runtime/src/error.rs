@@ -190,7 +190,7 @@ pub enum StepError {
     /// The time scale of a system is not positive and finite at a node of a step, or at the place to
     /// which the velocity at its start leads.
     #[error(
-        "the time scale is {scale} at q = {q:?}, in the step from t = {t} with h = {h:e}: \
+        "the time scale is {scale} at q = {q:?}, at a node of the step from t = {t} with h = {h:e} or where the velocity at its start leads: \
          a function with `#[time_scale]` is positive and finite wherever the motion comes; look at it there, or take a smaller h"
     )]
     TimeScale {

@@ -202,7 +202,8 @@ where
     }
 
     /// Returns the error of a step that failed, with its time: that of the time scale, if it has no
-    /// value at the start, or at the place to which the velocity at the start leads.
+    /// value at the start, or, where the solution is lost, at the place to which the velocity at the
+    /// start leads.
     #[cold]
     fn explain(&self, error: StepError, state: &State<Q>, h: f64) -> StepError {
         let (system, t) = (self.system(), state.t);
@@ -212,6 +213,13 @@ where
             (is_place && !is_time_scale(scale)).then_some(StepError::TimeScale { t, h, scale, q })
         };
         let ahead = || {
+            // other errors have a reason of their own
+            if !matches!(
+                error,
+                StepError::BranchLost { .. } | StepError::NotConverged { .. }
+            ) {
+                return None;
+            }
             let v = system.velocity(state).ok()?;
             let mut end = state.to_coordinates();
             let dq = Q::components(&v).map(|v| h * v);

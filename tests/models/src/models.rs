@@ -18,7 +18,7 @@ pub use deterministic::{
 };
 pub use forced::{Damped, Rubbed, Sail, Stirred, Towed};
 pub use noisy::{Actions, Chain, Clashing, Driven, Mixed, OneMomentum, Polar, Synchrotron};
-pub use small::{Bath, Kicked, Pushed, Rotor};
+pub use small::{Bath, Comet, Kicked, Pushed, Rotor};
 pub use surfaces::{Breathing, Curved, Ellipsoid, Saddle, Thermal, Torus};
 pub use symmetric::{Central, Charges, Kepler, Stretched};
 

@@ -9,6 +9,7 @@ mod failures;
 mod forces;
 mod inputs;
 mod inputs_along_paths;
+mod inputs_in_all_functions;
 mod inputs_of_blocks;
 mod literals;
 mod momentum;

@@ -9,40 +9,9 @@ mod structure;
 mod times;
 mod tolerance;
 
+use sve_models::models::Comet;
 use sve_runtime::Tangent;
 use sve_runtime::prelude::*;
-
-/// A body that is attracted by the origin, with steps in proportion to r^{3/2}.
-#[derive(Clone, Copy)]
-struct Comet {
-    /// Strength of the attraction.
-    mu: f64,
-}
-
-#[variational(
-    midpoint,
-    stormer_verlet,
-    endpoint,
-    initial_point,
-    gauss(2),
-    gauss(3),
-    gauss(8)
-)]
-impl Comet {
-    fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
-        0.5 * (v[0] * v[0] + v[1] * v[1]) + self.mu / q[0].hypot(q[1])
-    }
-
-    #[time_scale]
-    fn scale(&self, q: [f64; 2]) -> f64 {
-        q[0].hypot(q[1]).powf(1.5)
-    }
-
-    #[symmetry]
-    fn turn(&self, q: [f64; 2]) -> [f64; 2] {
-        [-q[1], q[0]]
-    }
-}
 
 /// A double pendulum with masses and lengths 1, whose mass matrix depends on the configuration.
 struct DoublePendulum;

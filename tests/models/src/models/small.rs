@@ -97,3 +97,38 @@ impl Bath {
         self.sigma * q
     }
 }
+
+/// A body that is attracted by the origin, with steps in proportion to r^{3/2}.
+#[derive(Clone, Copy, Debug)]
+pub struct Comet {
+    /// Strength of the attraction.
+    pub mu: f64,
+}
+
+#[variational(
+    midpoint,
+    stormer_verlet,
+    endpoint,
+    initial_point,
+    gauss(2),
+    gauss(3),
+    gauss(8)
+)]
+impl Comet {
+    /// L.
+    pub fn lagrangian(&self, q: [f64; 2], v: [f64; 2]) -> f64 {
+        0.5 * (v[0] * v[0] + v[1] * v[1]) + self.mu / q[0].hypot(q[1])
+    }
+
+    /// s.
+    #[time_scale]
+    pub fn scale(&self, q: [f64; 2]) -> f64 {
+        q[0].hypot(q[1]).powf(1.5)
+    }
+
+    /// ξ.
+    #[symmetry]
+    pub fn turn(&self, q: [f64; 2]) -> [f64; 2] {
+        [-q[1], q[0]]
+    }
+}
