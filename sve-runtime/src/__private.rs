@@ -82,7 +82,9 @@ pub use crate::system::{
     AnySystem, ConstraintJet, CoordinateRole, Dims, ForceJet, LagrangianJet, Names, NoiseJet,
     System, WithInputs,
 };
-pub use crate::trajectory::{CompensatedSums, FixedSteps, StepsWithoutInputs, WithoutNoise};
+pub use crate::trajectory::{
+    CompensatedSums, FixedSteps, StepsWithoutInputs, WithoutEvents, WithoutNoise,
+};
 pub use nalgebra::UnitQuaternion;
 /// The derivatives of a step.
 pub type DMatrix = nalgebra::DMatrix<f64>;

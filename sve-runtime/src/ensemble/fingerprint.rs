@@ -14,6 +14,7 @@ use std::collections::BTreeSet;
 use super::difference::Difference;
 use super::observer::{Kind, LastStep, Seen};
 use super::settings::Settings;
+use super::systems::Systems;
 use crate::ensemble::PathMethod;
 use crate::fingerprint::{Hash, StepsDifference, StepsFingerprint, hash};
 use crate::lanes::LANES;
@@ -164,7 +165,7 @@ impl<I: PathMethod> Settings<'_, I> {
 
     /// Adds the states and observables along so many steps of a path.
     fn add_path(self, path: u64, steps: u64, hash: &mut Hash) {
-        let (method, system) = (self.method, self.method.system());
+        let method = self.method;
         let Ok(mut prepared) = method.prepare(self.h) else {
             return;
         };
@@ -190,9 +191,15 @@ impl<I: PathMethod> Settings<'_, I> {
             if step > OTHER_STEPS {
                 memories.clear();
             }
+            if step == 0 {
+                // inputs that fail are found by the first step
+                let _ = method.hold(&mut prepared, path, 0, &state);
+            }
+            let system = method.system_in(&prepared);
             for memory in &mut memories {
                 let (last, states) = (LastStep::whole(step, self.h), DimsOf::<I>::splat(&state));
-                let seen = Seen::new(system, 0, &states, 1, &last);
+                let systems = Systems::Same(system);
+                let seen = Seen::new(&systems, 0, &states, 1, &last);
                 memory.update(&seen);
                 if step.is_power_of_two() {
                     let mut values = [0.0; LANES];

@@ -8,6 +8,7 @@ use core::marker::PhantomData;
 use super::Ensemble;
 use super::observe::Function;
 use super::observer::{Kind, Observable, Observer, Seen};
+use super::systems::Systems;
 use super::tile::Place;
 use crate::ensemble::PathMethod;
 use crate::error::StepError;
@@ -145,16 +146,18 @@ where
     V: Fn(&T) -> f64 + Sync,
 {
     fn update(&mut self, seen: &Seen<'_, S>) -> Mask {
-        let Seen { system, states, .. } = *seen;
+        let Seen {
+            systems, states, ..
+        } = *seen;
         let memories = &mut self.tiles[seen.tile];
         if seen.step.number == 0 {
-            let begin = |lane| (self.fold.begin)(system, &S::Dims::get(states, lane));
+            let begin = |lane| (self.fold.begin)(systems.of(lane), &S::Dims::get(states, lane));
             *memories = (0..LANES).map(begin).collect();
         } else {
             dispatch(UpdateTile {
                 update: &self.fold.update,
                 memories,
-                system,
+                systems,
                 states,
             });
         }
@@ -181,8 +184,18 @@ where
 struct UpdateTile<'a, S: System, T, U> {
     update: &'a U,
     memories: &'a mut [T],
-    system: &'a S,
+    systems: &'a Systems<'a, S>,
     states: &'a StateLanesOf<S>,
+}
+
+impl<'a, S: System, T, U: Fn(&mut T, &S, &StateOf<S>)> UpdateTile<'a, S, T, U> {
+    #[inline(always)]
+    fn update(self, system: impl Fn(usize) -> &'a S) {
+        for (lane, memory) in self.memories.iter_mut().enumerate().take(LANES) {
+            let state = <S::Dims as Dimensions>::get(self.states, lane);
+            (self.update)(memory, system(lane), &state);
+        }
+    }
 }
 
 impl<S: System, T, U: Fn(&mut T, &S, &StateOf<S>)> Kernel for UpdateTile<'_, S, T, U> {
@@ -190,9 +203,10 @@ impl<S: System, T, U: Fn(&mut T, &S, &StateOf<S>)> Kernel for UpdateTile<'_, S, 
 
     #[inline(always)]
     fn run(self) {
-        for (lane, memory) in self.memories.iter_mut().enumerate().take(LANES) {
-            let state = <S::Dims as Dimensions>::get(self.states, lane);
-            (self.update)(memory, self.system, &state);
+        // one system for all lanes is known before the loop, which is then compiled for vectors
+        match self.systems {
+            Systems::Same(system) => self.update(|_| system),
+            Systems::OfLanes(systems) => self.update(|lane| &systems[lane]),
         }
     }
 }

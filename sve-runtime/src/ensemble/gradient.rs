@@ -141,13 +141,13 @@ where
 
     fn values(&self, seen: &Seen<'_, S>, values: &mut Lane) {
         let (Some(direction), Some(tangents)) = (self.direction, seen.tangents) else {
-            return self.function.tile(seen.system, seen.states, values);
+            return seen.evaluate(&*self.function, values);
         };
         let varied = tangents.varied_in(direction, seen.step);
         for lane in lanes(seen.active) {
             let state = S::Dims::get(seen.states, lane);
             let along = tangents.of(seen.tile, direction, lane);
-            values[lane] = self.function.slope(seen.system, &state, &along, varied);
+            values[lane] = (self.function).slope(seen.systems.of(lane), &state, &along, varied);
         }
     }
 }

@@ -121,9 +121,12 @@ where
     /// finite, or the function panics, with the number of the step. The name stands for the
     /// function in shards and checkpoints: other inputs need another name.
     ///
-    /// Observables see the system without inputs. One that depends on them, such as the energy of a
-    /// Lagrangian with inputs, is not a number, and the path fails; compute it with the system of
-    /// [`holding`](Integrator::holding) the inputs that are meant.
+    /// Observables, weights and the functions of passages see the system with the inputs of the
+    /// step that was made last; at the start, with those of the first step. So the energy of a
+    /// Lagrangian with inputs is the energy at the end of a step, before the inputs change. The
+    /// function is called once more for this, from the state before the step.
+    /// A function of a passage has to be continuous where the inputs change: one that jumps there is
+    /// an error.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -93,7 +93,7 @@ impl<S: System, F: Function<S>, A: Accumulate> Observer<S> for NumberMemory<'_, 
     fn update(&mut self, seen: &Seen<'_, S>) -> Mask {
         let Numbers { value, last } = &mut self.tiles[seen.tile];
         let mut now = [0.0; LANES];
-        self.function.tile(seen.system, seen.states, &mut now);
+        seen.evaluate(self.function, &mut now);
         if seen.step.number == 0 {
             *value = now.map(|now| self.memory.begin(now));
         } else {

@@ -67,6 +67,7 @@ mod statistics;
 mod stored;
 mod summary;
 mod sweep;
+mod systems;
 mod tangents;
 mod tile;
 mod warning;

@@ -9,6 +9,7 @@ use super::Ensemble;
 use super::failure::Cause;
 use super::observe::Function;
 use super::path_block::PathBlock;
+use super::systems::Systems;
 use super::tangents::Tangents;
 use super::tile::{Place, lanes};
 use crate::ensemble::PathMethod;
@@ -79,7 +80,7 @@ pub(super) trait Observer<S: System>: Send {
 
 /// A tile after a step, as an observer sees it.
 pub(super) struct Seen<'t, S: System> {
-    pub(super) system: &'t S,
+    pub(super) systems: &'t Systems<'t, S>,
     pub(super) tile: usize,
     pub(super) states: &'t StateLanesOf<S>,
     pub(super) active: Mask,
@@ -93,14 +94,14 @@ pub(super) struct Seen<'t, S: System> {
 impl<'t, S: System> Seen<'t, S> {
     /// A tile with these states and active lanes after a step, without weight and tangent vectors.
     pub(super) fn new(
-        system: &'t S,
+        systems: &'t Systems<'t, S>,
         tile: usize,
         states: &'t StateLanesOf<S>,
         active: Mask,
         step: &'t LastStep,
     ) -> Self {
         Self {
-            system,
+            systems,
             tile,
             states,
             active,
@@ -108,6 +109,11 @@ impl<'t, S: System> Seen<'t, S> {
             exponents: None,
             tangents: None,
         }
+    }
+
+    /// Evaluates a function in all lanes; NaN where the function fails.
+    pub(super) fn evaluate<F: Function<S> + ?Sized>(&self, function: &F, values: &mut Lane) {
+        self.systems.evaluate(function, self.states, values);
     }
 }
 
@@ -169,7 +175,7 @@ impl<S: System, F: Function<S>> Observer<S> for &Plain<F> {
     }
 
     fn values(&self, seen: &Seen<'_, S>, values: &mut Lane) {
-        self.function.tile(seen.system, seen.states, values);
+        seen.evaluate(&self.function, values);
         if let Some(exponents) = seen.exponents.filter(|_| self.is_weighted) {
             for (value, exponent) in values.iter_mut().zip(exponents) {
                 *value *= (-exponent).exp();
@@ -202,18 +208,22 @@ impl<I: PathMethod, K> Ensemble<'_, I, K> {
 impl<I: PathMethod> PathBlock<'_, I> {
     /// Shows the last step of a tile, or the start, to all observers.
     pub(super) fn show(&mut self, tile: usize, step: &LastStep) {
+        if self.tiles[tile].active == 0 {
+            return;
+        }
         let ensemble = self.settings.ensemble;
+        let systems = self.systems(tile, step);
         for number in 0..self.observers.len() {
-            if self.tiles[tile].active == 0 {
+            let of = &self.tiles[tile];
+            if of.active == 0 {
                 return;
             }
-            let (system, of) = (self.settings.method.system(), &self.tiles[tile]);
-            let seen = Seen::new(system, tile, of.states(), of.active, step);
+            let seen = Seen::new(&systems, tile, of.states(), of.active, step);
             let failed = self.observers[number].update(&seen) & seen.active;
             if failed != 0
                 && let Some((name, of)) = ensemble.observed().nth(number)
             {
-                self.fail_not_finite(tile, failed, step, name, of.function());
+                self.fail_not_finite((tile, failed), step, name, of.function(), &systems);
             }
         }
     }
@@ -222,24 +232,30 @@ impl<I: PathMethod> PathBlock<'_, I> {
     #[cold]
     pub(super) fn fail_not_finite(
         &mut self,
-        tile: usize,
-        failed: Mask,
+        (tile, failed): (usize, Mask),
         step: &LastStep,
         name: &str,
         function: &dyn Function<I::System>,
+        systems: &Systems<'_, I::System>,
     ) {
         for lane in lanes(failed) {
             let state = DimsOf::<I>::get(self.tiles[tile].states(), lane);
-            let value = function.value(self.settings.method.system(), &state);
+            let value = function.value(systems.of(lane), &state);
             let cause = not_finite_cause(name, value);
             self.fail_at(state.t, tile, lane, step.number, cause);
         }
     }
 
     /// Evaluates the observables of a tile after a step.
-    pub(super) fn evaluate(&self, tile: usize, step: &LastStep, values: &mut [Lane]) {
-        let (system, of) = (self.settings.method.system(), &self.tiles[tile]);
-        let mut seen = Seen::new(system, tile, of.states(), of.active, step);
+    pub(super) fn evaluate(
+        &self,
+        tile: usize,
+        step: &LastStep,
+        systems: &Systems<'_, I::System>,
+        values: &mut [Lane],
+    ) {
+        let of = &self.tiles[tile];
+        let mut seen = Seen::new(systems, tile, of.states(), of.active, step);
         seen.tangents = Some(&self.tangents);
         let mut observers = self.observers.iter();
         if self.settings.ensemble.observed.weight.is_some() {

@@ -39,11 +39,15 @@ impl<I: PathMethod> PathBlock<'_, I> {
 
     /// Moves a path to a free lane.
     fn move_lane(&mut self, from: Place, to: Place) {
-        let state = DimsOf::<I>::get(self.tiles[from.tile].states(), from.lane);
+        let source = &self.tiles[from.tile];
+        let [before, state] = [source.states_before(), source.states()]
+            .map(|states| DimsOf::<I>::get(states, from.lane));
         let path = self.tiles[from.tile].paths[from.lane];
         self.tiles[from.tile].active &= !(1 << from.lane);
         let target = &mut self.tiles[to.tile];
-        DimsOf::<I>::set(target.states_mut(), to.lane, &state);
+        let (to_before, to_now) = target.buffers_mut();
+        DimsOf::<I>::set(to_before, to.lane, &before);
+        DimsOf::<I>::set(to_now, to.lane, &state);
         target.paths[to.lane] = path;
         target.active |= 1 << to.lane;
         target.is_at_home = false;

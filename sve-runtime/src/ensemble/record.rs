@@ -78,13 +78,13 @@ impl<I: PathMethod> PathBlock<'_, I> {
     /// their states.
     fn evaluate_all(&mut self, tile: usize, among: Mask, last: &LastStep, values: &mut [Lane]) {
         let ensemble = self.settings.ensemble;
-        let system = self.settings.method.system();
-        self.evaluate(tile, last, values);
+        let systems = self.systems(tile, last);
+        self.evaluate(tile, last, &systems, values);
         for (k, observable) in ensemble.observed.observables.iter().enumerate() {
             for lane in lanes(not_finite(&values[k]) & among & self.tiles[tile].active) {
                 let name = &ensemble.observed.names[k];
                 let state = DimsOf::<I>::get(self.tiles[tile].states(), lane);
-                let value = match observable.function().value(system, &state) {
+                let value = match observable.function().value(systems.of(lane), &state) {
                     // the weight of the path, or a memory, may not be finite where the value is
                     Ok(value) if value.is_finite() => Ok(values[k][lane]),
                     other => other,

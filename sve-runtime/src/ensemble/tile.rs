@@ -54,6 +54,13 @@ impl<L> Tile<L> {
     #[inline(always)]
     pub(super) fn swap_buffers(&mut self) -> (&L, &mut L) {
         self.current = !self.current;
+        let (before, next) = self.buffers_mut();
+        (before, next)
+    }
+
+    /// Returns the states before the last step, and those reached so far.
+    #[inline(always)]
+    pub(super) fn buffers_mut(&mut self) -> (&mut L, &mut L) {
         let [first, second] = &mut self.buffers;
         if self.current {
             (first, second)

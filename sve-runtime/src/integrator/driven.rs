@@ -176,6 +176,19 @@ where
         bad
     }
 
+    fn system_of_step(
+        &self,
+        path: u64,
+        step: u64,
+        state: &StateOf<S::Held<'a>>,
+    ) -> Option<S::Held<'a>> {
+        let numbers = catch_unwind(AssertUnwindSafe(|| self.source.numbers(path, step, state)));
+        let mut system = self.open.system().clone();
+        // inputs that panic stay open: the step tells why
+        S::inputs_of(&mut system).set(numbers.unwrap_or(S::OPEN));
+        Some(system)
+    }
+
     fn keep_held(&self, first: u64) {
         self.source.keep(first);
     }

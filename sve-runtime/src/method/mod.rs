@@ -117,6 +117,20 @@ pub trait OneStepMethod {
         self.system()
     }
 
+    /// Returns the system with what it holds in a step of a path, from the state at its start;
+    /// `None` if steps hold nothing.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn system_of_step(
+        &self,
+        path: u64,
+        step: u64,
+        state: &StateOf<Self::System>,
+    ) -> Option<Self::System> {
+        let _ = (path, step, state);
+        None
+    }
+
     /// Keeps what the steps from a number on are given, for steps that are made again.
     #[doc(hidden)]
     fn keep_held(&self, first: u64) {

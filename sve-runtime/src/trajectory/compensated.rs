@@ -62,7 +62,8 @@ const fn assert_increments<S, R: Rule<S>>() {
 /// A method whose steps can carry the low parts of the state.
 #[diagnostic::on_unimplemented(
     message = "steps of `{Self}` have no compensated sums",
-    note = "`compensated` is for trajectories of an `Integrator` of a system with a fixed number of coordinates"
+    note = "`compensated` is for trajectories of an `Integrator` of a system with a fixed number of coordinates",
+    note = "paths with equal steps in the time of a time scale carry no low parts of their states: leave `.compensated()` out"
 )]
 pub trait CompensatedSums: OneStepMethod {
     /// Returns low parts that are zero.
@@ -97,7 +98,7 @@ where
     }
 }
 
-impl<I: CompensatedSums, W: Noise> Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Compensates the rounding errors of the state: keeps the rounding errors of coordinates and
     /// momenta at each step, and adds them at the next one. In a run of many steps this reduces the
     /// random walk of rounding errors.
@@ -139,16 +140,22 @@ impl<I: CompensatedSums, W: Noise> Trajectory<'_, I, W> {
     /// Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006),
     /// section VIII.5.
     #[must_use]
-    pub fn compensated(self) -> Self {
+    pub fn compensated(self) -> Self
+    where
+        I: CompensatedSums,
+    {
         self.carry_low_parts(I::no_low_parts())
     }
 }
 
-impl<I: CompensatedSums, W: Noise> RefinedTrajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise> RefinedTrajectory<'_, I, W> {
     /// Compensates the rounding errors of the state, see [`Trajectory::compensated`], which has an
     /// example.
     #[must_use]
-    pub fn compensated(self) -> Self {
+    pub fn compensated(self) -> Self
+    where
+        I: CompensatedSums,
+    {
         self.carry_low_parts(I::no_low_parts())
     }
 }

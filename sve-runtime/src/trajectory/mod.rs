@@ -24,7 +24,7 @@ mod time_scale;
 pub use accurate::{AccurateTrajectory, FixedSteps, WithoutNoise};
 pub use compensated::CompensatedSums;
 pub use driven::{DrivenPaths, DrivenTrajectory, NeedsInputs, StepsWithoutInputs};
-pub use events::Events;
+pub use events::{Events, WithoutEvents};
 pub use gradient::{Adjoint, Gradient};
 pub use method::Method;
 #[cfg(feature = "ensemble")]

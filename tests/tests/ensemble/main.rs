@@ -11,6 +11,7 @@ mod exact;
 mod failures;
 mod files;
 mod inputs;
+mod inputs_of_observers;
 mod joint;
 mod memory;
 mod multilevel;

@@ -79,20 +79,21 @@ impl<I: PathMethod> PathBlock<'_, I> {
     /// last steps.
     pub(in super::super) fn find_passages(&mut self, tile: usize, last: &mut LastStep) -> Mask {
         let ensemble = self.settings.ensemble;
+        let systems = self.systems(tile, last);
         let mut crossed = 0;
         for (number, passage) in ensemble.observed.passages.iter().enumerate() {
-            let system = self.settings.method.system();
             let watched = &mut self.watch.functions[number];
             watched.before[tile] = watched.now[tile];
             let now = &mut watched.now[tile];
             let states = self.tiles[tile].states();
-            passage.function.tile(system, states, now);
+            systems.evaluate(&*passage.function, states, now);
             let failed = not_finite(now) & self.tiles[tile].active;
             if last.number > 0 {
                 crossed |= crossings(&watched.before[tile], now) & !watched.passed[tile];
             }
             if failed != 0 {
-                self.fail_not_finite(tile, failed, last, &passage.name, &*passage.function);
+                let function = &*passage.function;
+                self.fail_not_finite((tile, failed), last, &passage.name, function, &systems);
             }
         }
         let mut stopped = 0;

@@ -15,6 +15,8 @@ mod root;
 mod search;
 mod states;
 
+pub use states::WithoutEvents;
+
 pub(super) use root::zero_between;
 
 use std::collections::VecDeque;

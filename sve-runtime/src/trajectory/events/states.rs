@@ -10,6 +10,47 @@ use crate::noise::Halves;
 use crate::system::StateOf;
 use crate::trajectory::{Method, Trajectory};
 
+/// Paths whose functions are still to be given: none that has events.
+#[doc(hidden)]
+#[diagnostic::on_unimplemented(
+    message = "`.tolerance`, `.refine` and `.compensated` stand before the events of a path",
+    label = "this path has its events already",
+    note = "an event is found within the steps that the path makes: write `trajectory(…).tolerance(tol).change_at(…)`"
+)]
+pub trait WithoutEvents {}
+
+impl<I: OneStepMethod, W> Events<'_, I, W> {
+    /// Does not compile: the sizes of steps are given before the events.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn tolerance(self, _: f64) -> Self
+    where
+        Self: WithoutEvents,
+    {
+        self
+    }
+
+    /// Does not compile: as [`tolerance`](Self::tolerance).
+    #[doc(hidden)]
+    #[must_use]
+    pub fn refine(self, _: u32) -> Self
+    where
+        Self: WithoutEvents,
+    {
+        self
+    }
+
+    /// Does not compile: as [`tolerance`](Self::tolerance).
+    #[doc(hidden)]
+    #[must_use]
+    pub fn compensated(self) -> Self
+    where
+        Self: WithoutEvents,
+    {
+        self
+    }
+}
+
 impl<'a, I: OneStepMethod, W> Deref for Events<'a, I, W> {
     type Target = Trajectory<'a, I, W>;
 
