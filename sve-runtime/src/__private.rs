@@ -36,6 +36,7 @@ pub use crate::angle_addition::sin_cos_of_sum;
 pub use crate::error::StepError;
 pub use crate::integrator::adapted::{AdaptsSteps, Attempts, BoxedAttempts, Rate};
 pub use crate::integrator::steps::Steps;
+pub use crate::lanes::dispatch::{Vectors, use_vectors};
 pub use crate::lanes::{LANES, Lane, Mask};
 pub use crate::mechanics::time_scale::{ScaledTime, TimeScale, WithTimeScale};
 pub use crate::method::{Differentiable, Shared};

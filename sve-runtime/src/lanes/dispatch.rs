@@ -8,7 +8,10 @@
 //! the library.
 //!
 //! Builds with debug assertions have the version for every machine alone: as a rule they are not
-//! optimised, and would compile the same loops three times.
+//! optimised, and would compile the same loops three times. In other builds a check can choose the
+//! version, with [`use_vectors`].
+
+use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 /// A computation that is compiled for several widths of vectors. `run` and everything it calls in
 /// its loops have to be `#[inline(always)]`.
@@ -22,44 +25,103 @@ pub(crate) trait Kernel {
 /// Whether kernels are compiled for more than the vectors that every machine of the target has.
 const FOR_THIS_MACHINE: bool = cfg!(not(debug_assertions));
 
+/// The vectors for which kernels are compiled, from the narrowest to the widest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Vectors {
+    /// Those of every machine of the target: two numbers on x86-64 and AArch64.
+    Base = 1,
+    /// Four numbers.
+    Avx2,
+    /// Eight numbers.
+    Avx512,
+}
+
+/// The number of the vectors in use; zero before the first kernel. The machine has these vectors.
+static IN_USE: AtomicU8 = AtomicU8::new(0);
+
 /// Runs a kernel with the widest vectors of this machine.
 #[inline]
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    {
-        if FOR_THIS_MACHINE && has_avx512() {
+    if FOR_THIS_MACHINE {
+        match in_use() {
             // Safety: the machine has the instructions that the function is compiled for.
             #[allow(unsafe_code)]
-            return unsafe { avx512(kernel) };
-        }
-        if FOR_THIS_MACHINE && has_avx2() {
+            Vectors::Avx512 => return unsafe { avx512(kernel) },
             // Safety: as above.
             #[allow(unsafe_code)]
-            return unsafe { avx2(kernel) };
+            Vectors::Avx2 => return unsafe { avx2(kernel) },
+            Vectors::Base => {}
         }
     }
-    // Other machines use the vectors that every machine of the target has: two numbers on x86-64
-    // and AArch64.
-    kernel.run()
+    base(kernel)
 }
 
-/// Returns whether kernels run with the vectors of AVX-512.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn in_use() -> Vectors {
+    match IN_USE.load(Relaxed) {
+        0 => {
+            let widest = widest();
+            IN_USE.store(widest as u8, Relaxed);
+            widest
+        }
+        1 => Vectors::Base,
+        2 => Vectors::Avx2,
+        _ => Vectors::Avx512,
+    }
+}
+
+/// Makes the kernels of all threads run with these vectors from now on. Returns false, and changes
+/// nothing, if the machine lacks them or this build has no kernels for them.
+pub fn use_vectors(vectors: Vectors) -> bool {
+    let has_vectors = vectors <= widest() && (FOR_THIS_MACHINE || vectors == Vectors::Base);
+    if has_vectors {
+        IN_USE.store(vectors as u8, Relaxed);
+    }
+    has_vectors
+}
+
+/// Returns the widest vectors of this machine.
+#[cold]
+fn widest() -> Vectors {
+    if has_avx512() {
+        Vectors::Avx512
+    } else if has_avx2() {
+        Vectors::Avx2
+    } else {
+        Vectors::Base
+    }
+}
+
+/// Returns whether the machine has the vectors of AVX-512.
 #[inline]
 pub(crate) fn has_avx512() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::is_x86_feature_detected as has;
-        has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") && has!("fma")
+        has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") && has_avx2()
     }
     #[cfg(not(target_arch = "x86_64"))]
     false
 }
 
-#[cfg(target_arch = "x86_64")]
 #[inline]
 fn has_avx2() -> bool {
-    use std::arch::is_x86_feature_detected as has;
-    has!("avx2") && has!("fma")
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::is_x86_feature_detected as has;
+        has!("avx2") && has!("fma")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    false
+}
+
+/// Is not inlined, as the versions below cannot be: each call would be a copy of the loops.
+#[inline(never)]
+fn base<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run()
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -87,19 +149,18 @@ pub(crate) trait VectorKernel {
 #[inline]
 pub(crate) fn dispatch_vectors<K: VectorKernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
-    {
-        if FOR_THIS_MACHINE && has_avx512() {
+    if FOR_THIS_MACHINE {
+        match in_use() {
             // Safety: the machine has the instructions that the function is compiled for.
             #[allow(unsafe_code)]
-            return unsafe { avx512(ForVectors::<K, true>(kernel)) };
-        }
-        if FOR_THIS_MACHINE && has_avx2() {
+            Vectors::Avx512 => return unsafe { avx512(ForVectors::<K, true>(kernel)) },
             // Safety: as above.
             #[allow(unsafe_code)]
-            return unsafe { avx2(ForVectors::<K, false>(kernel)) };
+            Vectors::Avx2 => return unsafe { avx2(ForVectors::<K, false>(kernel)) },
+            Vectors::Base => {}
         }
     }
-    kernel.run::<false>()
+    base(ForVectors::<K, false>(kernel))
 }
 
 /// A kernel compiled with or without the vectors of AVX-512.
