@@ -233,7 +233,7 @@ where
         (self.cache).with(scene, n, state.t, |kept| {
             let (prepared, shears) = kept.for_steps(self.walker(), h);
             let solved = prepared.solved(scene, shears, arrays, [state.t, h])?;
-            let mut layout = prepared.layout::<T>();
+            let mut layout = prepared.layout::<T>(shears);
             layout.midpoint = solved;
             Ok(layout)
         })?

@@ -22,7 +22,8 @@ pub struct Layout {
     /// The loops that are made as they are written, because indices of consecutive instances are
     /// not consecutive: "the loop at line 9 of `lagrangian`".
     pub as_written: Vec<&'static str>,
-    /// Bytes of tables and of the arrays that steps need, beside the state.
+    /// Bytes of tables and of the arrays that a single step and the steps so far need, beside the
+    /// state.
     pub bytes: usize,
     /// How a step of `midpoint` from this state without noise is solved, the last one of a
     /// composition; `None` for explicit rules.

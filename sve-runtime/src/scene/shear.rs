@@ -49,7 +49,7 @@ pub struct Prepared {
     /// The friction of each component divided by its mass; empty without friction.
     pub(super) rates: Vec<f64>,
     pub(super) buffers: Buffers,
-    /// The state before a step or block.
+    /// The places and the momenta before a step or block, empty until a step needs a copy of them.
     before: [Vec<f64>; 2],
     /// The increments of a kick.
     pub(super) of_kick: Vec<f64>,
@@ -66,7 +66,6 @@ impl Prepared {
         let index = |error| index_error(error, t);
         check_forces(scene, n, t)?;
         let segments = Segments::new(scene, n).map_err(index)?;
-        let numbers = n * S::Row::LENGTH;
         let masses = InverseMasses::new(scene, n, t)?;
         Ok(Self {
             n,
@@ -77,7 +76,7 @@ impl Prepared {
             drags: Drags::default(),
             buffers: Buffers::new::<S::Row>(&segments, n),
             segments,
-            before: [vec![0.0; numbers], vec![0.0; numbers]],
+            before: [Vec::new(), Vec::new()],
             of_kick: Vec::new(),
             of_midpoint: Work::default(),
         })
@@ -93,18 +92,25 @@ impl Prepared {
         self.processes
     }
 
-    /// Returns what is known about the loops.
-    pub fn layout<S: Scene>(&self) -> Layout {
+    /// Returns what is known about the loops. The copies that a single step needs count, also before
+    /// the first one.
+    pub fn layout<S: Scene>(&self, shears: &[StepShear]) -> Layout {
         let masses = match &self.masses {
             InverseMasses::Uniform(_) => 0,
             InverseMasses::Each(inverse) => inverse.len(),
         };
+        let copies = match self.needed::<S>(shears, false) {
+            Copied::All => 2,
+            Copied::Momenta => 1,
+            Copied::Nothing => 0,
+        };
+        let kept: usize = self.before.iter().map(Vec::len).sum();
         let numbers = masses
             + self.rates.len()
             + self.sites.as_ref().map_or(0, Sites::len)
             + self.drags.len()
             + self.buffers.len()
-            + 2 * self.before[0].len()
+            + kept.max(copies * self.n * S::Row::LENGTH)
             + self.of_kick.len()
             + self.of_midpoint.len();
         Layout::new::<S>(self.n, &self.segments, numbers * size_of::<f64>())
@@ -179,11 +185,12 @@ impl Prepared {
     }
 
     pub(super) fn keep<R: Row>(&mut self, state: &Phase<'_, R>, copied: Copied) {
+        let [q, p] = &mut self.before;
         if copied == Copied::All {
-            self.before[0].copy_from_slice(R::numbers(state.q));
+            copy(q, R::numbers(state.q));
         }
         if copied != Copied::Nothing {
-            self.before[1].copy_from_slice(R::numbers(state.p));
+            copy(p, R::numbers(state.p));
         }
     }
 
@@ -196,6 +203,12 @@ impl Prepared {
             R::numbers_mut(state.p).copy_from_slice(&self.before[1]);
         }
     }
+}
+
+/// Copies numbers. Allocates for the first ones only.
+fn copy(to: &mut Vec<f64>, numbers: &[f64]) {
+    to.clear();
+    to.extend_from_slice(numbers);
 }
 
 impl<R> Phase<'_, R> {

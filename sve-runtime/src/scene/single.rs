@@ -72,7 +72,7 @@ impl Prepared {
     /// the places are unchanged. Velocities that are solved for have no such way back. Beside the loops of
     /// other scenes a copy costs little. A step of the
     /// midpoint rule writes the state after its tests.
-    fn needed<S: Scene>(&self, shears: &[StepShear], is_exact: bool) -> Copied {
+    pub(super) fn needed<S: Scene>(&self, shears: &[StepShear], is_exact: bool) -> Copied {
         use StepShear::{Drift, Kick, Midpoint};
         let is_gathered = self.segments.nests.is_empty() && S::TOTALS == 0;
         let is_undone = is_gathered && self.rates.is_empty() && is_plain::<S>();

@@ -340,7 +340,7 @@ fn segments_are_few() {
         let lattice = Lattice::<2, true> { sides, is_periodic };
         let n = sides[0] * sides[1];
         let prepared = Prepared::new(&lattice, n, 0.0).unwrap();
-        prepared.layout::<Lattice<2, true>>()
+        prepared.layout::<Lattice<2, true>>(&ENDPOINT)
     };
     let open = layout([50, 40], false);
     assert_eq!(
@@ -354,7 +354,7 @@ fn segments_are_few() {
     let narrow = layout([50, 5], false);
     assert_eq!(narrow.as_written, ["the loop at line 4 of `lagrangian`"]);
     let prepared = Prepared::new(&chain::<true>(), 1000, 0.0).unwrap();
-    let chain = prepared.layout::<Chain<true>>();
+    let chain = prepared.layout::<Chain<true>>(&ENDPOINT);
     assert_eq!(
         (chain.segments, chain.instances, chain.border),
         (3, 999, 0.002)
