@@ -3,33 +3,10 @@
 use std::hint::black_box;
 
 use sve_runtime::__private::StepShear as Shear;
-use sve_runtime::variational;
 
 use crate::measure::compare;
-use crate::scenes::Argon;
+use crate::scenes::{Argon, Polymer};
 use crate::{Path, hand};
-
-/// Atoms with bonds of length 1 from a list.
-struct Polymer {
-    bonds: Vec<[usize; 2]>,
-    k: f64,
-}
-
-#[variational(stormer_verlet)]
-impl Polymer {
-    fn lagrangian(&self, q: &[[f64; 3]], v: &[[f64; 3]]) -> f64 {
-        let mut l = 0.0;
-        for v in v {
-            l += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        }
-        for bond in &self.bonds {
-            let (a, b) = (q[bond[0]], q[bond[1]]);
-            let d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-            l -= 0.5 * self.k * ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt() - 1.0).powi(2);
-        }
-        l
-    }
-}
 
 /// A grid of atoms, in an order in which neighbours are near.
 pub(crate) fn grid(side: usize) -> Vec<[f64; 3]> {
@@ -166,7 +143,11 @@ pub(crate) fn bonds(side: usize, is_asked: &dyn Fn(&str) -> bool) {
     ] {
         let short: Vec<[u32; 2]> = bonds.iter().map(|bond| bond.map(|i| i as u32)).collect();
         let units = bonds.len() as f64 * count as f64;
-        let polymer = Polymer { bonds, k: 100.0 };
+        let polymer = Polymer {
+            bonds,
+            k: 100.0,
+            length: 1.0,
+        };
         let mut path = Path {
             shears: shears.clone(),
             ..Path::new(&polymer, &x, true)

@@ -153,7 +153,7 @@ fn rows(q: &[f64]) -> &[[f64; 1]] {
 }
 
 fn chain(n: usize, is_asked: &dyn Fn(&str) -> bool) {
-    let scene = Chain::<true> {
+    let scene = Chain {
         beta: 0.7,
         mass: 1.0,
     };
@@ -223,11 +223,10 @@ fn lattice(sides: [usize; 3], is_asked: &dyn Fn(&str) -> bool) {
             }
         }),
     );
-    let is_periodic = false;
     if sides[0] == 1 {
-        let scene = Lattice::<2, true> {
+        let scene = Lattice {
             sides: [sides[1], sides[2]],
-            is_periodic,
+            around: 0,
         };
         let mut path = Path::new(&scene, rows(&start), false);
         let mut single = Path::new(&scene, rows(&start), false);
@@ -249,7 +248,7 @@ fn lattice(sides: [usize; 3], is_asked: &dyn Fn(&str) -> bool) {
             ],
         );
     } else {
-        let scene = Lattice::<3, true> { sides, is_periodic };
+        let scene = Lattice { sides, around: 0 };
         let mut path = Path::new(&scene, rows(&start), false);
         compare(
             &title,

@@ -5,7 +5,7 @@ use sve_runtime::__private::StepShear as Shear;
 use sve_runtime::__private::scene::{Phase, Prepared, Row, Scene};
 use sve_runtime::StepError;
 
-use super::scenes::{Argon, Bodies, Chain, Lattice, Ring};
+use super::scenes::{Argon, AsWritten, Bodies, Chain, Lattice, Polymer, Ring};
 
 pub(super) const VERLET: [Shear; 3] = [
     kick(0.5, 0.0),
@@ -172,48 +172,41 @@ fn check<S: Scene, W: Scene<Row = S::Row>>(scene: &S, as_written: &W, q: &[S::Ro
     }
 }
 
-fn chain<const STREAM: bool>() -> Chain<STREAM> {
-    Chain {
-        beta: 0.7,
-        mass: 1.5,
-    }
-}
+const CHAIN: Chain = Chain {
+    beta: 0.7,
+    mass: 1.5,
+};
 
-fn ring<const STREAM: bool>(next: &[i64]) -> Ring<STREAM> {
+fn check_ring(next: &[i64]) {
     let away = |seed| (numbers(next.len(), seed).iter().map(|x| 2.0 + x)).collect();
-    Ring {
+    let ring = Ring {
         k: away(10),
         mass: away(11),
         sigma: 0.3,
         s: away(12),
         next: next.to_vec(),
-    }
-}
-
-fn check_ring(next: &[i64]) {
-    check(
-        &ring::<true>(next),
-        &ring::<false>(next),
-        &rows(next.len(), 1),
-    );
+    };
+    check(&ring, &AsWritten(&ring), &rows(next.len(), 1));
 }
 
 fn check_lattice<const D: usize>(sides: [usize; D])
 where
-    Lattice<D, true>: Scene<Row = [f64; 1]>,
-    Lattice<D, false>: Scene<Row = [f64; 1]>,
+    Lattice<D>: Scene<Row = [f64; 1]>,
 {
-    for is_periodic in [false, true] {
-        let gathered = Lattice::<D, true> { sides, is_periodic };
-        let as_written = Lattice::<D, false> { sides, is_periodic };
-        check(&gathered, &as_written, &rows(sides.iter().product(), 1));
+    for around in [0, 1] {
+        let lattice = Lattice { sides, around };
+        check(
+            &lattice,
+            &AsWritten(&lattice),
+            &rows(sides.iter().product(), 1),
+        );
     }
 }
 
 #[test]
 fn chains_of_any_length() {
     for n in [0, 1, 2, 3, 4, 100, 1023, 1024, 1025, 1026, 5001] {
-        check(&chain::<true>(), &chain::<false>(), &rows(n, 1));
+        check(&CHAIN, &AsWritten(&CHAIN), &rows(n, 1));
     }
 }
 
@@ -232,7 +225,7 @@ fn the_bits_of_a_chain_are_those_of_loops_by_hand() {
         }
         p[n - 1] += -H * force(q[n - 1] - q[n - 2]);
     }
-    let [made_q, made_p] = blocks(&chain::<true>(), &ENDPOINT, &rows(n, 1), 200);
+    let [made_q, made_p] = blocks(&CHAIN, &ENDPOINT, &rows(n, 1), 200);
     assert_eq!(made_q.as_flattened(), q);
     assert_eq!(made_p.as_flattened(), p);
 }
@@ -315,46 +308,46 @@ fn atoms_of_a_list() {
 #[test]
 fn all_pairs_and_lists_of_bonds() {
     for n in [0, 1, 2, 3, 50] {
-        let all = Bodies::<true> {
-            bonds: Vec::new(),
+        let all = Bodies {
             k: 0.3,
-            length: 0.0,
             softening: 0.1,
         };
         check(&all, &all, &grid(n));
         let bonds = (1..n).map(|i| [i - 1, i]).chain((9..n).map(|i| [i, i - 9]));
-        let list = Bodies::<false> {
+        let list = Polymer {
             bonds: bonds.collect(),
             k: 2.0,
             length: 1.0,
-            softening: 0.0,
         };
-        check(&list, &list, &grid(n));
+        check(&list, &AsWritten(&list), &grid(n));
     }
 }
 
 /// What the loops of the scenes above are made of.
 #[test]
 fn segments_are_few() {
-    let layout = |sides, is_periodic| {
-        let lattice = Lattice::<2, true> { sides, is_periodic };
+    let layout = |sides, around| {
+        let lattice = Lattice { sides, around };
         let n = sides[0] * sides[1];
         let prepared = Prepared::new(&lattice, n, 0.0).unwrap();
-        prepared.layout::<Lattice<2, true>>(&ENDPOINT)
+        prepared.layout::<Lattice<2>>(&ENDPOINT)
     };
-    let open = layout([50, 40], false);
+    let open = layout([50, 40], 0);
     assert_eq!(
         (open.segments, open.instances),
         (150, 2000 + 49 * 40 + 50 * 39)
     );
     assert!((open.border - (2000.0 - 48.0 * 38.0) / 2000.0).abs() < 1e-15);
-    let periodic = layout([50, 40], true);
+    let periodic = layout([50, 40], 1);
     assert_eq!((periodic.border, &*periodic.as_written), (0.0, &[][..]));
     // rows of 5 are too short
-    let narrow = layout([50, 5], false);
-    assert_eq!(narrow.as_written, ["the loop at line 4 of `lagrangian`"]);
-    let prepared = Prepared::new(&chain::<true>(), 1000, 0.0).unwrap();
-    let chain = prepared.layout::<Chain<true>>(&ENDPOINT);
+    let narrow = layout([50, 5], 0);
+    assert_eq!(
+        narrow.as_written,
+        ["the loop `for c in 0..self.sides[0] * self.sides[1]` in `lagrangian`"]
+    );
+    let prepared = Prepared::new(&CHAIN, 1000, 0.0).unwrap();
+    let chain = prepared.layout::<Chain>(&ENDPOINT);
     assert_eq!(
         (chain.segments, chain.instances, chain.border),
         (3, 999, 0.002)

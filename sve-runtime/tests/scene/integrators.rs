@@ -2,11 +2,8 @@
 
 use std::cell::Cell;
 
-use sve_runtime::__private::scene::Scenes;
-use sve_runtime::__private::{
-    AnySystem, Formulas, Mode, Names, Operations, Plan, QuadraticKineticEnergy, Separable, Shear,
-    StrongOrder, Walker,
-};
+use sve_runtime::__private::AnySystem;
+use sve_runtime::__private::scene::{Scene, Scenes};
 use sve_runtime::Rule;
 use sve_runtime::noise::NoiseError;
 use sve_runtime::prelude::*;
@@ -14,118 +11,12 @@ use sve_runtime::prelude::*;
 use super::gathered::numbers;
 use super::scenes::{Argon, Chain, Ring};
 
-const NONE: Operations = Operations {
-    arithmetic: 0,
-    transcendental: 0,
-    angle_additions: 0,
-};
-
-const PLAN: Plan = Plan {
-    system: "",
-    rule: "",
-    substeps: None,
-    degrees_of_freedom: 0,
-    noises: 0,
-    blocks: &[],
-    deterministic_order: 2,
-    strong_order: StrongOrder::Deterministic,
-    weak_order: 1,
-    conserved: &[],
-    in_lanes: false,
-    degenerate: None,
-    prepare: NONE,
-    step: NONE,
-    carried: NONE,
-    iteration: NONE,
-    formulas: Formulas {
-        system: "",
-        motion: "",
-        action: "",
-        step: "",
-    },
-};
-
-macro_rules! systems {
-    ($($scene:ty, $configuration:ty;)*) => {$(
-        impl AnySystem for $scene {
-            type Configuration = $configuration;
-            type Target = Self;
-            type Stepped = Self;
-            type Kind = Scenes;
-            type StateLanes = ();
-            const NAMES: Names = Names {
-                parameters: &[],
-                coordinates: &["q"],
-                momenta: &["p"],
-            };
-            const FORMULAS_HASH: u64 = 1;
-
-            fn target(&self) -> &Self {
-                self
-            }
-
-            fn visit_parameters(&self, _: &mut dyn FnMut(f64)) {}
-        }
-
-        impl AnySystem for &$scene {
-            type Configuration = $configuration;
-            type Target = $scene;
-            type Stepped = $scene;
-            type Kind = Scenes;
-            type StateLanes = ();
-
-            fn target(&self) -> &$scene {
-                self
-            }
-        }
-
-        impl Separable for $scene {}
-        impl QuadraticKineticEnergy for $scene {}
-        rules!($scene, StormerVerlet, [Shear::Kick(0.5), Shear::Drift(1.0), Shear::Kick(0.5)]);
-        rules!($scene, Endpoint, [Shear::Drift(1.0), Shear::Kick(1.0)]);
-        rules!($scene, InitialPoint, [Shear::Kick(1.0), Shear::Drift(1.0)]);
-    )*};
-}
-
-macro_rules! rules {
-    ($scene:ty, $rule:ty, $shears:expr) => {
-        impl Rule<$scene> for $rule {
-            type Increments = [f64];
-            type Prepared = ();
-            type Memory = ();
-            const STAGES: usize = 1;
-            const SUBSTEPS: usize = 1;
-            const PLAN: &'static Plan = &PLAN;
-            const HAS_INCREMENTS: bool = false;
-
-            fn prepare(_: &$scene, _: f64) {}
-
-            fn walk<M: Mode<$scene, [f64]>>(
-                _: Walker<'_, $scene, Self>,
-                (): &(),
-                (): &mut (),
-                h: f64,
-                dw: &M::Increments,
-                mode: &mut M,
-            ) -> Result<(), M::Failure> {
-                mode.shears(&$shears, h, dw)
-            }
-        }
-    };
-}
-
-systems! {
-    Chain<true>, Vec<f64>;
-    Ring<true>, Vec<f64>;
-    Argon, Vec<Vector3<f64>>;
-}
-
-const CHAIN: Chain<true> = Chain {
+const CHAIN: Chain = Chain {
     beta: 0.7,
     mass: 1.5,
 };
 
-fn ring(n: usize) -> Ring<true> {
+fn ring(n: usize) -> Ring {
     let away = |seed| numbers(n, seed).iter().map(|x| 2.0 + x).collect();
     Ring {
         k: away(1),
@@ -143,8 +34,7 @@ fn start(n: usize) -> State<Vec<f64>> {
 /// Checks that a trajectory in blocks, one state by state, and single steps have the same bits.
 fn check<S, R>(scene: &S, rule: R, n: usize, h: f64)
 where
-    S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S>
-        + sve_runtime::__private::scene::Scene<Row = [f64; 1]>,
+    S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S> + Scene<Row = [f64; 1]>,
     R: Rule<S, Increments = [f64]> + Copy,
     for<'a> &'a S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S, Stepped = S>,
 {
@@ -214,24 +104,37 @@ fn energies_and_velocities() {
 
 #[test]
 fn a_failing_step_ends_a_trajectory_before_it() {
-    // the quartic bonds are too stiff for this step
-    let chain = Chain::<true> {
+    fn check<S>(scene: &S)
+    where
+        S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S> + Scene<Row = [f64; 1]>,
+        StormerVerlet: Rule<S, Increments = [f64]>,
+        for<'a> &'a S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S, Stepped = S>,
+    {
+        let integrator = Integrator::new(scene, StormerVerlet);
+        let path = || integrator.trajectory(start(40), 0.05, Wiener::new(5));
+        let mut in_blocks = path();
+        let error = in_blocks.advance(100_000).unwrap_err();
+        let made = in_blocks.step();
+        assert!(made > 0 && in_blocks.next().is_none());
+        let mut again = path();
+        for _ in 0..made {
+            again.next().unwrap().unwrap();
+        }
+        assert_eq!(in_blocks.state(), again.state());
+        assert_eq!(again.next().unwrap().unwrap_err(), error);
+        assert!(path().nth(100_000).is_none());
+        let text = error.to_string();
+        assert!(text.contains("that is not finite"), "{text}");
+    }
+    // the bonds are too stiff for this step, and so are the springs
+    check(&Chain {
         beta: 500.0,
         mass: 1.0,
-    };
-    let integrator = Integrator::new(&chain, StormerVerlet);
-    let mut path = integrator.trajectory(start(40), 0.05, NoNoise);
-    let error = path.advance(100_000).unwrap_err();
-    let made = path.step();
-    assert!(made > 0 && path.next().is_none());
-    let mut again = integrator.trajectory(start(40), 0.05, NoNoise);
-    for _ in 0..made {
-        again.next().unwrap().unwrap();
-    }
-    assert_eq!((path.step(), path.state()), (made, again.state()));
-    assert_eq!(again.next().unwrap().unwrap_err(), error);
-    let text = error.to_string();
-    assert!(text.contains("that is not finite"), "{text}");
+    });
+    check(&Ring {
+        k: vec![1e5; 40],
+        ..ring(40)
+    });
 }
 
 #[test]
@@ -265,7 +168,7 @@ fn inputs_that_do_not_fit() {
     // fields for three sites only
     assert_eq!(
         text(&|state| *state = start(5), &dw),
-        "`self.k[i]` in `lagrangian` has the index 3 at t = 0.3, and the length is 3: let the loop run over \
+        "`self.next[i]` in `lagrangian` (i = 3) has the index 3 at t = 0.3, and the length is 3: let the loop run over \
          indices that exist, put an `if` around this term, or look at the fields that give the index"
     );
 }
@@ -273,12 +176,12 @@ fn inputs_that_do_not_fit() {
 #[test]
 fn other_lengths_and_other_fields_make_other_tables() {
     let mut integrator = Integrator::new(ring(40), Endpoint);
-    let fresh = |ring: Ring<true>, n| {
+    let fresh = |ring: Ring, n| {
         let mut state = start(n);
         let made = Integrator::new(ring, Endpoint).step(&mut state, 0.1, &vec![0.1; n + 1]);
         made.map(|()| state)
     };
-    let step = |integrator: &Integrator<Ring<true>, Endpoint>, n| {
+    let step = |integrator: &Integrator<Ring, Endpoint>, n| {
         let mut state = start(n);
         let made = integrator.step(&mut state, 0.1, &vec![0.1; n + 1]);
         made.map(|()| state)
@@ -299,15 +202,17 @@ fn other_lengths_and_other_fields_make_other_tables() {
 /// The time goes on over an end of the tables of increments.
 #[test]
 fn a_recorded_path_ends() {
-    let mut noise = Recorded::new(0.1, [[0.1; 31]; 20]).unwrap();
+    let recorded = Recorded::record(Wiener::new(2), 0.1, 31, 20).unwrap();
     let ring = Integrator::new(ring(30), Endpoint);
-    let mut path = ring.trajectory(start(30), 0.1, &mut noise);
+    let mut path = ring.trajectory(start(30), 0.1, &recorded);
     let error = path.advance(25).unwrap_err();
     let StepError::Noise { source, .. } = error else {
         panic!("{error}");
     };
     assert!(matches!(source, NoiseError::Exhausted { .. }));
     assert_eq!(path.step(), 20);
+    let expected = ring.trajectory(start(30), 0.1, Wiener::new(2)).nth(19);
+    assert_eq!(path.state(), &expected.unwrap().unwrap());
 }
 
 #[test]

@@ -84,7 +84,7 @@ fn is_input(error: &StepError) -> bool {
 #[test]
 fn tiles_before_the_one_that_fails_are_moved_back() {
     let n = 5000;
-    let chain = Chain::<true> {
+    let chain = Chain {
         beta: 0.5,
         mass: 1.25,
     };
@@ -135,9 +135,9 @@ fn tiles_before_the_one_that_fails_are_moved_back() {
 #[test]
 fn copied_nodes_are_moved_back() {
     // borders of rows are copied to consecutive places
-    let lattice = Lattice::<3, true> {
+    let lattice = Lattice {
         sides: [9, 20, 30],
-        is_periodic: false,
+        around: 0,
     };
     let n = 9 * 20 * 30;
     let mut prepared = Prepared::new(&lattice, n, 0.0).unwrap();
@@ -158,7 +158,7 @@ fn copied_nodes_are_moved_back() {
 #[test]
 fn kicks_by_increments_are_moved_back() {
     let n = 3000;
-    let ring = Ring::<true> {
+    let ring = Ring {
         k: vec![1.0; n],
         mass: (0..n).map(|i| 1.0 + (i % 7) as f64).collect(),
         sigma: 0.3,
@@ -191,7 +191,7 @@ fn an_overflow_on_the_way_back_gives_the_largest_number() {
         2999 => 1024,
         _ => i + 1,
     };
-    let ring = Ring::<true> {
+    let ring = Ring {
         k: vec![1.0; n],
         mass: vec![1e300; n],
         sigma: 0.0,
@@ -235,7 +235,7 @@ fn an_overflow_on_the_way_back_gives_the_largest_number() {
 #[test]
 fn steps_of_several_drifts_are_restored_bit_for_bit() {
     let n = 5000;
-    let chain = Chain::<true> {
+    let chain = Chain {
         beta: 0.5,
         mass: 1.25,
     };
