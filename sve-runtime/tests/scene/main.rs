@@ -1,5 +1,6 @@
 //! Steps of scenes of any size, through the interface of generated code.
 
+mod by_hand;
 mod failures;
 mod gathered;
 mod integrators;

@@ -64,7 +64,7 @@ macro_rules! compare {
     (compositions $($given:tt)*) => {
         compare!(@of [
             Composed::new(StormerVerlet, KahanLi8), Split::new(BlanesMoan4),
-            Composed::new(Midpoint, KahanLi8)
+            Split::new(BlanesMoanRkn6), Composed::new(Midpoint, KahanLi8)
         ] $($given)*)
     };
     (@of [$($rule:expr),*] $module:ident { $($field:ident: $value:expr),* $(,)? }, $q:expr, $p:expr, $dw:expr) => {{
