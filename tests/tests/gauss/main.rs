@@ -1,4 +1,5 @@
-//! The Gauss rules: reference steps, orders, symplecticity, momenta, solvers, failures.
+//! The Gauss rules: reference steps, orders, symplecticity, momenta, solvers, failures; and the
+//! option `weak2` of all rules.
 
 mod action;
 mod derivatives;

@@ -20,4 +20,3 @@ mod units;
 mod unresolved;
 mod vanishing_mass;
 mod verlet;
-mod weak2;

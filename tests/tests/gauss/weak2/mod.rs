@@ -1,17 +1,19 @@
-//! The option `weak2`: steps against Lagrangians that contain the potential by hand, and against
-//! the unrolled action; derivatives, symmetry, trajectories, plans.
+//! The option `weak2` of all rules: steps against Lagrangians that contain the potential by hand,
+//! for steps of one size, and against the unrolled action; derivatives, symmetry, lanes,
+//! trajectories, plans.
 
 mod systems;
 
+use sve_models::checks::{assert_close, assert_says};
 use sve_models::orders::numbers;
 use sve_models::potential::{
-    Additive, Heavy, HeavyByHand, HeavyUnstructured, Pendulums, PendulumsByHand,
-    PendulumsUnstructured, Well, WellByHand, WellUnstructured,
+    Additive, Chain, ChainByHand, Heavy, HeavyByHand, HeavyUnstructured, Pendulums,
+    PendulumsByHand, PendulumsUnstructured, Well, WellByHand, WellUnstructured,
 };
 use sve_models::random::Random;
-use sve_models::steps::{check_return, check_tangent};
+use sve_models::steps::{check_return, check_tangent, stepped};
 use sve_runtime::__private::Unstructured;
-use sve_runtime::plan::StrongOrder;
+use sve_runtime::plan::{BlockKind, StrongOrder};
 use sve_runtime::prelude::*;
 use sve_runtime::system::{Dims, System};
 use sve_runtime::{Rule, Variational};
@@ -30,14 +32,8 @@ const S: [f64; 2] = [0.6, 0.4];
 
 #[track_caller]
 fn close(found: &[f64], expected: &[f64], bound: f64, what: &str) {
-    assert_eq!(found.len(), expected.len());
     let size = expected.iter().fold(1.0f64, |m, x| m.max(x.abs()));
-    for (x, y) in found.iter().zip(expected) {
-        assert!(
-            (x - y).abs() <= bound * size,
-            "{what}: {found:?} for {expected:?}"
-        );
-    }
+    assert_close(found, expected, bound * size, what);
 }
 
 fn point<const N: usize>(random: &mut Random) -> State<[f64; N]> {
@@ -94,6 +90,23 @@ fn agree<T, U, P, R, const N: usize, const M: usize, const K: usize>(
     }
 }
 
+/// Checks that a step with the option is another one than without it.
+fn differ<T, R, const N: usize, const M: usize>(system: T, rule: R)
+where
+    T: Variational<R> + Variational<Weak2<R>> + System<Dims = Dims<N, M>> + Clone,
+    R: Copy,
+{
+    let (start, dw) = (State::new([0.6; N], [0.3; N]), [0.1; M]);
+    let plain = stepped(&Integrator::new(system.clone(), rule), &start, H, &dw);
+    let corrected = Integrator::new(system, Weak2(rule));
+    let ends = stepped(&corrected, &start, H, &dw);
+    let is_other = |i: usize| (ends[i] - plain[i]).abs() > 1e-5;
+    assert!((N..2 * N).any(is_other), "{}", corrected.plan().rule);
+}
+
+/// ½κh for the midpoint rule and the rule of Störmer and Verlet.
+const OF_ONE_STAGE: f64 = H / 8.0;
+
 /// ½κh for increments in proportion to the weights.
 const PLAIN: f64 = H / 12.0;
 
@@ -103,6 +116,11 @@ fn of_stage_noise(stages: usize) -> f64 {
 }
 
 macro_rules! compare {
+    (@one_stage $($system:ident $by_hand:ident $noises:literal;)*) => {$(
+        differ($system { s: S, m: 1.3 }, Midpoint);
+        differ($system { s: S, m: 1.3 }, StormerVerlet);
+        compare! { $system $by_hand $noises: Midpoint, OF_ONE_STAGE; StormerVerlet, OF_ONE_STAGE; }
+    )*};
     ($system:ident $by_hand:ident $noises:literal: $($rule:expr, $part:expr;)*) => {$(
         let corrected = Integrator::new($system { s: S, m: 1.3 }, Weak2($rule));
         let by_hand = Integrator::new($by_hand { s: S, m: 1.3, part: $part }, $rule);
@@ -124,6 +142,12 @@ fn steps_are_those_of_the_lagrangian_with_the_potential() {
     compare!(Well WellByHand 2);
     compare!(Heavy HeavyByHand 1);
     compare!(Pendulums PendulumsByHand 2);
+    compare! { @one_stage
+        Well WellByHand 2;
+        Heavy HeavyByHand 1;
+        Pendulums PendulumsByHand 2;
+        Chain ChainByHand 1;
+    }
 }
 
 /// K = (aw − bk)(aq² − bp²) for H = ½(wp² + kq²); the Hamiltonian with the potential has other w
@@ -176,10 +200,11 @@ fn steps_are_those_of_the_unrolled_action() {
     }
 }
 
-/// Checks the tangent map against central differences, that it is symplectic, and that the step
-/// back returns.
-fn is_symplectic<T, R, const N: usize, const M: usize, const K: usize>(
+/// Checks the tangent map against central differences, that the step back returns, and with a bound
+/// of the defect that the tangent map is symplectic.
+fn check_identities<T, R, const N: usize, const M: usize, const K: usize>(
     integrator: &Integrator<T, R>,
+    defect: Option<f64>,
 ) where
     T: System<Dims = Dims<N, M>>,
     R: Rule<T::Itself, Increments = [f64; K]>,
@@ -188,7 +213,7 @@ fn is_symplectic<T, R, const N: usize, const M: usize, const K: usize>(
     for _ in 0..20 {
         let start: State<[f64; N]> = point(&mut random);
         let dw: [f64; K] = random.array(-0.2, 0.2);
-        check_tangent(integrator, &start, H, &dw, Some(1e-13));
+        check_tangent(integrator, &start, H, &dw, defect);
         // stages change places in the step back
         let stages = K / M;
         let back = core::array::from_fn(|at| {
@@ -202,33 +227,83 @@ fn is_symplectic<T, R, const N: usize, const M: usize, const K: usize>(
 #[test]
 fn steps_are_symplectic_and_return() {
     macro_rules! check {
-        ($($system:ident $noises:literal: $($rule:expr),*;)*) => {$($(
-            let system = $system { s: S, m: 1.3 };
-            is_symplectic::<_, _, _, $noises, _>(&Integrator::new(system, Weak2($rule)));
+        ($($system:ident $noises:literal $defect:expr; $($rule:expr),*;)*) => {$($(
+            let integrator = Integrator::new($system { s: S, m: 1.3 }, Weak2($rule));
+            check_identities::<_, _, _, $noises, _>(&integrator, $defect);
         )*)*};
     }
+    let bound = Some(1e-13);
     check! {
-        Well 2: Gauss::<2>, Gauss::<4>, StageNoise(Gauss::<2>), StageNoise(Gauss::<4>);
-        Pendulums 2: Gauss::<2>, Gauss::<4>, StageNoise(Gauss::<2>), StageNoise(Gauss::<4>);
-        Moved 2: Gauss::<2>, Gauss::<3>, Gauss::<4>;
+        Well 2 bound; Midpoint, StormerVerlet;
+        Pendulums 2 bound; Midpoint, StormerVerlet;
+        Chain 1 bound; Midpoint, StormerVerlet;
+        Well 2 bound; Gauss::<2>, Gauss::<4>, StageNoise(Gauss::<2>), StageNoise(Gauss::<4>);
+        Pendulums 2 bound; Gauss::<2>, Gauss::<4>, StageNoise(Gauss::<2>), StageNoise(Gauss::<4>);
+        Moved 2 bound; Gauss::<2>, Gauss::<3>, Gauss::<4>;
+    }
+    // friction
+    check! { Heavy 1 None; Midpoint, StormerVerlet; }
+}
+
+/// Compares paths of an ensemble with single trajectories, and single trajectories with repeated
+/// steps up to a bound.
+fn follow<T, R, const N: usize, const M: usize>(system: T, rule: R, bound: f64)
+where
+    T: Variational<R> + System<Dims = Dims<N, M>> + Sync,
+    R: Sync,
+{
+    let integrator = Integrator::new(system, rule);
+    let start = State::new([0.6; N], [0.3; N]);
+    let steps = 40;
+    let summary = Ensemble::new(&integrator)
+        .paths(30)
+        .seed(8)
+        .steps(0.05, steps)
+        .start(start)
+        .keep_final_states(true)
+        .run()
+        .expect("an ensemble");
+    assert_eq!(summary.failed(), 0);
+    for (path, end) in summary.final_states() {
+        let mut noise = Wiener::new(8).path(path);
+        let mut state = start;
+        let mut last = Vec::new();
+        for (step, next) in (0..steps).zip(integrator.trajectory(start, 0.05, noise)) {
+            let mut dw = [0.0; M];
+            noise.increments(step, 0.05, &mut dw).unwrap();
+            integrator.step(&mut state, 0.05, &dw).unwrap();
+            last = numbers(&next.unwrap());
+            close(&numbers(&state), &last, bound, "repeated steps");
+        }
+        close(&[end.q, end.p].concat(), &last, 1e-12, "in a lane");
     }
 }
 
-/// A trajectory is the repeated step.
 #[test]
-fn trajectories_are_repeated_steps() {
-    let integrator = Integrator::new(Moved { s: S, m: 1.3 }, Weak2(Gauss::<4>));
-    let start = State::new([0.6, -0.2], [0.3, 0.1]);
-    let mut noise = Wiener::new(8);
-    let mut state = start;
-    for (step, next) in (0..40).zip(integrator.trajectory(start, 0.05, Wiener::new(8))) {
-        let mut dw = [0.0; 2];
-        noise.increments(step, 0.05, &mut dw).unwrap();
-        integrator.step(&mut state, 0.05, &dw).unwrap();
-        let next = next.unwrap();
-        // times of trajectories are rounded once
-        close(&numbers(&state), &numbers(&next), 1e-15, "repeated steps");
-    }
+fn ensembles_and_trajectories() {
+    follow(Well { s: S, m: 1.3 }, Weak2(StormerVerlet), 1e-14);
+    follow(Well { s: S, m: 1.3 }, Weak2(Midpoint), 1e-14);
+    follow(Pendulums { s: S, m: 1.3 }, Weak2(Midpoint), 1e-14);
+    follow(Pendulums { s: S, m: 1.3 }, Weak2(StormerVerlet), 1e-14);
+    follow(Moved { s: S, m: 1.3 }, Weak2(Gauss::<4>), 1e-15);
+}
+
+#[test]
+fn the_structure_is_that_of_the_plain_rule() {
+    let well = Well { s: S, m: 1.3 };
+    let verlet = Integrator::new(well.clone(), Weak2(StormerVerlet)).plan();
+    assert_eq!(verlet.kind(), BlockKind::Explicit);
+    assert_eq!(verlet.rule, "stormer_verlet(weak2)");
+    let action = &verlet.formulas.action;
+    assert_says(action, &[" − h·|h|·(K(q₀) + K(q₁))/16"]);
+    let plain = Integrator::new(well, StormerVerlet).plan();
+    assert_eq!([plain.weak_order, verlet.weak_order], [1, 2]);
+    assert_eq!(plain.strong_order, verlet.strong_order);
+    let orders = ", strong order 1 (all noises commute), weak order 2\n";
+    assert_says(verlet, &[orders]);
+    let midpoint = Integrator::new(Pendulums { s: S, m: 1.3 }, Weak2(Midpoint)).plan();
+    assert_says(midpoint.formulas.action, &[" − h·|h|·K(t̄, q̄)/8"]);
+    assert_eq!(midpoint.unknowns(), 2);
 }
 
 #[test]
@@ -275,6 +350,7 @@ fn additive_noise_has_no_term() {
         );
         assert!(!corrected.plan().formulas.action.contains('K'));
         assert_eq!(corrected.plan().weak_order, 2);
+        assert_eq!(plain.plan().weak_order, 2);
         assert_eq!(corrected.plan().strong_order, plain.plan().strong_order);
         let mut random = Random::new(2);
         for _ in 0..20 {
@@ -286,6 +362,8 @@ fn additive_noise_has_no_term() {
         }
         plain.plan().strong_order
     }
+    check(Midpoint);
+    check(StormerVerlet);
     assert_eq!(check(Gauss::<2>), StrongOrder::One);
     assert_eq!(check(Gauss::<4>), StrongOrder::One);
     assert_eq!(check(StageNoise(Gauss::<3>)), StrongOrder::Three);
