@@ -184,11 +184,12 @@ fn kicks_by_increments_are_moved_back() {
 fn an_overflow_on_the_way_back_gives_the_largest_number() {
     let h = 0.0625;
     let unit = 2.0f64.powi(971); // the last place of the largest number
-    let n = 3000;
-    // two rings, so that the first site has its impulse before the last tile moves
+    let n = 10_000;
+    // Two rings, with ends so far apart that the first site has its impulse before the last tile
+    // moves.
     let next = |i: i64| match i {
         1023 => 0,
-        2999 => 1024,
+        9999 => 1024,
         _ => i + 1,
     };
     let ring = Ring {
