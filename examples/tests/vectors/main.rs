@@ -4,6 +4,8 @@
 //! Builds with debug assertions have one version of each step, so that this runs with `--release`.
 //! The versions for AVX-512 run on machines that have it.
 
+#![cfg(not(debug_assertions))]
+
 mod scenes;
 
 use std::f64::consts::TAU;
@@ -97,7 +99,7 @@ fn sites(n: usize) -> State<Vec<f64>> {
 
 /// Returns bodies near the sites of a square lattice.
 fn bodies(n: usize) -> State<Vec<[f64; 2]>> {
-    let side = (n as f64).sqrt().ceil() as usize;
+    let side = n.isqrt();
     let near = |(i, x): (usize, f64)| [(i % side) as f64 + 0.2 * x, (i / side) as f64 - 0.1 * x];
     let q = spread(n, 4).enumerate().map(near).collect();
     State::new(q, spread(n, 5).map(|x| [0.3 * x, 0.2 - x]).collect())

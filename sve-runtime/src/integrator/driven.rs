@@ -223,8 +223,8 @@ where
         (prepared.integrator).next_step(&mut prepared.prepared, state, h, dw)
     }
 
-    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
-        self.open.memory(&prepared.prepared)
+    fn memory(&self, prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
+        self.open.memory(&prepared.prepared, numbers);
     }
 
     fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {

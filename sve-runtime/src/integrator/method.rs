@@ -87,8 +87,9 @@ where
         S::Kind::processes(self.walker(), &self.cache, state)
     }
 
-    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
-        S::Kind::memory(prepared)
+    #[inline]
+    fn memory(&self, prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
+        S::Kind::memory(prepared, numbers);
     }
 
     fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {

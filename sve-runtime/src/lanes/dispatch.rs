@@ -29,7 +29,7 @@ const FOR_THIS_MACHINE: bool = cfg!(not(debug_assertions));
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Vectors {
-    /// Those of every machine of the target: two numbers on x86-64 and AArch64.
+    /// Those of every machine of the target: two numbers on x86-64 and `AArch64`.
     Base = 1,
     /// Four numbers.
     Avx2,

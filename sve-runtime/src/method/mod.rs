@@ -196,11 +196,10 @@ pub trait OneStepMethod {
         Ok(0)
     }
 
-    /// Returns the numbers that the method carries from step to step.
+    /// Adds the numbers that the method carries from step to step to a list.
     #[doc(hidden)]
-    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
-        let _ = prepared;
-        Vec::new()
+    fn memory(&self, prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
+        let _ = (prepared, numbers);
     }
 
     /// Replaces the numbers that the method carries from step to step. Returns whether their count

@@ -60,7 +60,9 @@ impl<'a, S: System> Study<'a, S> {
     }
 
     /// Sets the seed of the paths: path `k` has the increments of
-    /// [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps.
+    /// [`Wiener::new(seed).path(k)`](crate::noise::Wiener) over the finest steps. A study takes no
+    /// other noise, since it makes steps of several sizes along each path; ensembles with another
+    /// [`noise`](crate::ensemble::Ensemble::noise) compare means.
     ///
     #[doc = include_str!("example.md")]
     /// let error = |seed| study().seed(seed).run().map(|report| report.rows()[0].error);

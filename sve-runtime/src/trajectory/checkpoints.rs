@@ -24,6 +24,10 @@ pub(super) fn enough(steps: u64, size: usize) -> usize {
 /// With `free` states and `r` repetitions β(free, r) = (free + r)!/(free! r!) steps can be walked
 /// backwards; β(f, r) = β(f − 1, r) + β(f, r − 1) are the parts behind and before the checkpoint.
 pub(super) fn distance(steps: u64, free: u64) -> u64 {
+    if steps <= free.saturating_add(1) {
+        // each state is kept
+        return 1;
+    }
     let (mut repetitions, mut behind) = (0, 1_u64);
     // β(free, r) grows with r
     while reach(free, repetitions) < steps {

@@ -257,6 +257,7 @@ impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
         let prepared = carried.map_or_else(|| trajectory.method.prepare(trajectory.h), Ok)?;
         let mut sweep = Sweep {
             prepared,
+            carried: Vec::new(),
             at: 0,
             first: trajectory.step,
             method: trajectory.method,

@@ -237,6 +237,10 @@ impl Planet {
     }
 }
 
+fn noise_without_numbered_paths(pendulum: Noisy, noise: FromRng<u64>) {
+    let _ = Ensemble::new(&pendulum).noise(noise);
+}
+
 fn ensemble_with_a_time_scale(planet: Integrator<Planet, Midpoint>) {
     let _ = Ensemble::new(&planet);
 }

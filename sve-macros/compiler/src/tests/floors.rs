@@ -86,7 +86,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Returns the modules at the root that a text names in paths from `crate`. A path to a name of the
-/// root itself counts as one to `lib`.
+/// root itself counts as one to `lib`, and so does a group of names, whose floors are not looked up.
 fn used(text: &str) -> impl Iterator<Item = &str> {
     let before_tests = text.split("#[cfg(test)]\nmod tests").next().unwrap_or(text);
     let lines = before_tests.lines().map(str::trim_start);
@@ -98,7 +98,8 @@ fn used(text: &str) -> impl Iterator<Item = &str> {
         match word.chars().next() {
             Some(first) if first.is_lowercase() => Some(word),
             Some(_) => Some("lib"),
-            // a group of names, or a text of a message
+            None if path.starts_with('{') => Some("lib"),
+            // a text of a message
             None => None,
         }
     })

@@ -11,11 +11,11 @@ use crate::system::{ConfigurationOf, MomentumOf, StateOf, System};
 use crate::table::{SaveError, StateTable, Xyz};
 
 #[cfg(feature = "npy")]
-use crate::{
-    integrator::scenes::Scenes,
-    system::{AnySystem, FixedSizes, Kind},
-    table::frames_header,
-};
+use crate::integrator::scenes::Scenes;
+#[cfg(feature = "npy")]
+use crate::system::{AnySystem, FixedSizes, Kind};
+#[cfg(feature = "npy")]
+use crate::table::frames_header;
 
 #[allow(private_bounds)] // trajectories, plain and refined
 impl<T: Steps<System: System>> Saved<T> {
