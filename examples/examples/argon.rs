@@ -1,14 +1,15 @@
 //! Liquid argon: 4000 atoms in a periodic box, their radial distribution and their temperature.
 //!
-//! L = Σ ½|vᵢ|² − Σ u(|qᵢ − qⱼ|) in units of Lennard-Jones, with u(r) = 4 (r⁻¹² − r⁻⁶) up to 2.5, less
-//! its tangent there: the force is continuous. The density 0.8442 and a temperature near 0.72 are
-//! those of the liquid beside its triple point. Pairs come from lists with a skin, which are made
-//! anew when an atom has moved too far.
+//! L = Σ ½|vᵢ|² − Σ u(|qᵢ − qⱼ|) in units of Lennard-Jones, with u(r) = 4 (r⁻¹² − r⁻⁶) up to 2.5,
+//! less its tangent there: the force is continuous. The density 0.8442 and a temperature near 0.72
+//! are those of the liquid beside its triple point. Pairs come from lists with a skin, which are
+//! made anew when an atom has moved too far.
 //!
-//! The energy has an error of order h², the momentum is kept to rounding, and two temperatures agree:
-//! that of the momenta, and ⟨|∇V|²⟩ / ⟨∇²V⟩ of the positions (H. H. Rugh, Phys. Rev. Lett. 78, 772,
-//! 1997), to order 1/N. In a mode of frequency ω the rule of Störmer and Verlet lowers ⟨p²⟩ by
-//! h²ω²/4, and the mean of ω² is that of ∇²V. A page with pictures is written to `target/argon`.
+//! The energy has an error of order h², the momentum is kept to rounding, and two temperatures
+//! agree: that of the momenta, and ⟨|∇V|²⟩ / ⟨∇²V⟩ of the positions (H. H. Rugh, Phys. Rev. Lett.
+//! 78, 772, 1997), to order 1/N. In a mode of frequency ω the rule of Störmer and Verlet lowers
+//! ⟨p²⟩ by h²ω²/4, and the mean of ω² is that of ∇²V. A page with pictures is written to
+//! `target/argon`.
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
@@ -150,8 +151,8 @@ impl Argon {
     }
 }
 
-/// Returns |Σ exp(i k·q)|² / N² for a vector k of the lattice of the start: 1 there, and of order 1/N
-/// in a liquid.
+/// Returns |Σ exp(i k·q)|² / N² for a vector k of the lattice of the start: 1 there, and of order
+/// 1/N in a liquid.
 fn order(q: &[[f64; 3]], side: f64) -> f64 {
     let k = TAU * CELLS as f64 / side;
     let angles = q.iter().map(|q| k * (q[0] + q[1] + q[2]));

@@ -1,10 +1,10 @@
 //! A cluster of 1000 stars: Plummer's model in equilibrium, by the forces of all pairs.
 //!
 //! L = Σ ½m|vᵢ|² + Σ m²/√(|qᵢ − qⱼ|² + ε²) with N m = 1. In these units of Hénon the energy of
-//! Plummer's model is −1/4 and its radius a is 3π/16. Positions and velocities are drawn as Aarseth,
-//! Hénon and Wielen do (Astronomy & Astrophysics 37, 183, 1974). All stars of a pair of loops push
-//! each other oppositely, so that the momenta are kept to rounding, while the energy has an error of
-//! order h². A page with pictures is written to `target/cluster`.
+//! Plummer's model is −1/4 and its radius a is 3π/16. Positions and velocities are drawn as
+//! Aarseth, Hénon and Wielen do (Astronomy & Astrophysics 37, 183, 1974). All stars of a pair of
+//! loops push each other oppositely, so that the momenta are kept to rounding, while the energy has
+//! an error of order h². A page with pictures is written to `target/cluster`.
 
 use std::error::Error;
 use std::f64::consts::PI;

@@ -8,9 +8,9 @@
 //! In the mean over the sites, ω² is the mean of V″.
 //!
 //! Without the quartic term the field is Gaussian, and lattice sums give its correlations. With it,
-//! ⟨q ∂V/∂q⟩ = T holds for the exact motion. For both, the checks show that what the step adds is below
-//! the statistical errors. With two wells, the field orders when it is cold: towards that temperature,
-//! the correlation length grows. A page with pictures is written to `target/phi4`.
+//! ⟨q ∂V/∂q⟩ = T holds for the exact motion. For both, the checks show that what the step adds is
+//! below the statistical errors. With two wells, the field orders when it is cold: towards that
+//! temperature, the correlation length grows. A page with pictures is written to `target/phi4`.
 
 use std::error::Error;
 use std::f64::consts::TAU;

@@ -1,12 +1,13 @@
 //! Stiff chains in a bath: bonds, angles, end-to-end distances and diffusion.
 //!
-//! Each chain has N beads of mass 1 with V = Σ ½k(|bᵢ| − 1)² − κ Σ cos θᵢ, where bᵢ are the bonds and
-//! θᵢ the angles between neighbouring bonds, in a Langevin bath of temperature T. At equilibrium the
-//! lengths and the angles of all bonds are independent: ⟨cos θ⟩ = coth x − 1/x with x = κ/T, and
-//! ⟨bᵢ·bⱼ⟩ = ⟨|b|⟩² ⟨cos θ⟩^|i − j| for different bonds, as in a chain that rotates freely (P. J. Flory,
-//! Statistical Mechanics of Chain Molecules, 1969). Forces within a chain do not move its centre,
-//! which is a free particle of mass N in the bath. All chains are one scene. They start from
-//! equilibrium, and a wrong force would drive them from it. A page is written to `target/polymer`.
+//! Each chain has N beads of mass 1 with V = Σ ½k(|bᵢ| − 1)² − κ Σ cos θᵢ, where bᵢ are the bonds
+//! and θᵢ the angles between neighbouring bonds, in a Langevin bath of temperature T. At
+//! equilibrium the lengths and the angles of all bonds are independent: ⟨cos θ⟩ = coth x − 1/x with
+//! x = κ/T, and ⟨bᵢ·bⱼ⟩ = ⟨|b|⟩² ⟨cos θ⟩^|i − j| for different bonds, as in a chain that rotates
+//! freely (P. J. Flory, Statistical Mechanics of Chain Molecules, 1969). Forces within a chain do
+//! not move its centre, which is a free particle of mass N in the bath. All chains are one scene.
+//! They start from equilibrium, and a wrong force would drive them from it. A page is written to
+//! `target/polymer`.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -119,8 +120,8 @@ fn lengths() -> [f64; 2] {
     [one / all, two / all]
 }
 
-/// Returns a vector whose components are normal, by sums of twelve uniform numbers: their variance is
-/// that of the normal distribution, and the bath does the rest.
+/// Returns a vector whose components are normal, by sums of twelve uniform numbers: their variance
+/// is that of the normal distribution, and the bath does the rest.
 fn thermal(rng: &mut StdRng) -> Vector3<f64> {
     let mut component = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
     let [x, y, z] = [component(), component(), component()];

@@ -1,8 +1,8 @@
 //! The least effort that swings up the pole of a cart, by the gradient of a trajectory with inputs.
 //!
 //! A cart of 1 kg carries a light pole of 0.5 m with a bob of 0.3 kg. The pole hangs at rest; after
-//! two seconds it shall stand upright at rest, one metre to the right. A controller sets the force u
-//! on the cart 50 times a second and holds it meanwhile. Single shooting: the 100 forces are the
+//! two seconds it shall stand upright at rest, one metre to the right. A controller sets the force
+//! u on the cart 50 times a second and holds it meanwhile. Single shooting: the 100 forces are the
 //! unknowns, and the effort ½ h Σ u² is minimised by L-BFGS with the adjoint gradient of the steps;
 //! an augmented Lagrangian enforces the conditions at the end. In gusts the optimal forces alone
 //! lose the pole; a time-varying linear-quadratic regulator (LQR) around the optimal path holds it.
@@ -247,8 +247,8 @@ struct Plan {
     mean_square: f64,
 }
 
-/// Returns the derivatives of a step: by the state, by the control, and by the strength of the gusts
-/// for an increment of √h.
+/// Returns the derivatives of a step: by the state, by the control, and by the strength of the
+/// gusts for an increment of √h.
 fn linearise(mut state: State<[f64; 2]>, u: f64) -> Result<Linear, StepError> {
     let cart_pole = Integrator::new(CALM, Midpoint);
     let held = cart_pole.holding(&u);

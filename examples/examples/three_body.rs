@@ -1,12 +1,12 @@
-//! Three equal masses that chase one another along a figure eight, a first program with vectors; and
-//! three masses that meet closely, with a time scale.
+//! Three equal masses that chase one another along a figure eight, a first program with vectors;
+//! and three masses that meet closely, with a time scale.
 //!
 //! L = Σ ½mᵢ|vᵢ|² + Σ g mᵢmⱼ/|qᵢ − qⱼ|. The figure eight was found by Chenciner and Montgomery
-//! (Annals of Mathematics 152, 2000); the initial values are by Simó. After one period the bodies are
-//! back where they started, up to the error of the midpoint rule, which is of order 2. The energy
-//! error stays bounded, and the momenta are kept to rounding. The Pythagorean problem of Burrau has
-//! steps of equal lengths in τ, where dt = (Σ (mᵢ + mⱼ)/r³)^{−½} dτ. Status 1 if a number is off.
-//! Writes `target/three_body/`.
+//! (Annals of Mathematics 152, 2000); the initial values are by Simó. After one period the bodies
+//! are back where they started, up to the error of the midpoint rule, which is of order 2. The
+//! energy error stays bounded, and the momenta are kept to rounding. The Pythagorean problem of
+//! Burrau has steps of equal lengths in τ, where dt = (Σ (mᵢ + mⱼ)/r³)^{−½} dτ. Status 1 if a
+//! number is off. Writes `target/three_body/`.
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -4,7 +4,8 @@
 use std::ops::Range;
 
 /// Returns, for each colour, the runs of cells that have it, with a point that is not finite before
-/// each run. The cells are given row by row, from the least y; a cell without a colour is not drawn.
+/// each run. The cells are given row by row, from the least y; a cell without a colour is not
+/// drawn.
 pub fn runs<const COLORS: usize>(
     cells: &[Option<usize>],
     columns: usize,

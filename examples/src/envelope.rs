@@ -37,8 +37,8 @@ pub fn envelope<E>(
     Ok(points)
 }
 
-/// Returns a layer with the range of a series in each of `parts` parts, and its middle. A line through all points of
-/// a fast oscillation would be a block.
+/// Returns a layer with the range of a series in each of `parts` parts, and its middle. A line
+/// through all points of a fast oscillation would be a block.
 pub fn range_of(label: &str, points: &[(f64, f64)], parts: usize, color: Color) -> Layer {
     let [middles, ends] = ranges(points, parts);
     Layer::new(label, middles, Pen::line(color, 1.0)).band(ends)

@@ -12,8 +12,8 @@ pub fn svg(figure: &Figure) -> Result<String, PlotError> {
     render::svg(figure)
 }
 
-/// Returns the panels of a figure as SVG documents in markup, a row beside one another if the page is
-/// wide enough, so that texts keep their size on a narrow page.
+/// Returns the panels of a figure as SVG documents in markup, a row beside one another if the page
+/// is wide enough, so that texts keep their size on a narrow page.
 ///
 /// # Errors
 /// If a panel cannot be drawn, or two of its series differ by their hue alone.

@@ -108,11 +108,11 @@ use sve_compiler::Settings;
 /// vector of nalgebra, `Vector1<f64>` to `Vector6<f64>` or `SVector<f64, N>`, or an array of these,
 /// `[Vector3<f64>; B]`; the paths of these types may be written out, as in `na::Vector3<f64>`. All
 /// coordinates, velocities and momenta of a block have the same type, and so have forces and
-/// generators, unless there is a rotation. The `M` noises and `K` constraints of a function may have
-/// any of these shapes. The increments stay a row of numbers, `[f64; M]`, in which the noises of a
-/// function are numbered in the order of its memory, row by row; the plan names them as it names
-/// coordinates, `bath[1][0]` or `bath[0].z`. `N` and `M` are literals or constants of the block,
-/// `Self::N`, and `{ Self::N }` among generic arguments.
+/// generators, unless there is a rotation. The `M` noises and `K` constraints of a function may
+/// have any of these shapes. The increments stay a row of numbers, `[f64; M]`, in which the noises
+/// of a function are numbered in the order of its memory, row by row; the plan names them as it
+/// names coordinates, `bath[1][0]` or `bath[0].z`. `N` and `M` are literals or constants of the
+/// block, `Self::N`, and `{ Self::N }` among generic arguments.
 ///
 /// # Rotations
 ///

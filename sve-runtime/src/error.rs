@@ -82,7 +82,7 @@ pub enum StepError {
     Site {
         /// The number of the site.
         site: usize,
-        /// What is wrong, with the configuration and the momentum of the site.
+        /// The mistake, with the configuration and the momentum of the site.
         error: Box<StepError>,
     },
     /// The equations for the forces of velocities and for the `#[h1]` of a scene are not solved by
@@ -187,8 +187,8 @@ pub enum StepError {
         /// The message of the panic.
         message: String,
     },
-    /// The time scale of a system is not positive and finite at a node of a step, or at the place to
-    /// which the velocity at its start leads.
+    /// The time scale of a system is not positive and finite at a node of a step, or at the place
+    /// to which the velocity at its start leads.
     #[error(
         "the time scale is {scale} at q = {q:?}, at a node of the step from t = {t} with h = {h:e} or where the velocity at its start leads: \
          a function with `#[time_scale]` is positive and finite wherever the motion comes; look at it there, or take a smaller h"
@@ -543,7 +543,7 @@ pub enum StepError {
         q: Vec<f64>,
         /// Momentum.
         p: Vec<f64>,
-        /// What is left of the mass matrix, and the velocities that have the momentum.
+        /// The remaining row of the mass matrix, and the velocities that have the momentum.
         found: Box<SingularRow>,
     },
     /// The equations of the step have a singular Jacobian.
@@ -572,7 +572,7 @@ pub enum StepError {
         /// Time of the state.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// What has another value: `p[0]`, or `∂L/∂q[1]` of an algebraic coordinate.
+        /// The quantity that has another value: `p[0]`, or `∂L/∂q[1]` of an algebraic coordinate.
         what: String,
         /// Its value.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
@@ -665,7 +665,7 @@ pub enum StepError {
         t: f64,
         /// How many numbers the snapshot has.
         numbers: usize,
-        /// What differs: formulas, values of parameters, the method.
+        /// The part that differs: formulas, values of parameters, the method.
         differs: Box<str>,
     },
     /// Every 0th state of a trajectory is to be saved.
@@ -777,7 +777,7 @@ pub enum StepError {
         /// Time in the step.
         #[cfg_attr(feature = "serde", serde(with = "crate::floats"))]
         t: f64,
-        /// What the system has.
+        /// The property of the system.
         what: String,
     },
     /// The noise could not give the increments of this step.

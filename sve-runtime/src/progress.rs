@@ -1,8 +1,8 @@
 //! The progress of a run, on the terminal.
 //!
 //! Input: the numbers of finished paths of an ensemble, or of saved states of a trajectory. Output:
-//! a bar with the feature `progress`, otherwise a percentage, on standard error if it is a terminal.
-//! Results do not depend on it.
+//! a bar with the feature `progress`, otherwise a percentage, on standard error if it is a
+//! terminal. Results do not depend on it.
 
 #[cfg(not(feature = "progress"))]
 pub(crate) use plain::Progress;

@@ -174,8 +174,8 @@ impl Net {
     }
 }
 
-/// Rotors with a mean field, a noise that moves them, and a force between them that depends on their
-/// velocities.
+/// Rotors with a mean field, a noise that moves them, and a force between them that depends on
+/// their velocities.
 struct Rotors {
     sigma: f64,
 }

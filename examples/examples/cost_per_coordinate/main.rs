@@ -1,4 +1,4 @@
-//! What a step costs for each coordinate, from 10² to 10⁶ coordinates.
+//! The cost of a step for each coordinate, from 10² to 10⁶ coordinates.
 //!
 //! Four systems by the rule of Störmer and Verlet: a chain, the φ⁴ field on a square lattice, bonds
 //! of polymers, and atoms with lists of neighbours. Each is stepped by a trajectory, by single

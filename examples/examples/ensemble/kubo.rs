@@ -229,7 +229,8 @@ fn fit(
     )
     .near(
         freedom + expected_difference,
-        // The tail of χ² is longer than a normal's: it exceeds 5.1 deviations with probability 1e-5.
+        // The tail of χ² is longer than a normal's: it exceeds 5.1 deviations with probability
+        // 1e-5.
         5.1 * deviation,
         "degrees of freedom, and the error of the rule's distribution; false alarm about 10⁻⁵",
     )

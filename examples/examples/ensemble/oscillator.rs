@@ -287,8 +287,8 @@ fn means(panel: Panel, curve: &Curve) -> Panel {
     panel.with(line).with(Layer::new(curve.name, points, marks))
 }
 
-/// Returns the band of two exact standard errors on either side of the expectation, whose points are
-/// at the upper edge, and the mean less its expectation.
+/// Returns the band of two exact standard errors on either side of the expectation, whose points
+/// are at the upper edge, and the mean less its expectation.
 fn error(curve: &Curve) -> [Layer; 2] {
     let (mut edge, mut ends, mut points) = (Vec::new(), Vec::new(), Vec::new());
     for (k, &(mean, error)) in curve

@@ -96,7 +96,8 @@ const PERIODS: f64 = 170.0;
 /// A time in periods of the first mode, and the energies of the first modes in parts of the whole.
 type Energies = (f64, [f64; MODES]);
 
-/// Returns the energies of the modes of a path with steps of length `h`, and the largest error of the whole energy in parts of it.
+/// Returns the energies of the modes of a path with steps of length `h`, and the largest error of
+/// the whole energy in parts of it.
 fn recurrence((h, every): (f64, u64)) -> Result<(Vec<Energies>, f64), StepError> {
     let chain = Integrator::new(Chain { alpha: ALPHA }, StormerVerlet);
     let modes: [Mode; MODES] = std::array::from_fn(|k| Mode::new(k + 1, MASSES));

@@ -1,8 +1,8 @@
 //! The same step in two charts: the exponential one of `sve`, and Cayley's, written by hand.
 //!
-//! In Cayley's chart the increment of an attitude is x, and the turn is `(1 + x̂/2)(1 − x̂/2)⁻¹`, of length
-//! 2 tan(θ/2). The equations of the midpoint rule are, with g = I x/h, the torque τ at the middle of the
-//! geodesic, and T = ½/(1 + √(1 + |x|²/4)),
+//! In Cayley's chart the increment of an attitude is x, and the turn is `(1 + x̂/2)(1 − x̂/2)⁻¹`,
+//! of length 2 tan(θ/2). The equations of the midpoint rule are, with g = I x/h, the torque τ at
+//! the middle of the geodesic, and T = ½/(1 + √(1 + |x|²/4)),
 //!
 //! ```text
 //! Π₀ = g + ½ x × g + ¼ x (x·g) − ½ h (τ + T x × τ),    Π₁ = Π₀ − x × g + h τ

@@ -3,8 +3,8 @@
 //!
 //! The attitude is a rotation: there are no Euler angles, and the upright position is not singular.
 //! The shaking is a noise in the weight, γ = s R₃₃: it changes the energy and keeps the momenta
-//! about the vertical and about the figure axis, as every step does. Steps in the exponential chart of
-//! rotations are compared with steps in Cayley's, which are written by hand.
+//! about the vertical and about the figure axis, as every step does. Steps in the exponential chart
+//! of rotations are compared with steps in Cayley's, which are written by hand.
 //!
 //! `cargo run --release --example heavy_top` writes a page with the pictures to `target/heavy_top`,
 //! and exits with status 1 if a number is off.

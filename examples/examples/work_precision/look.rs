@@ -1,7 +1,7 @@
 //! The looks of methods, the same in all figures.
 //!
-//! Variational rules have solid lines, which are thin for stage noise, methods for comparison dashed
-//! lines, other programs dotted lines.
+//! Variational rules have solid lines, which are thin for stage noise, methods for comparison
+//! dashed lines, other programs dotted lines.
 
 use sve_examples::figure::{Pen, Shape, Stroke, Symbols};
 use sve_examples::hues;

@@ -5,8 +5,8 @@
 //! are drawn into the same figures. `cargo run --release --example work_precision -- --help` lists
 //! options.
 //!
-//! `work_precision serve` solves paths on demand for other programs, and `work_precision turns` draws
-//! what they measured in turns with it.
+//! `work_precision serve` solves paths on demand for other programs, and `work_precision turns`
+//! draws what they measured in turns with it.
 #![allow(unsafe_code)]
 
 mod compensated;

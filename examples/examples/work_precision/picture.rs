@@ -27,7 +27,7 @@ const FINE: f64 = 3.0;
 /// Distance of possible places of a name.
 const GRID: f64 = 6.0;
 
-/// What a place of a name costs beside the length of its leader, as such a length: a leader that
+/// Costs of a place of a name beside the length of its leader, as such a length: a leader that
 /// does not point to the right, one from the first point of a curve, one that crosses a curve, one
 /// that crosses a name, and a name without a free place.
 const ASIDE: f64 = 50.0;
@@ -46,7 +46,7 @@ pub(crate) struct Named {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// What a picture shows.
+/// The contents of a picture.
 pub(crate) struct Picture<'a> {
     /// File name without extension.
     pub(crate) name: &'static str,
@@ -198,7 +198,8 @@ impl Axes {
     }
 }
 
-/// What names have to avoid: points of curves with leaders, of the band and of other names.
+/// The places that names have to avoid: points of curves with leaders, of the band and of other
+/// names.
 struct Taken {
     curves: Vec<Vec<(f64, f64)>>,
     band: Vec<(f64, f64)>,

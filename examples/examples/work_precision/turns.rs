@@ -133,8 +133,8 @@ fn confirmed(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Returns the points from the fastest setting on: with longer steps, which need more iterations, the
-/// method takes more time.
+/// Returns the points from the fastest setting on: with longer steps, which need more iterations,
+/// the method takes more time.
 fn from_fastest(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let times = points.iter().map(|point| point.0);
     let fastest = times.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));

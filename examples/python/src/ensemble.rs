@@ -88,7 +88,7 @@ impl Request {
     }
 }
 
-/// What the thread that waits and those that run share.
+/// The data that the waiting thread and the running threads share.
 #[derive(Default)]
 struct Shared {
     is_stopped: AtomicBool,

@@ -87,7 +87,7 @@ macro_rules! expose {
                     format!("{}({})", stringify!($system), fields.join(", "))
                 }
 
-                /// What the step became: its equations, its orders and its cost, as text.
+                /// The plan of the step: its equations, its orders and its cost, as text.
                 #[getter]
                 fn plan(&self) -> String {
                     Integrator::new(self, $rule).plan().to_string()

@@ -1,5 +1,5 @@
-//! The midpoint rule for a chain with fixed ends, beside the same iteration by hand: Chebyshev's, for
-//! the displacements, with bounds from the largest and the smallest distance of neighbours.
+//! The midpoint rule for a chain with fixed ends, beside the same iteration by hand: Chebyshev's,
+//! for the displacements, with bounds from the largest and the smallest distance of neighbours.
 
 use std::hint::black_box;
 

@@ -1,10 +1,10 @@
 //! The increments of a block of paths, in lanes, drawn for several steps at once.
 //!
 //! Input: the noise, the paths and a range of steps. Output: one increment for each lane, step and
-//! process; with stage noise one for each lane, step, process and stage. Invariant: path `k` has the
-//! increments of the source's path `k`, bit for bit. In antithetic pairs, paths `2k` and `2k + 1`
-//! have the increments of path `k`, the second one with the other sign. Coarsened increments are
-//! sums of the source's increments over the halves of a step.
+//! process; with stage noise one for each lane, step, process and stage. Invariant: path `k` has
+//! the increments of the source's path `k`, bit for bit. In antithetic pairs, paths `2k` and
+//! `2k + 1` have the increments of path `k`, the second one with the other sign. Coarsened
+//! increments are sums of the source's increments over the halves of a step.
 
 use core::marker::PhantomData;
 

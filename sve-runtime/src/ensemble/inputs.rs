@@ -18,7 +18,7 @@ use crate::rule::Rule;
 use crate::system::{StateOf, System, WithInputs};
 use crate::trajectory::StepsWithoutInputs;
 
-/// What an ensemble has paths of: a method, or an integrator of a system with inputs.
+/// A source of the paths of an ensemble: a method, or an integrator of a system with inputs.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no paths for an ensemble",
     note = "an ensemble runs a reference to a method for a system of fixed sizes: an `Integrator` or a baseline",
@@ -124,9 +124,8 @@ where
     /// Observables, weights and the functions of passages see the system with the inputs of the
     /// step that was made last; at the start, with those of the first step. So the energy of a
     /// Lagrangian with inputs is the energy at the end of a step, before the inputs change. The
-    /// function is called once more for this, from the state before the step.
-    /// A function of a passage has to be continuous where the inputs change: one that jumps there is
-    /// an error.
+    /// function is called once more for this, from the state before the step. A function of a
+    /// passage has to be continuous where the inputs change: one that jumps there is an error.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -164,7 +164,7 @@ const _: () = assert!(BLOCK_TILES * LANES == BLOCK_PATHS as usize);
 /// ```
 pub struct Ensemble<'a, I: PathMethod, K = Complete> {
     method: Shared<'a, I>,
-    /// Whether the method needs inputs.
+    /// Marks whether the method needs inputs.
     kind: PhantomData<K>,
     paths: Option<u64>,
     seed: Option<u64>,

@@ -230,8 +230,8 @@ where
 }
 
 /// Returns a copy of a step. A loop over its stages writes to memory that is not that of the copy,
-/// which the compiler has to know before it puts the stages into vectors; of a reference it does not
-/// know it.
+/// which the compiler has to know before it puts the stages into vectors; of a reference it does
+/// not know it.
 #[inline(always)]
 pub(super) fn in_own_memory<'a, Sys, const S: usize, const N: usize, const M: usize>(
     step: &Step<'a, Sys, S, N, M>,

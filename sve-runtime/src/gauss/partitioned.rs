@@ -1,8 +1,8 @@
 //! The fixed-point iteration of a step of a Gauss rule with ∂L/∂v affine in v: masses, force and
 //! noises of any form.
 //!
-//! Input and output as in `fixed_point.rs`. A sweep goes from positions to impulses and momenta, and
-//! from the new momenta to positions.
+//! Input and output as in `fixed_point.rs`. A sweep goes from positions to impulses and momenta,
+//! and from the new momenta to positions.
 
 use super::convergence::{Course, Verdict};
 use super::fixed_point::{StageLanes, in_own_memory};

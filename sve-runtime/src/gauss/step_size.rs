@@ -136,8 +136,8 @@ impl StepSize {
         true
     }
 
-    /// Forgets the step before, after a change of the state, and makes the next step at most as long
-    /// as this step of size `h`.
+    /// Forgets the step before, after a change of the state, and makes the next step at most as
+    /// long as this step of size `h`.
     pub(crate) fn forget(&mut self, h: f64) {
         self.before = None;
         self.h = self.at_most(h.abs());

@@ -123,7 +123,7 @@ where
     }
 }
 
-/// What the steps of a system compute from its parameters alone.
+/// The values that the steps of a system compute from its parameters alone.
 type CoefficientsOf<S, const K: usize, const N: usize> =
     <<S as System>::Itself as AdaptedSteps<K, N>>::Coefficients;
 

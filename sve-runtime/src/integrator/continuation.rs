@@ -236,8 +236,8 @@ impl End {
     }
 }
 
-/// Follows a path from a point at 0 to 1, with a first stride. Returns its end. `meets_fold` gets each
-/// point.
+/// Follows a path from a point at 0 to 1, with a first stride. Returns its end. `meets_fold` gets
+/// each point.
 ///
 /// # Errors
 /// The [`End`] before 1.

@@ -218,13 +218,13 @@ where
     Q: Site,
 {
     /// Returns how the loops of a scene are made from a state with steps of length `h`: which of
-    /// them are gathered, in how many segments, and how many bytes that needs. For steps of `midpoint`
-    /// it makes one from a copy of the state without noise, and tells the bounds of its equations and
-    /// the number of sweeps.
+    /// them are gathered, in how many segments, and how many bytes that needs. For steps of
+    /// `midpoint` it makes one from a copy of the state without noise, and tells the bounds of its
+    /// equations and the number of sweeps.
     ///
     /// # Errors
-    /// The error of a step from this state; of an explicit one as far as its lengths and indices are
-    /// concerned.
+    /// The error of a step from this state; of an explicit one as far as its lengths and indices
+    /// are concerned.
     pub fn layout(&self, state: &State<Vec<Q>>, h: f64) -> Result<Layout, StepError> {
         check_step_size(h)?;
         let (scene, n) = (self.system().target(), sites(state)?);

@@ -7,8 +7,8 @@
 //! Checks without a cost come first: the mass matrix of parameters was tested in `prepare`; a rule
 //! whose equations cannot be solved where the mass matrix is singular
 //! ([`StepEquations::PROVES_START`]) tests nothing. A lane that is not sure takes the scalar step.
-//! Increments of forces of velocities divide: an infinite one would give a finite state, so they are
-//! tested. All other increments that are not finite show in the state.
+//! Increments of forces of velocities divide: an infinite one would give a finite state, so they
+//! are tested. All other increments that are not finite show in the state.
 
 use super::modes::LanesMode;
 use super::step::iterates;
@@ -28,8 +28,8 @@ use crate::system::{Dimensions, Dims, IncrementLanesOf, Increments as _, StateLa
 /// Legendre transform.
 const NO_START: SolveError = SolveError::Singular { iteration: 0 };
 
-/// Below this reach of the noise forces of velocities no rule has a pole. From here on the solution is
-/// followed: where several eigenvalues pass a pole together, no determinant changes its sign.
+/// Below this reach of the noise forces of velocities no rule has a pole. From here on the solution
+/// is followed: where several eigenvalues pass a pole together, no determinant changes its sign.
 pub(super) const NO_POLE: f64 = 1.0;
 
 /// Returns whether the mass matrix has to be tested in each step.

@@ -202,8 +202,8 @@ where
     }
 
     /// Returns the error of a step that failed, with its time: that of the time scale, if it has no
-    /// value at the start, or, where the solution is lost, at the place to which the velocity at the
-    /// start leads.
+    /// value at the start, or, where the solution is lost, at the place to which the velocity at
+    /// the start leads.
     #[cold]
     fn explain(&self, error: StepError, state: &State<Q>, h: f64) -> StepError {
         let (system, t) = (self.system(), state.t);

@@ -22,7 +22,7 @@ pub(crate) trait Kernel {
     fn run(self) -> Self::Output;
 }
 
-/// Whether kernels are compiled for more than the vectors that every machine of the target has.
+/// True if kernels are compiled for more than the vectors that every machine of the target has.
 const FOR_THIS_MACHINE: bool = cfg!(not(debug_assertions));
 
 /// The vectors for which kernels are compiled, from the narrowest to the widest.

@@ -92,7 +92,8 @@ fn singular_mass<const N: usize>(
 }
 
 /// Returns the velocity of the momentum `p` that is connected with the velocity `near`, or with a
-/// reference velocity if L is not defined there. `at` evaluates ∂L/∂v less a momentum at a velocity.
+/// reference velocity if L is not defined there. `at` evaluates ∂L/∂v less a momentum at a
+/// velocity.
 ///
 /// # Errors
 /// [`SolveError::SingularMass`] if the mass matrix is singular at all reference velocities;
@@ -147,8 +148,8 @@ struct Reference<const N: usize> {
     sign: DeterminantSign,
 }
 
-/// Finds a velocity at which L is defined and its mass matrix is regular: `near`, otherwise rest, the
-/// momentum or a diagonal direction times a power of two.
+/// Finds a velocity at which L is defined and its mass matrix is regular: `near`, otherwise rest,
+/// the momentum or a diagonal direction times a power of two.
 fn reference<const N: usize>(
     p: &[f64; N],
     near: &[f64; N],

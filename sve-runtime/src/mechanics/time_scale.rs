@@ -145,11 +145,11 @@ pub(crate) fn is_time_scale(scale: f64) -> bool {
 /// The state of a system with a time scale: time, configuration and momentum, and the energy on
 /// which its path stays.
 ///
-/// It dereferences to a [`State`], so it has the fields `t`, `q` and `p`, and functions of
-/// `&State` take it. The energy is computed once, when the state is made, and steps hold it fixed:
+/// It dereferences to a [`State`], so it has the fields `t`, `q` and `p`, and functions of `&State`
+/// take it. The energy is computed once, when the state is made, and steps hold it fixed:
 /// recomputed in each step, it would make the steps lose their structure. The fields cannot be
-/// written to, since the energy would no longer be theirs: after a change of `q` or `p` make another
-/// state, by [`of`](Self::of).
+/// written to, since the energy would no longer be theirs: after a change of `q` or `p` make
+/// another state, by [`of`](Self::of).
 ///
 /// ```
 /// use sve_runtime::prelude::*;

@@ -29,8 +29,8 @@ pub trait ManyPaths {
     fn many_paths(self) -> PathData;
 }
 
-/// The kinds of distributions. Their numbers are part of the fingerprints of shards and checkpoints,
-/// so they must not change.
+/// The kinds of distributions. Their numbers are part of the fingerprints of shards and
+/// checkpoints, so they must not change.
 #[derive(Clone, Copy)]
 pub(crate) enum DistributionKind {
     Normal = 0,

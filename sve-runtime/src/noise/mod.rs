@@ -117,7 +117,8 @@ pub trait Noise {
     /// weight `b_i`.
     ///
     /// The increments of a process add up to the increment that [`increments`](Self::increments)
-    /// returns; those of a [refined](Wiener::refine) path do over each step of the path. The default implementation returns an error.
+    /// returns; those of a [refined](Wiener::refine) path do over each step of the path. The
+    /// default implementation returns an error.
     ///
     /// # Errors
     /// A [`NoiseError`] if the source cannot serve the step; [`NoiseError::NoStages`] if it draws

@@ -32,8 +32,8 @@ mod vectors;
 /// Implemented for `[f64; N]`, for the vectors of nalgebra (`Vector2<f64>`, `Vector3<f64>`,
 /// `SVector<f64, N>`), and for arrays of configurations, such as `[[f64; 3]; 4]` or
 /// `[Vector3<f64>; 4]`. In a vector space, momenta have the type of the configuration, and
-/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are rotation vectors
-/// in the body frame. A pair `(Q, R)` combines two configurations.
+/// increments are added. A `UnitQuaternion<f64>` is a rotation, whose increments are rotation
+/// vectors in the body frame. A pair `(Q, R)` combines two configurations.
 ///
 /// The configuration of a scene, whose `q` is a slice, is a vector of sites: `Vec<f64>`,
 /// `Vec<[f64; D]>` or `Vec<SVector<f64, D>>`.

@@ -102,8 +102,8 @@ pub(super) fn count(number: u64, thing: &str) -> String {
     format!("{number} {thing}{plural}")
 }
 
-/// Least width of a picture on a page, as a fraction of its own width: the texts of a picture that is
-/// smaller are too small to be read.
+/// Least width of a picture on a page, as a fraction of its own width: the texts of a picture that
+/// is smaller are too small to be read.
 const LEAST: f64 = 0.75;
 
 /// Returns markup with an SVG document of this width in CSS pixels, which scrolls on a page that is

@@ -58,8 +58,8 @@ pub struct Gauss<const S: usize>;
 /// nodes. The `dw` of a step has `S M` entries, process by process, with nodes ascending; each is
 /// independent with variance `b_i h`. [`Wiener`](crate::noise::Wiener) draws them as details of one
 /// path, which serves every number of stages and the other rules; [`noise`](crate::noise) lists the
-/// other sources with stage noise. The increments belong to whole steps: what divides steps, such as
-/// [`refine`](crate::Trajectory::refine) and passages in ensembles, is refused.
+/// other sources with stage noise. The increments belong to whole steps: what divides steps, such
+/// as [`refine`](crate::Trajectory::refine) and passages in ensembles, is refused.
 ///
 /// For additive noise, γ linear in q with constant masses, the strong order is min(S, 3), also with
 /// a force that is linear in velocities. If the coefficients of velocities depend on the place, as

@@ -45,7 +45,7 @@ pub trait NoNumbers<'a> {
 
 impl<'a, T: ?Sized> NoNumbers<'a> for Field<'a, T> {}
 
-/// What a loop adds to its site, and to those of the loops around it.
+/// The values that a loop adds to its site and to the sites of the loops around it.
 pub type Added<const D: usize, const FIXED: usize> = ([f64; D], [[f64; D]; FIXED]);
 
 /// Makes a loop over consecutive sites `q`, which are as many as the numbers of each column. `each`

@@ -74,14 +74,15 @@ impl Chebyshev {
             || change <= f64::EPSILON * farthest
     }
 
-    /// Continues with the weights of Richardson's iteration. Returns whether the weights were others.
+    /// Continues with the weights of Richardson's iteration. Returns whether the weights were
+    /// others.
     pub(super) fn make_plain(&mut self) -> bool {
         self.contraction = self.half / self.middle;
         !core::mem::replace(&mut self.is_plain, true)
     }
 
-    /// Returns the weight α of Richardson's iteration. Its updates reduce the largest error, whether
-    /// the Jacobian is symmetric or not.
+    /// Returns the weight α of Richardson's iteration. Its updates reduce the largest error,
+    /// whether the Jacobian is symmetric or not.
     pub(super) fn plain_weight(&self) -> f64 {
         1.0 / self.middle
     }

@@ -1,5 +1,6 @@
 //! Drifts of scenes whose velocities are solved for, with a kinetic energy that is no sum of
-//! `½ m v²`; with drags, forces that depend on velocities in another way than friction; and with H₁.
+//! `½ m v²`; with drags, forces that depend on velocities in another way than friction; and with
+//! H₁.
 //!
 //! All forces of velocities act with the velocity v of the drift (`docs/mathematics.md`, section
 //! 14). With the times a and b of the kicks before and after the drift, a friction N, drags D, and
@@ -11,10 +12,10 @@
 //! p₁ = p − b N v + b D(q₁, v) − β ∂H₁/∂q(q₁, p)
 //! ```
 //!
-//! The first equation and the second one are of all sites. They are solved by fixed-point iterations
-//! for D and the derivatives of H₁, which have to contract. If these and ∂T/∂v are affine, an
-//! iteration that converges has one fixed point, and so has that of each smaller step: the solution
-//! is connected with the limit of no noise and a short step.
+//! The first equation and the second one are of all sites. They are solved by fixed-point
+//! iterations for D and the derivatives of H₁, which have to contract. If these and ∂T/∂v are
+//! affine, an iteration that converges has one fixed point, and so has that of each smaller step:
+//! the solution is connected with the limit of no noise and a short step.
 
 use super::errors::index_error;
 use super::kinetic::Sites;
@@ -43,7 +44,7 @@ pub(super) struct Motion {
 /// sweeps.
 const FACTOR: f64 = 0.15;
 
-/// What determines the velocities of momenta.
+/// The data that determine the velocities of momenta.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Velocities<'a> {
     pub(super) sites: Option<&'a Sites>,
@@ -97,7 +98,7 @@ pub(super) struct Drags {
     p: Vec<f64>,
     /// The displacements by the H₁ before the drift, and after it.
     shifts: [Vec<f64>; 2],
-    /// What is computed.
+    /// The result.
     new: Vec<f64>,
     /// Increments, and totals.
     dw: Vec<f64>,
@@ -266,7 +267,7 @@ impl Drags {
 /// The impulses in a drift.
 const IMPULSES: [InDrift; 2] = [InDrift::Drags, InDrift::Kicks];
 
-/// What a drift reads beside the state.
+/// The data that a drift reads beside the state.
 #[derive(Debug)]
 struct DriftOf<'a, S> {
     scene: &'a S,
@@ -302,9 +303,9 @@ impl Progress {
         }
     }
 
-    /// Returns whether the iteration has converged with this change. Numbers that are not finite end
-    /// it too: they are found at the end of the step. `is_damped` is true if there is friction, which
-    /// the iteration solves exactly.
+    /// Returns whether the iteration has converged with this change. Numbers that are not finite
+    /// end it too: they are found at the end of the step. `is_damped` is true if there is friction,
+    /// which the iteration solves exactly.
     fn judge(&mut self, change: f64, is_damped: bool) -> Result<bool, StepError> {
         let ratio = change / self.last;
         self.last = change;
@@ -332,8 +333,8 @@ impl Progress {
     }
 }
 
-/// Returns the largest change of numbers from `old` to `new`, relative to the largest of the numbers
-/// `of` and the new ones in the same component of any site; NaN if a number is NaN.
+/// Returns the largest change of numbers from `old` to `new`, relative to the largest of the
+/// numbers `of` and the new ones in the same component of any site; NaN if a number is NaN.
 fn change<R: Row>([old, new]: [&[f64]; 2], of: &[f64]) -> f64 {
     let mut largest = 0.0;
     for component in 0..R::LENGTH {

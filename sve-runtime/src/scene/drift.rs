@@ -21,8 +21,8 @@ pub(super) struct Drift<'a> {
 }
 
 impl Drift<'_> {
-    /// Moves some nodes. If the drift is tested and a result is not finite, returns its array and its
-    /// number; nothing has then changed, unless there is friction.
+    /// Moves some nodes. If the drift is tested and a result is not finite, returns its array and
+    /// its number; nothing has then changed, unless there is friction.
     #[inline(always)]
     pub(super) fn nodes<R: Row>(
         &self,

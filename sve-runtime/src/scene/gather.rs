@@ -9,7 +9,7 @@ use super::segments::{Segments, TILE};
 use super::sweep::{Buffers, Kick, NumbersOf, Visit};
 use super::{Contributions, InDrift, IndexError, Row, Scene, reads_motion};
 
-/// What is done with the contributions. All functions are `#[inline(always)]`.
+/// The use of the contributions. All functions are `#[inline(always)]`.
 pub(super) trait Sink<R> {
     /// Returns the nodes at which the contributions are computed, of which those below `ready` are
     /// read. The number never decreases.

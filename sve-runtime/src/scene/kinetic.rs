@@ -1,5 +1,5 @@
-//! Kinetic energies that are no sums of `½ m v²` of components: the velocity of a momentum is solved
-//! for, site by site.
+//! Kinetic energies that are no sums of `½ m v²` of components: the velocity of a momentum is
+//! solved for, site by site.
 //!
 //! The kinetic energy T(v) of a site is a sum of terms, and the momentum is p = ∂T/∂v. With a
 //! friction ν of components over the time a before a drift, the velocity of the drift solves
@@ -163,9 +163,9 @@ impl Sites {
         self.frictions.get(at).copied().unwrap_or_default()
     }
 
-    /// Writes the velocities of the momenta `p + impulses`, with friction over the time `damped`, in
-    /// a step of the time and length `times`. They are connected with those in `v`: zeros, or those of
-    /// other impulses.
+    /// Writes the velocities of the momenta `p + impulses`, with friction over the time `damped`,
+    /// in a step of the time and length `times`. They are connected with those in `v`: zeros, or
+    /// those of other impulses.
     ///
     /// # Errors
     /// The error of a site for which no velocity has the momentum.

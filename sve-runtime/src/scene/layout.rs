@@ -1,4 +1,4 @@
-//! What is known about the loops of a scene when its size is known.
+//! The facts about the loops of a scene that follow from its size.
 
 use core::fmt;
 

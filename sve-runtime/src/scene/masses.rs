@@ -14,7 +14,8 @@ pub(super) enum InverseMasses {
 }
 
 impl InverseMasses {
-    /// Returns the inverse of each mass of a scene of `n` sites; nothing for another kinetic energy.
+    /// Returns the inverse of each mass of a scene of `n` sites; nothing for another kinetic
+    /// energy.
     ///
     /// # Errors
     /// An index that is out of range; a mass without an inverse.

@@ -15,8 +15,8 @@ pub trait SceneMechanics: AnySystem {
     /// Returns the velocities of a state.
     ///
     /// # Errors
-    /// [`StepError::Mass`], [`StepError::Site`], [`StepError::Index`] and [`StepError::Length`] as in
-    /// a step.
+    /// [`StepError::Mass`], [`StepError::Site`], [`StepError::Index`] and [`StepError::Length`] as
+    /// in a step.
     fn velocity(
         &self,
         state: &State<Self::Configuration>,

@@ -1,7 +1,7 @@
 //! Steps of the midpoint rule, whose equations join all sites.
 //!
-//! With the displacement d = q₁ − q₀, the impulse I at the node q₀ + d/2, masses M and friction N, a
-//! step is
+//! With the displacement d = q₁ − q₀, the impulse I at the node q₀ + d/2, masses M and friction N,
+//! a step is
 //!
 //! ```text
 //! d = f (p₀ + I/2),   f = h (M + h N/2)⁻¹,   p₁ = p₀ + I − N d
@@ -9,9 +9,9 @@
 //!
 //! The iteration is one for the nodes, and its last update is one of the displacements. Bounds of
 //! the derivatives of I over boxes around the motion give the spectrum of the equations. If it is
-//! positive, the root in the boxes is unique; the weights of the iteration come from the same bounds.
-//! If the solution is outside of its boxes, boxes around it are tried. The state is written after all
-//! tests.
+//! positive, the root in the boxes is unique; the weights of the iteration come from the same
+//! bounds. If the solution is outside of its boxes, boxes around it are tried. The state is written
+//! after all tests.
 
 mod errors;
 mod h1;
@@ -127,13 +127,14 @@ where
 #[derive(Clone, Copy)]
 struct Iteration {
     updates: Chebyshev,
-    /// The magnitude of an update of a motion h v/2 that weighs as much as 1 of a node, in a scene with
-    /// H₁.
+    /// The magnitude of an update of a motion h v/2 that weighs as much as 1 of a node, in a scene
+    /// with H₁.
     weight: f64,
 }
 
 impl<R: Row> MidpointStep<'_, R> {
-    /// Returns the factors of the displacements: those of the last step, if its length was the same.
+    /// Returns the factors of the displacements: those of the last step, if its length was the
+    /// same.
     fn factors(&mut self) -> Result<Factors, StepError> {
         let h = self.kick.h;
         match self.work.factors.take() {

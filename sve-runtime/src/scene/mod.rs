@@ -86,7 +86,8 @@ pub use written::{
 
 use crate::error::StepError;
 
-/// What the loops of a scene add to each node. `W` says what that is: [`Impulses`] or [`Slopes`].
+/// The values that the loops of a scene add to each node. `W` is their kind: [`Impulses`] or
+/// [`Slopes`].
 pub trait Contributions<W> {
     /// The numbers of a node: what the loops read, and what they add.
     type Numbers: Row;
@@ -97,8 +98,8 @@ pub trait Contributions<W> {
     /// Returns the sum at a node to which each of the first [`Scene::NODE_PAIRS`] pairs contributes
     /// once. `#[inline(always)]`.
     ///
-    /// `dw` has all increments of the step: those of listed processes, then those of terms; and then
-    /// the totals.
+    /// `dw` has all increments of the step: those of listed processes, then those of terms; and
+    /// then the totals.
     fn node(&self, h: f64, t: f64, dw: &[f64], reads: &impl Reads<Self::Numbers>) -> Self::Numbers;
 
     /// Adds the contributions of one pair to consecutive nodes, with [`add`]. `#[inline(always)]`.
@@ -142,8 +143,8 @@ pub trait Contributions<W> {
         Ok(())
     }
 
-    /// Adds what reads velocities or momenta, at all sites. `of` has velocities for drags and momenta
-    /// for H₁, and `dw` ends with the totals.
+    /// Adds what reads velocities or momenta, at all sites. `of` has velocities for drags and
+    /// momenta for H₁, and `dw` ends with the totals.
     ///
     /// # Errors
     /// An index that is out of range.
@@ -170,8 +171,9 @@ pub enum Impulses {}
 /// Bounds of the derivatives of the impulses within boxes.
 ///
 /// A node has the middle and the half width of its box in each component. For each component the
-/// sums are a lower and an upper bound of the row sums of −∂(impulse)/∂q by Gershgorin: the diagonal
-/// entry minus and plus the magnitudes of the others. They are NaN where there is no bound.
+/// sums are a lower and an upper bound of the row sums of −∂(impulse)/∂q by Gershgorin: the
+/// diagonal entry minus and plus the magnitudes of the others. They are NaN where there is no
+/// bound.
 #[derive(Clone, Copy, Debug)]
 pub enum Slopes {}
 
@@ -189,8 +191,8 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     const TERMS: &'static [Term];
     /// The pairs of the loops that are streams, by term and slot.
     const PAIRS: &'static [Pair];
-    /// The number of pairs that [`node`](Contributions::node) adds: the first ones. The other pairs belong to
-    /// terms for few nodes, such as the end of a chain.
+    /// The number of pairs that [`node`](Contributions::node) adds: the first ones. The other pairs
+    /// belong to terms for few nodes, such as the end of a chain.
     const NODE_PAIRS: usize;
     /// True if an impulse depends on the time itself, by a derivative, a condition, a total or a
     /// rounded number.
@@ -259,7 +261,7 @@ pub trait Scene: Contributions<Impulses, Numbers = <Self as Scene>::Row> {
     /// Makes a step of the midpoint rule; called for scenes that list the rule.
     ///
     /// # Errors
-    /// Those of the function `midpoint` of this module.
+    /// The errors of the function `midpoint` of this module.
     fn midpoint(&self, step: MidpointStep<'_, Self::Row>) -> Result<(), StepError> {
         let _ = step;
         unreachable!("the rules of this scene are shears")
@@ -283,8 +285,9 @@ pub(crate) const fn reads_motion<S: Scene>() -> bool {
     S::HAS_DRAGS || S::HAS_H1
 }
 
-/// What reads velocities or momenta. Of [`Slopes`], `Kicks` and `Shifts` are bounds of row sums of the
-/// magnitudes of the derivatives by places, in the first half of a row, and by momenta.
+/// The functions that read velocities or momenta. Of [`Slopes`], `Kicks` and `Shifts` are bounds of
+/// row sums of the magnitudes of the derivatives by places, in the first half of a row, and by
+/// momenta.
 #[derive(Clone, Copy, Debug)]
 pub enum InDrift {
     /// The impulses of drags over the time `h`.

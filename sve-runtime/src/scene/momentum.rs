@@ -42,8 +42,8 @@ impl PartialSums {
     }
 }
 
-/// Returns a momentum ⟨p, ξ⟩ that `sum` adds from the time and the rows of q and p, of the generator
-/// `name` with `entries` entries.
+/// Returns a momentum ⟨p, ξ⟩ that `sum` adds from the time and the rows of q and p, of the
+/// generator `name` with `entries` entries.
 ///
 /// # Errors
 /// [`StepError::Length`] if there are not as many momenta or entries as sites, and

@@ -1,9 +1,9 @@
-//! What the sweeps of a midpoint step do with the impulses at the nodes.
+//! The use of the impulses at the nodes in the sweeps of a midpoint step.
 //!
-//! The iteration is one for the nodes m = q₀ + d/2, whose equations are `m = c + f I(m)/4` with
-//! c = q₀ + f p₀/2. The new nodes go in the place of those before the last update, since other pieces
-//! read the old ones. The end makes one update more, of the displacements: these are as exact as the
-//! impulse, however small they are beside the places.
+//! The iteration is one for the nodes m = q₀ + d/2, whose equations are `m = c + f I(m)/4` with c =
+//! q₀ + f p₀/2. The new nodes go in the place of those before the last update, since other pieces
+//! read the old ones. The end makes one update more, of the displacements: these are as exact as
+//! the impulse, however small they are beside the places.
 
 use core::ops::Range;
 
@@ -29,8 +29,8 @@ pub(super) struct Relax<'a, R> {
     pub(super) largest: Largest,
 }
 
-/// Velocities of nodes with their own updates, since v = 2 (m − q₀)/h has few digits where h is small.
-/// In a scene with forces of velocities or H₁ the iteration is Richardson's.
+/// Velocities of nodes with their own updates, since v = 2 (m − q₀)/h has few digits where h is
+/// small. In a scene with forces of velocities or H₁ the iteration is Richardson's.
 pub(super) struct NodeVelocities<'a> {
     pub(super) v: &'a mut [f64],
     pub(super) p: &'a [f64],
@@ -148,7 +148,7 @@ pub(super) struct End<'a, R> {
     pub(super) tests: Tests,
 }
 
-/// What a scene with H₁ has beside velocities; empty arrays for other scenes.
+/// The arrays of a scene with H₁ beside velocities; empty arrays for other scenes.
 pub(super) struct OfH1<'a, R> {
     pub(super) h: f64,
     /// The momenta of the nodes.
@@ -161,7 +161,7 @@ pub(super) struct OfH1<'a, R> {
     pub(super) largest: f64,
 }
 
-/// What is known of the end.
+/// The tests of the end of a step.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Tests {
     /// Zero if all numbers are finite.
@@ -240,8 +240,8 @@ impl<R: Row> Sink<R> for End<'_, R> {
     }
 }
 
-/// Writes the displacements of some components, in the place of those around which the boxes are, and
-/// the momenta p₀ + I.
+/// Writes the displacements of some components, in the place of those around which the boxes are,
+/// and the momenta p₀ + I.
 #[inline(always)]
 #[allow(clippy::eq_op)] // the difference of two infinite numbers is NaN
 fn end_tile(

@@ -15,8 +15,9 @@ use super::{IndexError, Instances, Pair, Scene, Stop, Term};
 /// cache.
 pub(super) const TILE: usize = 1024;
 
-/// Nodes of a segment from which it is a piece of its own. Nodes of shorter ones, such as the borders
-/// of a lattice, are copied to consecutive places, many with contributions of the same pairs.
+/// Nodes of a segment from which it is a piece of its own. Nodes of shorter ones, such as the
+/// borders of a lattice, are copied to consecutive places, many with contributions of the same
+/// pairs.
 const SHORT: u32 = 8;
 
 /// Nodes that are copied together, at most and at least.
@@ -34,7 +35,7 @@ struct Single {
     bases: Vec<u32>,
 }
 
-/// What is known about the loops of a scene for a number of sites.
+/// The facts about the loops of a scene for a number of sites.
 #[derive(Clone, Debug)]
 pub(super) struct Segments {
     /// In the order in which a sweep visits them.
@@ -320,8 +321,8 @@ impl TermsOf {
         }
     }
 
-    /// Returns whether each pair of a loop contributes to a node at most once, so that the loop is a
-    /// function of the node.
+    /// Returns whether each pair of a loop contributes to a node at most once, so that the loop is
+    /// a function of the node.
     fn is_gathered(self, number: usize, instances: &Instances) -> bool {
         let mut pairs = (self.pairs.iter()).filter(|pair| self.terms[pair.term].in_loop == number);
         pairs.all(|pair| {

@@ -36,7 +36,7 @@ pub struct Phase<'a, R> {
     pub p: &'a mut [R],
 }
 
-/// What is known about a scene for a number of sites, and the arrays that its steps need.
+/// The facts about a scene for a number of sites, and the arrays that its steps need.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     n: usize,
@@ -92,8 +92,8 @@ impl Prepared {
         self.processes
     }
 
-    /// Returns what is known about the loops. The copies that a single step needs count, also before
-    /// the first one.
+    /// Returns what is known about the loops. The copies that a single step needs count, also
+    /// before the first one.
     pub fn layout<S: Scene>(&self, shears: &[StepShear]) -> Layout {
         let masses = match &self.masses {
             InverseMasses::Uniform(_) => 0,
@@ -155,8 +155,8 @@ impl Prepared {
         0
     }
 
-    /// Makes a step from a copy of a state, without noise. Returns how its equations were solved; `None`
-    /// for explicit steps, which are not made.
+    /// Makes a step from a copy of a state, without noise. Returns how its equations were solved;
+    /// `None` for explicit steps, which are not made.
     ///
     /// # Errors
     /// The error of the step.

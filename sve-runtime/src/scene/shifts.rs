@@ -7,16 +7,17 @@
 //! y = f (p₀ + (I + K)/2)/2,   m = q₀ + y + X/2
 //! ```
 //!
-//! A sweep computes y from m, and then m from both. In the norm of the largest of |δm| and |δy|/θ it
-//! contracts by at most the larger one of θ a + c and b/θ + e, where
+//! A sweep computes y from m, and then m from both. In the norm of the largest of |δm| and |δy|/θ
+//! it contracts by at most the larger one of θ a + c and b/θ + e, where
 //!
 //! ```text
 //! a = 1 + max |M/h| Σ |∂X/∂p|,   b = max |f/4| Σ |∂(I + K)/∂q|
 //! c = max ½ Σ |∂X/∂q|,           e = max |f/2| |M/h| Σ |∂K/∂p|
 //! ```
 //!
-//! are bounds over boxes. If this is below 1, the solution in the boxes is unique. For the increments
-//! s h and s ΔW each of the four is smaller, so that it is connected with the limit of short steps.
+//! are bounds over boxes. If this is below 1, the solution in the boxes is unique. For the
+//! increments s h and s ΔW each of the four is smaller, so that it is connected with the limit of
+//! short steps.
 
 use super::masses::InverseMasses;
 use super::passes::{Factor, Factors, Largest, Pass};
@@ -83,8 +84,8 @@ impl Shifts {
         }
     }
 
-    /// Puts the boxes around velocities, whose motions differ by at most `largest` from those without
-    /// impulses.
+    /// Puts the boxes around velocities, whose motions differ by at most `largest` from those
+    /// without impulses.
     pub(super) fn set_boxes(&mut self, v: &[f64], largest: f64) {
         self.around.copy_from_slice(v);
         self.largest = largest;
@@ -97,8 +98,8 @@ impl Shifts {
         }
     }
 
-    /// Writes the momenta of the velocities `v`, the displacements X at the nodes `m` and these momenta,
-    /// and moves the nodes with both. Returns the largest update of a node.
+    /// Writes the momenta of the velocities `v`, the displacements X at the nodes `m` and these
+    /// momenta, and moves the nodes with both. Returns the largest update of a node.
     ///
     /// # Errors
     /// An index that is out of range.
@@ -179,8 +180,8 @@ impl Shifts {
         Ok(Ok(Contraction { ratio, weight }))
     }
 
-    /// Computes bounds of the derivatives of K or X: the row sums of the magnitudes of those by places
-    /// and of those by momenta, for each component.
+    /// Computes bounds of the derivatives of K or X: the row sums of the magnitudes of those by
+    /// places and of those by momenta, for each component.
     fn bounds<S>(
         &mut self,
         scene: &S,

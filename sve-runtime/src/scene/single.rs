@@ -69,9 +69,9 @@ impl Prepared {
     ///
     /// One drift and one kick after it can be made backwards: the kick finds the places at which it
     /// was made, and friction, which may leave nothing of a momentum, is absent. Before the drift,
-    /// the places are unchanged. Velocities that are solved for have no such way back. Beside the loops of
-    /// other scenes a copy costs little. A step of the
-    /// midpoint rule writes the state after its tests.
+    /// the places are unchanged. Velocities that are solved for have no such way back. Beside the
+    /// loops of other scenes a copy costs little. A step of the midpoint rule writes the state
+    /// after its tests.
     pub(super) fn needed<S: Scene>(&self, shears: &[StepShear], is_exact: bool) -> Copied {
         use StepShear::{Drift, Kick, Midpoint};
         let is_gathered = self.segments.nests.is_empty() && S::TOTALS == 0;

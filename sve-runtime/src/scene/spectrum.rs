@@ -1,9 +1,9 @@
 //! Bounds of the spectrum of the equations of a midpoint step.
 //!
-//! With the displacement d, the equations are `d − f (p₀ + I(q₀ + d/2)/2) = 0` and their Jacobian is
-//! `1 + f K/4` with `K = −∂I/∂q`. Input: a box around the start and the solution for each site, and
-//! the bounds of the row sums of K over these boxes. Output: an interval that contains the row sums
-//! of f K/4, so that it contains the spectrum of each such matrix (Gershgorin).
+//! With the displacement d, the equations are `d − f (p₀ + I(q₀ + d/2)/2) = 0` and their Jacobian
+//! is `1 + f K/4` with `K = −∂I/∂q`. Input: a box around the start and the solution for each site,
+//! and the bounds of the row sums of K over these boxes. Output: an interval that contains the row
+//! sums of f K/4, so that it contains the spectrum of each such matrix (Gershgorin).
 
 use core::ops::Range;
 
@@ -51,7 +51,7 @@ pub(super) fn is_in_box_of_motion(motion: f64, [of, first]: [f64; 2], largest: f
 pub(super) struct Spectrum<'a, N, U> {
     /// The middle and the half width of the box of each node.
     pub(super) boxes: &'a mut [N],
-    /// Those of the velocities, in a scene with forces of velocities or H₁.
+    /// The boxes of the velocities, in a scene with forces of velocities or H₁.
     pub(super) velocities: Option<BoxesOfVelocities<'a, N>>,
     /// The number of sites whose boxes are written.
     pub(super) written: usize,
@@ -68,15 +68,15 @@ pub(super) struct Spectrum<'a, N, U> {
 pub(super) struct BoxesOfVelocities<'a, N> {
     pub(super) boxes: &'a mut [N],
     pub(super) h: f64,
-    /// The velocities v around which the boxes are and the largest change of a motion h v, in a scene
-    /// with H₁. In another one velocities belong to displacements.
+    /// The velocities v around which the boxes are and the largest change of a motion h v, in a
+    /// scene with H₁. In another one velocities belong to displacements.
     pub(super) around: Option<(&'a [f64], f64)>,
 }
 
-/// What is done with the bounds of the row sums. Functions are `#[inline(always)]`.
+/// The use of the bounds of the row sums. Functions are `#[inline(always)]`.
 pub(super) trait Bounds {
-    /// Takes a lower and an upper bound of each component of consecutive sites of `size` components,
-    /// beginning with the component `first`.
+    /// Takes a lower and an upper bound of each component of consecutive sites of `size`
+    /// components, beginning with the component `first`.
     fn take(&mut self, first: usize, size: usize, bounds: &[f64], factors: impl Factor);
 }
 
@@ -126,8 +126,8 @@ impl<N: Row, U: Bounds> Sink<N> for Spectrum<'_, N, U> {
         None
     }
 
-    /// These have to be bounded alone too: in a shorter step, the impulses of potentials are smaller
-    /// beside them.
+    /// These have to be bounded alone too: in a shorter step, the impulses of potentials are
+    /// smaller beside them.
     #[inline(always)]
     fn see_drags(&mut self, drags: &[N], factors: impl Factor) {
         self.take(0..drags.len(), drags, factors);
@@ -172,8 +172,8 @@ fn write_boxes_of_velocities(
     }
 }
 
-/// The smallest and the largest bound, as integers in the order of the numbers, so that loops are made
-/// in vectors.
+/// The smallest and the largest bound, as integers in the order of the numbers, so that loops are
+/// made in vectors.
 #[derive(Clone, Copy)]
 pub(super) struct Extremes {
     lower: i64,
@@ -182,7 +182,8 @@ pub(super) struct Extremes {
     bits: u64,
 }
 
-/// Returns the bits of a number as an integer in the order of numbers, or a number of such an integer.
+/// Returns the bits of a number as an integer in the order of numbers, or a number of such an
+/// integer.
 #[inline(always)]
 fn ordered(bits: i64) -> i64 {
     bits ^ ((bits >> 63) & i64::MAX)
@@ -231,8 +232,8 @@ impl Bounds for Extremes {
     }
 }
 
-/// The component with the worst bounds: those that are no numbers, else the lowest lower bound if it
-/// is at most −1, else the highest upper one. With its badness.
+/// The component with the worst bounds: those that are no numbers, else the lowest lower bound if
+/// it is at most −1, else the highest upper one. With its badness.
 #[derive(Default)]
 pub(super) struct Worst {
     pub(super) at: usize,

@@ -28,10 +28,10 @@ pub(super) struct Steps<'a, S: Scene> {
 
 /// The increments of steps.
 pub(super) enum Increments<'a> {
-    /// Those of one step.
+    /// The increments of one step.
     Given(&'a [f64]),
-    /// Those of up to `count` steps. `draw` fills them and returns the time at the end of the step;
-    /// `None` ends the steps.
+    /// The increments of up to `count` steps. `draw` fills them and returns the time at the end of
+    /// the step; `None` ends the steps.
     Drawn {
         dw: &'a mut [f64],
         count: u64,

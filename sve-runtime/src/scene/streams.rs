@@ -1,4 +1,4 @@
-//! What a printed loop reads: slices in which the index advances by one from node to node.
+//! The data that a printed loop reads: slices in which the index advances by one from node to node.
 //!
 //! The loop is here, and its body is a closure or a function of generated code. All slices are
 //! arguments of the function with the loop and are cut to one length, so that the loop has no
@@ -8,7 +8,7 @@ use super::Row;
 use super::drift::not_finite;
 use super::pieces::PairStreams;
 
-/// What the impulse of a node reads.
+/// The values that the impulse of a node reads.
 pub trait Reads<R> {
     /// Returns the row of the node.
     fn own(&self) -> R;
@@ -88,7 +88,7 @@ pub fn add<R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS: us
     put::<Add, R, ROWS, COLUMNS, INCREMENTS>(streams, to, &mut [], impulse);
 }
 
-/// What is done with the impulse of a node. The function is `#[inline(always)]`.
+/// The use of the impulse of a node. The function is `#[inline(always)]`.
 #[doc(hidden)]
 pub trait Put {
     fn put<R: Row>(impulse: R, to: &mut R);

@@ -116,7 +116,7 @@ pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
     pub(super) q: &'a mut [S::Row],
     pub(super) p: &'a mut [S::Row],
     pub(super) buffers: &'a mut Buffers,
-    /// Whether numbers are tested as long as they are in the first cache.
+    /// True if numbers are tested as long as they are in the first cache.
     pub(super) is_tested: bool,
     /// The pieces that get their contributions: the first ones.
     pub(super) pieces: usize,
@@ -277,8 +277,8 @@ impl<'a, S: Scene + Contributions<W>, W> Visit<'a, S, W> {
         }
     }
 
-    /// Writes the sums of the contributions to the nodes of a piece. Returns the batch of a piece of
-    /// copied nodes.
+    /// Writes the sums of the contributions to the nodes of a piece. Returns the batch of a piece
+    /// of copied nodes.
     #[inline(always)]
     pub(super) fn write(
         &mut self,

@@ -1,4 +1,4 @@
-//! What loops read as they are written: rows, fields and integers with checked indices.
+//! The data that loops read as they are written: rows, fields and integers with checked indices.
 
 use super::{IndexError, Instance, Row};
 

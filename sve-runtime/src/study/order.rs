@@ -1,8 +1,8 @@
 //! The measured order of convergence: the slope of error over step size, both as logarithms.
 //!
 //! Input: squared errors of each path, or differences of an observable, for each step size. Output:
-//! an [`Order`] if the local slopes, those between consecutive step sizes, have converged; otherwise
-//! [`NotAsymptotic`] with the local slopes.
+//! an [`Order`] if the local slopes, those between consecutive step sizes, have converged;
+//! otherwise [`NotAsymptotic`] with the local slopes.
 //!
 //! The order is the slope of the least-squares line through the finest step sizes, at least three.
 //! Its error has two parts. The error of the paths is found by leaving out one batch of paths at a
@@ -61,8 +61,8 @@ pub struct Order {
     pub method: String,
     /// The observable, for a weak order.
     pub observable: Option<String>,
-    /// The slope of the strong error, or of the weak error. Its error contains the scatter between paths and the bias of
-    /// step sizes that are not small enough; it is at most ¼.
+    /// The slope of the strong error, or of the weak error. Its error contains the scatter between
+    /// paths and the bias of step sizes that are not small enough; it is at most ¼.
     pub order: Estimate,
     /// Step sizes that it was fitted to: the finest ones, where no path failed, the error is at
     /// most a quarter of the solution's size and more than rounding, and the local slopes are

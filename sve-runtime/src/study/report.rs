@@ -112,7 +112,8 @@ impl Report {
         self.rows.iter().find(wanted)
     }
 
-    /// The measured strong order of each method whose local slopes have settled at these step sizes.
+    /// The measured strong order of each method whose local slopes have settled at these step
+    /// sizes.
     pub fn orders(&self) -> &[Order] {
         &self.orders
     }

@@ -1,5 +1,5 @@
-//! What all systems have, whether their sizes are known when the program is compiled or when it
-//! runs.
+//! The members that all systems have, whether their sizes are known when the program is compiled or
+//! when it runs.
 
 use super::{Dimensions, System};
 use crate::phase::configuration::Configuration;
@@ -61,8 +61,8 @@ pub struct Names {
 /// A kind of systems: systems of fixed sizes, scenes, or systems with inputs.
 #[doc(hidden)]
 pub trait Kind {
-    /// What an integrator keeps between steps: tables and work vectors, which a step computes again
-    /// if they are not there.
+    /// The data that an integrator keeps between steps: tables and work vectors, which a step
+    /// computes again if they are not there.
     type Cache: Clone + Default + Send + Sync;
 }
 

@@ -33,7 +33,7 @@ impl<const N: usize> Field<[f64; N]> {
 /// The entries of a matrix.
 #[derive(Clone, Copy, Debug)]
 pub enum Entries<'a> {
-    /// Those that are not zero.
+    /// The entries that are not zero.
     Listed {
         /// Row and column of each entry.
         places: &'a [(usize, usize)],

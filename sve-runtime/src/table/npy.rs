@@ -1,8 +1,8 @@
 //! Tables as arrays of `NumPy`.
 //!
-//! Input: a table, or frames of sites. Output: a one-dimensional structured array, a record for each
-//! row or frame.
-//! Invariant: little-endian on every machine; the data start at a multiple of 64 bytes.
+//! Input: a table, or frames of sites. Output: a one-dimensional structured array, a record for
+//! each row or frame. Invariant: little-endian on every machine; the data start at a multiple of 64
+//! bytes.
 //!
 //! Source: the format as `NumPy` documents it, `numpy.lib.format`, versions 1.0 and, for names
 //! beyond ASCII, 3.0.

@@ -1,8 +1,8 @@
 //! Paths with a tolerance: accurate paths whose steps have the size that the tolerance allows.
 //!
 //! Input: a trajectory of a Gauss rule without noise, and a tolerance. Output: an iterator over the
-//! states after its steps, with the adapters of a trajectory. Invariant: what is read from the path,
-//! a saved state or an event, does not change its steps.
+//! states after its steps, with the adapters of a trajectory. Invariant: what is read from the
+//! path, a saved state or an event, does not change its steps.
 
 use core::borrow::Borrow;
 use core::fmt;
@@ -91,12 +91,12 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     ///
     /// **Times.** Steps end at times of their own. [`until`](AccurateTrajectory::until) and
     /// [`at`](AccurateTrajectory::at) end a step at a given time, to the last bit, and
-    /// [events](AccurateTrajectory::crossings) are found as in any trajectory; the steps of the path
-    /// are the same with and without them. The sign of the step size is that of time.
+    /// [events](AccurateTrajectory::crossings) are found as in any trajectory; the steps of the
+    /// path are the same with and without them. The sign of the step size is that of time.
     ///
-    /// **With a [time scale](crate::WithTimeScale)** the sizes are those of steps of τ, in which the
-    /// motion is even. `until`, `at`, events and [`state_at`](AccurateTrajectory::state_at) act on
-    /// the time t. Such a path has no structure either.
+    /// **With a [time scale](crate::WithTimeScale)** the sizes are those of steps of τ, in which
+    /// the motion is even. `until`, `at`, events and [`state_at`](AccurateTrajectory::state_at) act
+    /// on the time t. Such a path has no structure either.
     ///
     /// **A [snapshot](Trajectory::snapshot)** has the numbers from which the next size follows:
     /// `integrator.resume(snapshot, NoNoise)?.tolerance(1e-10)` continues with the bits of the
@@ -107,9 +107,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// [`StepError::StepTooSmall`] where no size is small enough, as in a collision, and
     /// [`StepError::TooManySteps`].
     ///
-    /// A compile-time error for other rules than `Gauss::<4>` to `Gauss::<8>`, for compositions, for
-    /// noise and for inputs, and with [`refine`](Self::refine) or [`compensated`](Self::compensated)
-    /// behind it. Rounding errors are compensated in any case.
+    /// A compile-time error for other rules than `Gauss::<4>` to `Gauss::<8>`, for compositions,
+    /// for noise and for inputs, and with [`refine`](Self::refine) or
+    /// [`compensated`](Self::compensated) behind it. Rounding errors are compensated in any case.
     ///
     /// Sources: the decay of a series tells the distance of the nearest singularity (J. P. Boyd,
     /// *Chebyshev and Fourier Spectral Methods*, 2001, chapter 2). The trend of the sizes and the
@@ -184,9 +184,9 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
         self
     }
 
-    /// Limits the size of each step, of τ with a time scale. Without this option sizes grow as long as
-    /// no stage sees a force, and a step may pass an obstacle of short range between its stages: give
-    /// a size that does not. A snapshot does not store it.
+    /// Limits the size of each step, of τ with a time scale. Without this option sizes grow as long
+    /// as no stage sees a force, and a step may pass an obstacle of short range between its stages:
+    /// give a size that does not. A snapshot does not store it.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -221,8 +221,8 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
         self
     }
 
-    /// Returns the number of attempts at steps that were not accepted, including the attempts before
-    /// a snapshot.
+    /// Returns the number of attempts at steps that were not accepted, including the attempts
+    /// before a snapshot.
     pub fn rejections(&self) -> u64 {
         match &self.trajectory.sizes {
             Sizes::Adapted(adapted) => adapted.rejected,
@@ -285,8 +285,8 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
         self.trajectory.stop_at(function)
     }
 
-    /// Changes the state at each zero of a function; see [`Trajectory::change_at`]. The step ends at
-    /// the change, and the next one begins there.
+    /// Changes the state at each zero of a function; see [`Trajectory::change_at`]. The step ends
+    /// at the change, and the next one begins there.
     #[must_use]
     pub fn change_at<F, O, C>(self, function: F, change: C) -> Events<'a, I, W>
     where

@@ -146,8 +146,8 @@ impl<S: AnySystem> Adapted<S> {
         Some(state)
     }
 
-    /// Tries the part of the step that was tried last, a step of size `h`, that takes a time `rest`.
-    /// Returns the size of the part that was tried last, which is solved if all parts were.
+    /// Tries the part of the step that was tried last, a step of size `h`, that takes a time
+    /// `rest`. Returns the size of the part that was tried last, which is solved if all parts were.
     fn attempt_until(
         &mut self,
         system: (&S, Rate<'_, S>),
@@ -180,8 +180,8 @@ impl<S: AnySystem> Sizes<S> {
         }
     }
 
-    /// Forgets the steps before, after a change of the state in a step of size `h`. The next step is
-    /// at most as long: the change has cut this one.
+    /// Forgets the steps before, after a change of the state in a step of size `h`. The next step
+    /// is at most as long: the change has cut this one.
     pub(super) fn forget(&mut self, h: f64) {
         if let Self::Adapted(adapted) = self {
             adapted.size.forget(h);

@@ -10,8 +10,8 @@
 const MEMORY: usize = 16 << 20;
 
 /// Returns a number of states of this size in bytes: all if they fit into the memory that they may
-/// take, and else so many that a step is made at most twice before the walk passes it. With c states
-/// this number of steps is (c + 1)(c + 2)/2.
+/// take, and else so many that a step is made at most twice before the walk passes it. With c
+/// states this number of steps is (c + 1)(c + 2)/2.
 pub(super) fn enough(steps: u64, size: usize) -> usize {
     let twice = steps.saturating_mul(2).isqrt() as usize + 1;
     let all = usize::try_from(steps).unwrap_or(usize::MAX);

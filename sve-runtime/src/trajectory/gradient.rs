@@ -110,10 +110,10 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// The loss is the sum of the numbers that a function returns for the number of a state, from 0
     /// for the present one, and the state, written with [dual numbers](Dual); `None` where a state
     /// does not count. A gradient takes about 3 times the time of the steps by
-    /// [`Midpoint`](crate::Midpoint), 7 to 8 times by [`Gauss<8>`](crate::Gauss), and up to one such
-    /// time more for paths whose states are not all [kept](Adjoint::checkpoints). See
-    /// [`adjoint`](Self::adjoint) for memory, and for parameters that are step functions of time. To
-    /// differentiate by a few parameters only,
+    /// [`Midpoint`](crate::Midpoint), 7 to 8 times by [`Gauss<8>`](crate::Gauss), and up to one
+    /// such time more for paths whose states are not all [kept](Adjoint::checkpoints). See
+    /// [`adjoint`](Self::adjoint) for memory, and for parameters that are step functions of time.
+    /// To differentiate by a few parameters only,
     /// [`step_with_derivatives`](crate::Integrator::step_with_derivatives) goes forwards.
     ///
     /// ```
@@ -145,8 +145,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// # }
     /// ```
     ///
-    /// The states are those of the trajectory, bit for bit, except of one with compensated sums, with
-    /// which they agree to rounding. The noise is asked for the increments of a step several times.
+    /// The states are those of the trajectory, bit for bit, except of one with compensated sums,
+    /// with which they agree to rounding. The noise is asked for the increments of a step several
+    /// times.
     ///
     /// # Errors
     /// A [`StepError`] if a step fails, if the noise has no increments for it, or if its equations
@@ -211,8 +212,8 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
 
 impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
     /// Sets the number of states that are kept at the same time, besides the first one. By default
-    /// all states are kept if they take 16 MiB at most, and each step is made twice; else as many as
-    /// fit there, at least √(2 steps), with which a step is made three times at most. With fewer
+    /// all states are kept if they take 16 MiB at most, and each step is made twice; else as many
+    /// as fit there, at least √(2 steps), with which a step is made three times at most. With fewer
     /// states the steps are made more often: `c` states are enough for (c + r)!/(c! r!) steps that
     /// are made `r` + 1 times. [`Trajectory::adjoint`] has an example.
     #[must_use]

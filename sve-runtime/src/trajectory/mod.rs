@@ -59,7 +59,7 @@ pub struct Trajectory<'a, I: OneStepMethod, W> {
     start: f64,
     /// The size of a step; of the last step if the sizes are adapted.
     h: f64,
-    /// What the method prepares for steps of one size; `None` if the sizes are adapted.
+    /// The values that the method prepares for steps of one size; `None` if the sizes are adapted.
     prepared: Option<I::Prepared>,
     /// The memory of the increments of a step.
     buffer: <I::Increments as AnyIncrements>::Buffer,

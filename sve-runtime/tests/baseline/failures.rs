@@ -35,7 +35,7 @@ fn named(error: StepError, name: &str) {
     }
 }
 
-/// What every method has to refuse.
+/// Arguments that every method has to refuse.
 fn refusals<I, const N: usize, const M: usize>(method: &I, good: State<[f64; N]>)
 where
     I: Method,

@@ -1,4 +1,5 @@
-//! The sources of noise: what they promise, recorded and refined paths, and the distribution of the increments.
+//! The sources of noise: what they promise, recorded and refined paths, and the distribution of the
+//! increments.
 
 mod distribution;
 mod recorded;

@@ -1,4 +1,5 @@
-//! Paths in smaller steps: sums, replay, agreement of depths, and the law of a bridge. Paths that are entered at a step.
+//! Paths in smaller steps: sums, replay, agreement of depths, and the law of a bridge. Paths that
+//! are entered at a step.
 
 use sve_runtime::noise::{
     DyadicInterval, Halves, NoNoise, Noise, NoiseError, Recorded, Refined, Replayable, ThreePoint,
@@ -61,7 +62,8 @@ fn a_deeper_refinement_agrees_with_a_shallow_one() -> Result<(), NoiseError> {
     Ok(())
 }
 
-/// What `refine` gives is what repeated `halves` give, bit for bit, in any order and for any number of processes.
+/// `refine` gives the numbers of repeated `halves`, bit for bit, in any order and for any number of
+/// processes.
 #[test]
 fn steps_are_leaves_of_the_tree() -> Result<(), NoiseError> {
     fn leaves(
@@ -153,8 +155,9 @@ fn the_ends_of_depth_and_of_time() -> Result<(), NoiseError> {
     Ok(())
 }
 
-/// Standardised increments of fine steps are independent standard normals: variances, the correlations of neighbours, of
-/// squares, across the borders of parts, and of a part with its whole given the other half.
+/// Standardised increments of fine steps are independent standard normals: variances, the
+/// correlations of neighbours, of squares, across the borders of parts, and of a part with its
+/// whole given the other half.
 #[test]
 fn fine_increments_are_independent() -> Result<(), NoiseError> {
     let (depth, coarse) = (5, 4_000);
@@ -217,7 +220,8 @@ fn fine_increments_are_independent() -> Result<(), NoiseError> {
     Ok(())
 }
 
-/// Given the whole, the left half has mean ΔW/2 and variance h/4, whatever ΔW is, and is no function of it.
+/// Given the whole, the left half has mean ΔW/2 and variance h/4, whatever ΔW is, and is no
+/// function of it.
 #[test]
 fn halves_have_the_conditional_law() {
     let n: u64 = 100_000;
@@ -246,7 +250,8 @@ fn halves_have_the_conditional_law() {
     assert!((b - a - 0.5).abs() < 1e-15);
 }
 
-/// Every source whose increments are a function of the step, entered at steps that share a block of the generator and that do not.
+/// Every source whose increments are a function of the step, entered at steps that share a block of
+/// the generator and that do not.
 #[test]
 fn a_path_is_entered_at_a_step() -> Result<(), NoiseError> {
     fn check<W: Replayable + Clone>(source: &W, h: f64, steps: u64) -> Result<(), NoiseError> {

@@ -1,5 +1,5 @@
-//! The noise sources by what they promise: replay, bounds and errors. Recorded paths are in `recorded`, refined
-//! ones in `refined`, the distribution in `distribution`.
+//! The noise sources by what they promise: replay, bounds and errors. Recorded paths are in
+//! `recorded`, refined ones in `refined`, the distribution in `distribution`.
 
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
@@ -55,8 +55,8 @@ fn fewer_or_more_processes_do_not_change_a_process() -> Result<(), NoiseError> {
     Ok(())
 }
 
-/// Checks sources around the others with many processes, in numbers that fill no chunk, at steps in any
-/// order.
+/// Checks sources around the others with many processes, in numbers that fill no chunk, at steps in
+/// any order.
 #[test]
 fn every_process_of_many_has_its_own_bits() -> Result<(), NoiseError> {
     fn check(mut source: impl Noise, of: impl Fn(u64, usize) -> f64) -> Result<(), NoiseError> {
@@ -140,8 +140,9 @@ fn wiener_values_are_a_contract() {
     }
 }
 
-/// Results of checkpoints and other machines are merged with new ones, so the bits are a contract too. The hash is FNV-1a on words, over both kinds of blocks.
-/// A change of the bits also changes the version of the increments, which fingerprints of ensembles contain.
+/// Results of checkpoints and other machines are merged with new ones, so the bits are a contract
+/// too. The hash is FNV-1a on words, over both kinds of blocks. A change of the bits also changes
+/// the version of the increments, which fingerprints of ensembles contain.
 #[test]
 fn the_bits_of_increments_are_a_contract() -> Result<(), NoiseError> {
     fn hash(mut source: impl Noise) -> Result<u64, NoiseError> {
@@ -260,7 +261,8 @@ fn every_source_refuses_impossible_steps() -> Result<(), NoiseError> {
     Ok(())
 }
 
-/// Against the untouched increments: `largest` is exact where nothing but a product and a root is computed.
+/// Against the untouched increments: `largest` is exact where nothing but a product and a root is
+/// computed.
 fn clips_at(mut truncated: Truncated<Wiener>, deviations: f64, h: f64) -> Result<(), NoiseError> {
     let mut plain = Wiener::new(5);
     let largest = f64::sqrt(h) * deviations;
@@ -292,7 +294,8 @@ fn truncation_clips_and_nothing_else() -> Result<(), NoiseError> {
         Truncated::new(NoNoise),
         Truncated::new(NoNoise).deviations(6.0)?
     );
-    // as Milstein, Repin and Tretyakov propose, in two units of time: ten times h and τ are the same path, √10 times as large
+    // as Milstein, Repin and Tretyakov propose, in two units of time: ten times h and τ are the
+    // same path, √10 times as large
     for (k, h) in [
         (1.0, 0.1),
         (2.0, 0.1),

@@ -1,4 +1,4 @@
-//! What standard normals have to satisfy, gathered as they come.
+//! Statistics of standard normals, gathered as they come.
 //!
 //! Input: numbers. Output: how far each statistic is from its expectation, in
 //! standard errors. Invariant: memory does not grow with the number of draws.
@@ -27,7 +27,7 @@ pub(crate) struct Finding {
     pub(crate) expected: f64,
     /// In standard errors.
     pub(crate) deviation: f64,
-    /// What `deviation` exceeds once in about a million samples of true normals.
+    /// The value that `deviation` exceeds once in about a million samples of true normals.
     pub(crate) bound: f64,
 }
 

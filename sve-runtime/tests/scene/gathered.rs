@@ -323,7 +323,7 @@ fn all_pairs_and_lists_of_bonds() {
     }
 }
 
-/// What the loops of the scenes above are made of.
+/// The parts of the loops of the scenes above.
 #[test]
 fn segments_are_few() {
     let layout = |sides, around| {

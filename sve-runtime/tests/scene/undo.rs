@@ -43,8 +43,8 @@ fn fail<R: Row, S: Scene<Row = R>>(
 }
 
 /// Checks that numbers that are not finite have their bits, and others differ by no more than some
-/// rounding errors of the largest number of their site. A momentum to which a large impulse was added
-/// may be lost, and the place by its motion.
+/// rounding errors of the largest number of their site. A momentum to which a large impulse was
+/// added may be lost, and the place by its motion.
 fn assert_restored<R: Row>(
     end: &[Vec<R>; 2],
     start: &[Vec<R>; 2],

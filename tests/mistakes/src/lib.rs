@@ -26,14 +26,14 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What begins the line with the name of a case.
+/// The start of the line with the name of a case.
 const HEADER: &str = "=== ";
 
 /// Name of a section with lines that cases share.
 const FRAME: &str = "frame";
 
-/// What continues a message on the next line, and the line of a frame that stands for those of the
-/// case.
+/// The start of a line that continues a message, and the line of a frame that stands for those of
+/// the case.
 const CONTINUATION: &str = "...";
 
 /// Columns of a line of a message.
@@ -42,7 +42,7 @@ const WIDTH: usize = 100;
 /// Columns before a continued message at most.
 const LARGEST_INDENT: usize = 40;
 
-/// What the compiler of Rust adds to an error at an attribute as a whole.
+/// The text that the compiler of Rust adds to an error at an attribute as a whole.
 const AT_THE_ATTRIBUTE: &str = "  = note: this error originates in the attribute macro `variational` (in Nightly builds, run with -Z macro-backtrace for more info)\n";
 
 /// An error: its text, and the token that it marks.
@@ -54,7 +54,7 @@ pub struct Message {
     pub column: usize,
     /// Characters of the token.
     pub width: usize,
-    /// What the error says, in one line.
+    /// The message of the error, in one line.
     pub text: String,
 }
 

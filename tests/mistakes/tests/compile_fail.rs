@@ -1,4 +1,4 @@
-//! What only the compiler of Rust can show of programs with mistakes: its own errors, and that no
+//! Programs with mistakes that only the compiler of Rust can show: its own errors, and that no
 //! other error follows those of the macro.
 //!
 //! The messages of the macro and their places are compared in

@@ -9,8 +9,8 @@ use crate::differences::derivatives;
 use crate::oracle::name;
 use crate::orders::numbers;
 
-/// Largest error of a derivative by differences, relative to the larger of 1 and the derivative: see
-/// `differences`, with derivatives of the seventh order below 100.
+/// Largest error of a derivative by differences, relative to the larger of 1 and the derivative:
+/// see `differences`, with derivatives of the seventh order below 100.
 const DIFFERENCES: f64 = 1e-9;
 
 /// Returns coordinates and momenta after a step.

@@ -62,7 +62,7 @@ macro_rules! every_type {
 }
 pub(crate) use every_type;
 
-/// What a configuration of six coordinates promises here.
+/// The properties of a configuration of six coordinates that are tested here.
 pub(crate) trait Six:
     VectorCoordinates<6, Momentum: VectorCoordinates<6, Momentum = Self::Momentum>>
 {

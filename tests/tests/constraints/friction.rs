@@ -209,8 +209,8 @@ fn stormer_verlet_with_friction_and_a_noise_force_is_rattle() {
     }
 }
 
-/// A negative friction whose coefficient m + ½hν has changed its sign: the solution of the equations
-/// is not connected with the motion.
+/// A negative friction whose coefficient m + ½hν has changed its sign: the solution of the
+/// equations is not connected with the motion.
 #[test]
 fn a_friction_beyond_its_pole_is_an_error() {
     let mut chain = Chain::new();

@@ -1,4 +1,4 @@
-//! What the plan says of constraints.
+//! The sentences of plans on constraints.
 
 use sve_models::checks::assert_says;
 use sve_models::models::{Breathing, Curved, OnSphere, TurnedSphere};

@@ -1,5 +1,5 @@
-//! What long paths keep: the constraints, momenta of symmetries, the energy without drift; and the
-//! exact path of a rotation.
+//! Quantities that long paths keep: the constraints, momenta of symmetries, the energy without
+//! drift; and the exact path of a rotation.
 
 use sve_runtime::__private::{ConstraintImpulses, VectorCoordinates};
 use sve_runtime::Variational;

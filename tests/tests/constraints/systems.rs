@@ -41,7 +41,7 @@ impl FiveRods {
     }
 }
 
-/// What a test over all systems and rules does with each.
+/// The body of a test over all systems and rules.
 pub(crate) trait Check {
     fn run<S, R, Q, const N: usize, const M: usize>(
         &mut self,
@@ -75,7 +75,8 @@ where
     states
 }
 
-/// Steps of all lanes. Returns the states, and the mask of the lanes that are left to the single step.
+/// Steps of all lanes. Returns the states, and the mask of the lanes that are left to the single
+/// step.
 pub(crate) fn stepped_in_lanes<S, R, Q, const N: usize, const M: usize>(
     integrator: &Integrator<S, R>,
     states: &[State<Q>],

@@ -1,4 +1,4 @@
-//! What plans say of degenerate Lagrangians.
+//! The sentences of plans on degenerate Lagrangians.
 
 use sve_runtime::plan::DegenerateStep;
 use sve_runtime::prelude::*;

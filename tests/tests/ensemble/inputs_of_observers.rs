@@ -78,7 +78,8 @@ fn all_observers_see_the_inputs_of_the_last_step() {
 }
 
 /// Paths stop within a step, and paths that go on are packed into other lanes: each energy is that
-/// with the inputs of its own path, at a stop with the inputs of the step in which the path stopped.
+/// with the inputs of its own path, at a stop with the inputs of the step in which the path
+/// stopped.
 #[test]
 fn paths_that_stop_and_move_keep_their_inputs() {
     // blocks of one thread share their lanes

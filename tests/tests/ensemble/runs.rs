@@ -1,4 +1,4 @@
-//! What several tests of ensembles need: systems, starts, files, and runs in parts that have the
+//! Data of several tests of ensembles: systems, starts, files, and runs in parts that have the
 //! bits of the whole.
 
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ pub(crate) fn scratch(name: &str) -> PathBuf {
     path
 }
 
-/// What a function draws for the start of each path of an ensemble with this seed.
+/// The numbers that a function draws for the start of each path of an ensemble with this seed.
 pub(crate) fn drawn<T: Send>(
     paths: u64,
     seed: u64,

@@ -77,7 +77,7 @@ fn a_run_that_was_stopped_goes_on_with_the_same_passages() {
     std::fs::remove_file(path).unwrap();
 }
 
-/// What observers remember, against the states of single paths.
+/// The memory of observers, against the states of single paths.
 #[test]
 fn memories_are_those_of_replayed_paths() {
     let method = pendulum();

@@ -57,8 +57,8 @@ fn few_stages_and_other_kinetic_energies_are_for_newton() {
     assert_eq!(found, [false; 3]);
 }
 
-/// Newton's matrix of the largest step, 205 kB, has room on the stack of a thread, which is 2 MiB by
-/// default, and a quarter of the stack is left for the program.
+/// Newton's matrix of the largest step, 205 kB, has room on the stack of a thread, which is 2 MiB
+/// by default, and a quarter of the stack is left for the program.
 #[test]
 fn the_largest_step_is_solved_by_both() {
     let largest = std::thread::Builder::new().stack_size(3 << 19);

@@ -1,4 +1,5 @@
-//! What a trajectory carries: the stages of the last step, from which the next one starts.
+//! The numbers that a trajectory carries: the stages of the last step, from which the next one
+//! starts.
 
 use sve_models::checks::{assert_close, assert_states_close};
 use sve_models::orders::numbers;

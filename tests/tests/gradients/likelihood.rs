@@ -26,7 +26,7 @@ fn tail([mean, second]: [f64; 2], a: f64) -> f64 {
     sum * width / 3.0 / core::f64::consts::TAU.sqrt()
 }
 
-/// What is remembered of a path: its last state, and the derivative of the logarithm of its
+/// The memory of a path: its last state, and the derivative of the logarithm of its
 /// density.
 struct Path {
     last: State<[f64; 1]>,

@@ -64,7 +64,7 @@ macro_rules! halves {
 halves!(Five, 5, 1);
 halves!(Ten, 10, 2);
 
-/// Whether two numbers are equal to rounding.
+/// Returns whether two numbers are equal to rounding.
 fn agree(a: f64, b: f64) -> bool {
     (a - b).abs() < ROUNDING
 }

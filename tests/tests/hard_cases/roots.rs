@@ -68,7 +68,7 @@ where
 
 macro_rules! lanes_take_the_solution_of_single_steps {
     ($($system:ident, $q:expr, $p:expr;)*) => {
-        /// What a lane solves is what the single step solves: no lane takes another solution, or
+        /// A lane has the solution of the single step: no lane takes another solution, or
         /// one where the single step errs.
         #[test]
         fn lanes_take_the_solution_of_single_steps() {

@@ -46,8 +46,8 @@ fn quartic(omega: f64, steps: usize) -> [Option<f64>; 3] {
 
 const OMEGA_H: [f64; 9] = [0.1, 0.3, 1.0, 1.9, 2.1, 5.0, 10.0, 100.0, 1000.0];
 
-/// Returns the first ωh above 1, in steps of a thousandth, at which the energy passes a million or a
-/// step fails.
+/// Returns the first ωh above 1, in steps of a thousandth, at which the energy passes a million or
+/// a step fails.
 fn stops_at(run: impl Fn(f64) -> Option<f64>) -> f64 {
     let mut scan = (1000..).map(|k| f64::from(k) / 1000.0);
     scan.find(|&omega| run(omega).is_none()).unwrap()

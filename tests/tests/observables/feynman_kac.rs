@@ -1,7 +1,9 @@
-//! Weights of paths: the formula of Feynman and Kac, its weak orders without sampling, and its results from ensembles.
+//! Weights of paths: the formula of Feynman and Kac, its weak orders without sampling, and its
+//! results from ensembles.
 //!
-//! The expectation over an increment is taken exactly. A linear step with a quadratic exponent maps exp(−½zᵀAz − c) to a function of the same form; for the Kubo
-//! oscillator the mean of the step's matrix is a quadrature; for other systems the quadrature follows all nodes of all steps.
+//! The expectation over an increment is taken exactly. A linear step with a quadratic exponent maps
+//! exp(−½zᵀAz − c) to a function of the same form; for the Kubo oscillator the mean of the step's
+//! matrix is a quadrature; for other systems the quadrature follows all nodes of all steps.
 
 use sve_runtime::Variational;
 use sve_runtime::baseline::EulerMaruyama;
@@ -10,7 +12,8 @@ use sve_runtime::system::{Dims, System};
 
 use super::systems::{Kubo, Langevin, Stiffness};
 
-/// `u_t = p u_q − q u_p + ½σ²u_pp − ½κq²u` with u(0) = 1, σ = 0.8, κ = 1.3, at t = 2 and (q, p) = (0.7, −0.4).
+/// `u_t = p u_q − q u_p + ½σ²u_pp − ½κq²u` with u(0) = 1, σ = 0.8, κ = 1.3, at t = 2 and (q, p) =
+/// (0.7, −0.4).
 const QUADRATIC: f64 = 0.627_173_387_859;
 const SIGMA: f64 = 0.8;
 const KAPPA: f64 = 1.3;
@@ -124,7 +127,8 @@ fn normal_nodes() -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// `u_t = a Du + ½σ²D²u − κIu` with u(0) = q: u = exp(−κIt − σ²t/2) (q cos at + p sin at). Where a rule keeps I, the weight is a number, and u the mean of q.
+/// `u_t = a Du + ½σ²D²u − κIu` with u(0) = q: u = exp(−κIt − σ²t/2) (q cos at + p sin at). Where a
+/// rule keeps I, the weight is a number, and u the mean of q.
 fn kubo<R>(integrator: &Integrator<Kubo, R>, steps: u32) -> f64
 where
     Kubo: Variational<R> + System<Dims = Dims<1, 1>>,
@@ -218,7 +222,8 @@ where
     sum
 }
 
-/// Noise whose strength depends on q: the option `weak2` makes the weak order 2 with the weight too.
+/// Noise whose strength depends on q: the option `weak2` makes the weak order 2 with the weight
+/// too.
 #[test]
 fn weak_order_two_with_the_option() {
     let system = Stiffness { sigma: 1.5 };
@@ -314,7 +319,8 @@ fn weights_keep_their_bits() {
     assert!(shard(0).merge(other.shard(1, 2).run().unwrap()).is_err());
 }
 
-/// The sampling errors at near points are nearly the same with the same paths, and differ with paths of their own.
+/// The sampling errors at near points are nearly the same with the same paths, and differ with
+/// paths of their own.
 #[test]
 fn several_points() {
     let motion = Integrator::new(oscillator(), Midpoint);

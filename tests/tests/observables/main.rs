@@ -1,4 +1,5 @@
-//! What is read off paths: sections and events, temperatures and other averages, weights of paths.
+//! Quantities that are read off paths: sections and events, temperatures and other averages,
+//! weights of paths.
 
 mod averages;
 mod changes;

@@ -36,8 +36,8 @@ fn turns_about_principal_axes_are_exact() {
     }
 }
 
-/// The errors of a free body at t = 4 are 0.260 h² in the attitude and 0.312 h² in the body momentum.
-/// In Cayley's chart they are 3.54 h² and 5.32 h².
+/// The errors of a free body at t = 4 are 0.260 h² in the attitude and 0.312 h² in the body
+/// momentum. In Cayley's chart they are 3.54 h² and 5.32 h².
 #[test]
 fn errors_of_a_free_body_have_these_constants() {
     let i = Vector3::new(1.0, 2.0, 3.0);
@@ -59,8 +59,8 @@ fn errors_of_a_free_body_have_these_constants() {
     assert!((of_momentum - 0.312).abs() < 1e-3, "{of_momentum}");
 }
 
-/// Störmer and Verlet's rule has order 2 for a heavy top, and a smaller error than the midpoint rule
-/// for a slow one.
+/// Störmer and Verlet's rule has order 2 for a heavy top, and a smaller error than the midpoint
+/// rule for a slow one.
 #[test]
 fn the_rule_of_stormer_and_verlet_has_order_two() {
     let top = HeavyTop {
@@ -110,7 +110,8 @@ fn large_turns_are_connected_with_small_ones() {
             let mut state = start;
             let h = 3.0 * f64::from(part) / f64::from(parts);
             integrator.step(&mut state, h, &[]).unwrap();
-            // the quaternion is continuous, so that the vector is that of the step beyond 180 degrees
+            // the quaternion is continuous, so that the vector is that of the step beyond 180
+            // degrees
             let [x, y, z, w] = state.q.coords.into();
             let imaginary = Vector3::new(x, y, z);
             let angle = 2.0 * imaginary.norm().atan2(w);

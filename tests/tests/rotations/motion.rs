@@ -1,5 +1,5 @@
-//! What motions with rotations keep: momenta, Casimirs, energies; steps back; compositions; energy
-//! and drift.
+//! Invariants of motions with rotations: momenta, Casimirs, energies; steps back; compositions;
+//! energy and drift.
 
 use sve_models::orders::numbers;
 use sve_runtime::__private::Coordinates;
@@ -277,8 +277,8 @@ impl Sphere {
     }
 }
 
-/// `Π_N` = Π₀ + f `W_N`, path by path: the momentum of an isotropic body is parallel to its velocity, so
-/// that nothing turns it.
+/// `Π_N` = Π₀ + f `W_N`, path by path: the momentum of an isotropic body is parallel to its
+/// velocity, so that nothing turns it.
 #[test]
 fn a_torque_of_the_body_adds_its_increments_to_the_momentum() {
     let torque = Vector3::new(0.3, -0.2, 0.5);

@@ -1,4 +1,5 @@
-//! Steps of rigid bodies with 40 digits from the discrete action alone, by `tests/data/rigid_body.py`.
+//! Steps of rigid bodies with 40 digits from the discrete action alone, by
+//! `tests/data/rigid_body.py`.
 
 use sve_models::reference::check;
 use sve_runtime::prelude::*;

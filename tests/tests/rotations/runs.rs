@@ -57,10 +57,10 @@ impl Charged {
     }
 }
 
-/// A trajectory by the rule of Störmer and Verlet carries what the torque at the end of a step has in
-/// common with that at the start of the next. The matrix of the equations and that of the stored
-/// quaternion differ by rounding errors, and so do trajectory and repeated steps. Continued from its
-/// stored form the trajectory has the same bits.
+/// A trajectory by the rule of Störmer and Verlet carries what the torque at the end of a step has
+/// in common with that at the start of the next. The matrix of the equations and that of the stored
+/// quaternion differ by rounding errors, and so do trajectory and repeated steps. Continued from
+/// its stored form the trajectory has the same bits.
 #[test]
 fn a_torque_is_carried() {
     let charged = Charged {

@@ -59,7 +59,8 @@ fn bounds_of_linear_scenes_are_their_spectrum() {
     step(0.0, 10.0, advised).expect("the advised step");
 }
 
-/// The bounds are those of inner rows, (own + k λ) h²/4 with λ from 0 to 4. The state stays as it is.
+/// The bounds are those of inner rows, (own + k λ) h²/4 with λ from 0 to 4. The state stays as it
+/// is.
 #[test]
 fn layouts_tell_the_bounds_and_the_sweeps() {
     let springs = Integrator::new(Springs { k: 1.0, own: 0.5 }, Midpoint);

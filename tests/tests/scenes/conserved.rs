@@ -9,8 +9,8 @@ use crate::symmetric::{
 };
 
 /// Checks that all rules keep momenta over 2000 steps: to the rounding of the steps and of their
-/// sums, which adds up as in a random walk. `explicit` leaves the midpoint rule out. `for` has another
-/// number of steps.
+/// sums, which adds up as in a random walk. `explicit` leaves the midpoint rule out. `for` has
+/// another number of steps.
 macro_rules! assert_kept {
     (explicit $system:expr, $q:expr, $p:expr, $noise:expr, $($momentum:ident),+) => {{
         let (system, q, p) = (&$system, $q, $p);
@@ -128,8 +128,8 @@ impl Fast {
     }
 }
 
-/// Relativistic bodies in a round well, with a drag towards the middle, and with noises that turn and
-/// stretch them.
+/// Relativistic bodies in a round well, with a drag towards the middle, and with noises that turn
+/// and stretch them.
 struct Turning {
     k: f64,
     sigma: f64,
@@ -339,8 +339,8 @@ impl Driven {
     }
 }
 
-/// The force and the increments of each site add to the momentum, as the proofs of the messages say:
-/// by n F h and by σ Σ ΔW.
+/// The force and the increments of each site add to the momentum, as the proofs of the messages
+/// say: by n F h and by σ Σ ΔW.
 #[test]
 fn what_breaks_a_symmetry_moves_its_momentum() {
     let n = 20;

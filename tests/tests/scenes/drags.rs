@@ -279,9 +279,9 @@ impl Free {
     }
 }
 
-/// A wave of the wave number k decays by (1 + hν/2)⁻¹ (1 − hν/2) in a step of Störmer and Verlet and
-/// of the midpoint rule, with ν = 4 μ sin²(k/2), if nothing else acts. The places, far from 0, have
-/// no part in it: in short steps they have no digits of the velocities.
+/// A wave of the wave number k decays by (1 + hν/2)⁻¹ (1 − hν/2) in a step of Störmer and Verlet
+/// and of the midpoint rule, with ν = 4 μ sin²(k/2), if nothing else acts. The places, far from 0,
+/// have no part in it: in short steps they have no digits of the velocities.
 #[test]
 fn a_wave_decays_as_one_with_its_friction_does() {
     fn check<R>(rule: R, [h, mu]: [f64; 2], steps: u64)
@@ -306,8 +306,8 @@ fn a_wave_decays_as_one_with_its_friction_does() {
     }
 }
 
-/// The friction 2μ of each site is a part of f = h/(1 + hμ), and the rows of −2 ∂D/∂v have the entry
-/// −2μ twice: the bounds are ±f μ.
+/// The friction 2μ of each site is a part of f = h/(1 + hμ), and the rows of −2 ∂D/∂v have the
+/// entry −2μ twice: the bounds are ±f μ.
 #[test]
 fn bounds_with_forces_of_velocities_are_their_spectrum() {
     let (h, mu) = (-1.0, 0.8);
@@ -321,8 +321,8 @@ fn bounds_with_forces_of_velocities_are_their_spectrum() {
 }
 
 /// With forces `g (1 + q²) v − k q` at q = 0 the equation of a step of the length s h has the slope
-/// 1 + s² k h²/4 − s g h/2. It is positive at s = 1, and with g = 2.9375 not in between: the solution is
-/// then not the one of short steps, though it is unique.
+/// 1 + s² k h²/4 − s g h/2. It is positive at s = 1, and with g = 2.9375 not in between: the
+/// solution is then not the one of short steps, though it is unique.
 #[test]
 fn a_step_beyond_a_singular_one_is_refused() {
     struct Driven {

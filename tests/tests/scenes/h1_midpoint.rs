@@ -25,8 +25,8 @@ impl Kubo {
     }
 }
 
-/// A site turns by 2 atan(x) with x = (h + σΔW)/2, and the bound of the ratio of errors is |h| + σ|ΔW|
-/// over 2, the exact one of a sweep that computes both from the old values.
+/// A site turns by 2 atan(x) with x = (h + σΔW)/2, and the bound of the ratio of errors is |h| +
+/// σ|ΔW| over 2, the exact one of a sweep that computes both from the old values.
 #[test]
 fn the_bound_of_an_oscillator_is_exact() {
     let kubo = Integrator::new(Kubo { sigma: 0.5 }, Midpoint);
@@ -62,8 +62,8 @@ fn the_bound_of_an_oscillator_is_exact() {
     assert!(matches!(error, StepError::NonFiniteInput { .. }), "{error}");
 }
 
-/// H₁ = σ q p multiplies places by (1 + s)/(1 − s) and momenta by its inverse, s = σΔW/2; the bound of
-/// the ratio is s and the least part of the velocities.
+/// H₁ = σ q p multiplies places by (1 + s)/(1 − s) and momenta by its inverse, s = σΔW/2; the bound
+/// of the ratio is s and the least part of the velocities.
 #[test]
 fn the_bound_of_a_stretch_is_the_increment() {
     struct Stretch {

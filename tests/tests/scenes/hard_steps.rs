@@ -6,7 +6,8 @@ use crate::bounds::Springs;
 use crate::common::spread;
 use crate::midpoint::pendula;
 
-/// What stops a step is named, and the state is unchanged, in the midst of a block of steps too.
+/// The reason of a failed step is named, and the state is unchanged, in the midst of a block of
+/// steps too.
 #[test]
 fn failed_steps_leave_the_state() {
     let n = 100_000;

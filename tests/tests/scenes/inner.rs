@@ -310,8 +310,8 @@ fn row_sums(q: &[f64], h: f64, of: impl Fn(&[f64]) -> Vec<f64>) -> [f64; 2] {
     found
 }
 
-/// At rest and in a short step the boxes are points or nearly so, and only the triangle inequality is
-/// between bounds and row sums.
+/// At rest and in a short step the boxes are points or nearly so, and only the triangle inequality
+/// is between bounds and row sums.
 #[test]
 fn bounds_of_sums_contain_the_row_sums_of_differences() {
     let check = |result: Result<(), StepError>, [low, high]: [f64; 2]| {

@@ -4,8 +4,8 @@ use sve_runtime::prelude::*;
 
 use crate::common::{assert_same, spread};
 
-/// Seven sites on springs. The inputs set the stiffness, a wind, and the strengths of a noise and of a
-/// noise force; a friction that reads one is a force as any other.
+/// Seven sites on springs. The inputs set the stiffness, a wind, and the strengths of a noise and
+/// of a noise force; a friction that reads one is a force as any other.
 struct Chain {
     s: f64,
 }

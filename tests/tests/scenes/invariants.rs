@@ -1,4 +1,4 @@
-//! What steps of scenes conserve, and their order with noise.
+//! Quantities that steps of scenes conserve, and their order with noise.
 
 use sve_runtime::prelude::*;
 

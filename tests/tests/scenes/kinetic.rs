@@ -45,7 +45,8 @@ mod relativistic {
     }
 }
 
-/// Bodies whose mass is a matrix, with a constant vector potential, in two loops: momenta are affine.
+/// Bodies whose mass is a matrix, with a constant vector potential, in two loops: momenta are
+/// affine.
 mod matrices {
     use sve_runtime::prelude::*;
     both! {
@@ -126,8 +127,8 @@ fn vectors(seed: u64, scale: f64) -> [Vector3<f64>; 8] {
 #[test]
 fn steps_are_those_of_unrolled_systems() {
     let numbers = |seed, scale| -> [f64; 8] { small(8, seed, scale).try_into().expect("eight") };
-    // momenta up to m c/2 and up to 4 m c: unrolled steps compute some momenta from velocities, whose
-    // rounding errors grow with γ²
+    // momenta up to m c/2 and up to 4 m c: unrolled steps compute some momenta from velocities,
+    // whose rounding errors grow with γ²
     for size in [0.5, 4.0] {
         compare!(
             explicit relativistic {

@@ -192,8 +192,8 @@ fn steps_back_undo_steps() {
     }
 }
 
-/// Pairs within a cut-off, lists, nearest images and pushes that depend on other sites: the solution
-/// is that of a fixed-point iteration with the impulses of the endpoint rule.
+/// Pairs within a cut-off, lists, nearest images and pushes that depend on other sites: the
+/// solution is that of a fixed-point iteration with the impulses of the endpoint rule.
 #[test]
 fn any_scene_has_the_solution_of_its_impulses() {
     struct Gas {

@@ -1,5 +1,5 @@
-//! Bare steps that fail in the last of many sites, where the way back is not safe: with friction, or
-//! with velocities that are solved for. The state is then copied, and restored bit for bit.
+//! Bare steps that fail in the last of many sites, where the way back is not safe: with friction,
+//! or with velocities that are solved for. The state is then copied, and restored bit for bit.
 
 use sve_runtime::prelude::*;
 

@@ -223,8 +223,8 @@ impl Mean {
     }
 }
 
-/// The eigenvalues of `own + mean 11ᵀ/n` are `own` and `own + mean`, for any n, and so are the bounds
-/// of the row sums, `own ± mean`.
+/// The eigenvalues of `own + mean 11ᵀ/n` are `own` and `own + mean`, for any n, and so are the
+/// bounds of the row sums, `own ± mean`.
 #[test]
 fn bounds_with_a_mean_field_do_not_grow_with_the_number_of_sites() {
     for n in [2, 20, 3000] {

@@ -132,8 +132,8 @@ fn inputs_that_jump_between_steps_keep_order_return_and_areas() {
     );
 }
 
-/// A rotor whose noise has the sum of a parameter and an input as its strength. The Lagrangian takes
-/// the input and does not read it.
+/// A rotor whose noise has the sum of a parameter and an input as its strength. The Lagrangian
+/// takes the input and does not read it.
 struct Jittered {
     s: f64,
 }

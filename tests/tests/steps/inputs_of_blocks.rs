@@ -1,4 +1,4 @@
-//! What a block with inputs has besides its steps: momenta of symmetries, bodies, time.
+//! Functions of a block with inputs besides its steps: momenta of symmetries, bodies, time.
 
 use sve_runtime::nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use sve_runtime::prelude::*;

@@ -1,6 +1,7 @@
 //! Noises that are forces: closed forms of steps, what is conserved, the Itô correction, and
-//! ensembles. Poles of many unknowns are in `noise_forces/poles.rs`. `derivatives.rs` compares the steps with the equations of the discrete action, with
-//! the corrections of rules with one node at an end.
+//! ensembles. Poles of many unknowns are in `noise_forces/poles.rs`. `derivatives.rs` compares the
+//! steps with the equations of the discrete action, with the corrections of rules with one node at
+//! an end.
 
 pub(crate) mod poles;
 

@@ -161,7 +161,7 @@ chain of 12, midpoint | Newton 36; 33299 + 33410 n; 0; 0; 10664 | Newton 12 band
     }
 }
 
-/// What a term adds to a step.
+/// The contribution of a term to a step.
 mod terms {
     use sve_runtime::plan::Operations;
     use sve_runtime::prelude::*;

@@ -268,7 +268,7 @@ mod guide {
     }
 }
 
-/// What the guide shows is what the plan prints.
+/// The guide shows the text that the plan prints.
 #[test]
 fn the_plan_in_the_guide() {
     let text = include_str!("../../../sve-runtime/docs/guide/macro_tour.md");

@@ -213,7 +213,7 @@ fn weak_orders_of_means_are_measured_within_their_errors() {
     }
 }
 
-/// What a derived rule says of itself with noise; other methods say nothing.
+/// The order that a derived rule states with noise; other methods state none.
 fn order_of(method: &str) -> Option<f64> {
     (method != "Euler–Maruyama").then_some(1.0)
 }

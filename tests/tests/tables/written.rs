@@ -1,4 +1,4 @@
-//! What is written is read with the same bits.
+//! Tables are read with the bits with which they were written.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};

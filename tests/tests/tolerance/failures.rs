@@ -1,4 +1,4 @@
-//! What a path with a tolerance refuses, and where it ends.
+//! Arguments that a path with a tolerance refuses, and the place where it ends.
 
 use sve_runtime::prelude::*;
 

@@ -109,8 +109,8 @@ impl Rotor {
     }
 }
 
-/// What a block reads: numbers, arrays, vectors, matrices and structs of these. Two further fields
-/// belong to the user's functions alone.
+/// The data that a block reads: numbers, arrays, vectors, matrices and structs of these. Two
+/// further fields belong to the user's functions alone.
 #[derive(Clone)]
 struct Rich {
     k: f64,

@@ -18,8 +18,8 @@ use crate::system::mechanics::{Mechanics, NoiseJet, less};
 /// as the second derivatives.
 const BOUNDED: usize = 4;
 
-/// The number of solutions of a step of many stages, as far as it is known. Linear equations of noise
-/// forces that depend on velocities have bounds too: see `structure/block.rs`.
+/// The number of solutions of a step of many stages, as far as it is known. Linear equations of
+/// noise forces that depend on velocities have bounds too: see `structure/block.rs`.
 pub(crate) enum Uniqueness {
     /// The equations are linear and have one solution.
     Linear,

@@ -51,10 +51,11 @@ pub(super) fn with_notation(
 /// The definition of D of the option `weak2`.
 const PUSH: &str = "D = Σ ∂f/∂q·M⁻¹·f with M = ∂²L/∂v²";
 
-/// Returns the remark on noise forces that depend on velocities. For f = σp and `y = σΔW` steps divide by
-/// 1 − y/2 in the symmetric rules, by 1 − y + y²/2 from the initial point, by nothing at the endpoint,
-/// and by the denominators of the diagonal Padé approximants of eʸ in Gauss rules. If forces turn
-/// velocities, y stands for complex numbers too, of which each of these but the endpoint has poles.
+/// Returns the remark on noise forces that depend on velocities. For f = σp and `y = σΔW` steps
+/// divide by 1 − y/2 in the symmetric rules, by 1 − y + y²/2 from the initial point, by nothing at
+/// the endpoint, and by the denominators of the diagonal Padé approximants of eʸ in Gauss rules. If
+/// forces turn velocities, y stands for complex numbers too, of which each of these but the
+/// endpoint has poles.
 fn pole(rule: Rule, coordinates: usize) -> Option<&'static str> {
     let has_real_pole = !rule.has_correction() && rule.stages().is_none_or(|s| s % 2 == 1);
     if has_real_pole {

@@ -3,8 +3,8 @@
 //! Input: the derivatives of a step in the entries of R₀, in Π₀ and in the parameters. Output: the
 //! derivatives in canonical coordinates.
 //!
-//! Near a rotation R with momentum Π the coordinates are the vector ε of a small rotation, R exp(ε̂),
-//! and the momentum y conjugate to ε. To first order `Π = y − ½ ε × Π`, so that
+//! Near a rotation R with momentum Π the coordinates are the vector ε of a small rotation, R
+//! exp(ε̂), and the momentum y conjugate to ε. To first order `Π = y − ½ ε × Π`, so that
 //! `δy = δΠ + ½ ε × Π`. The form `dε ∧ dy` is canonical, and the tangent map of a step is a
 //! symplectic matrix. At the end of a step R₁ = R₀ exp(x̂),
 //!

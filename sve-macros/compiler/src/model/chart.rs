@@ -1,9 +1,9 @@
 //! The exponential chart of rotations.
 //!
-//! The increment of a rotation is the vector x of the rotation `R₀ᵀR₁ = exp(x̂)`: an angle |x| about an
-//! axis. The chart moves with R₀. An action S(x, R̄) depends on the ends through x and the middle
-//! `R̄ = R₀ exp(x̂/2)` of the geodesic between them. With g = ∂S/∂x and the left-trivialised derivative
-//! τ of S in R̄ the momenta are
+//! The increment of a rotation is the vector x of the rotation `R₀ᵀR₁ = exp(x̂)`: an angle |x|
+//! about an axis. The chart moves with R₀. An action S(x, R̄) depends on the ends through x and the
+//! middle `R̄ = R₀ exp(x̂/2)` of the geodesic between them. With g = ∂S/∂x and the left-trivialised
+//! derivative τ of S in R̄ the momenta are
 //!
 //! ```text
 //! Π₀ = A g + ½ x × g + B x (x·g) − ½ (τ + T x × τ)        Π₁ = Π₀ − x × g + τ
@@ -38,8 +38,8 @@ use crate::algebra::{Arena, Expr};
 pub(crate) use parts::of_small_angles;
 use parts::{Part, b_of};
 
-/// The coefficients of the Padé approximant of u₂ at s = 0, from the constants on. The error of T is
-/// below 10⁻¹⁶ of it up to an angle of 4.
+/// The coefficients of the Padé approximant of u₂ at s = 0, from the constants on. The error of T
+/// is below 10⁻¹⁶ of it up to an angle of 4.
 const U2: [[f64; 4]; 2] = [
     [
         0.000_520_833_333_333_333_3,
@@ -55,8 +55,8 @@ const U2: [[f64; 4]; 2] = [
     ],
 ];
 
-/// The coefficients of the Padé approximant of `B₂ = (B − 1/12)/s` at s = 0. The error of A is below
-/// 10⁻¹⁸ up to an angle of 4.
+/// The coefficients of the Padé approximant of `B₂ = (B − 1/12)/s` at s = 0. The error of A is
+/// below 10⁻¹⁸ up to an angle of 4.
 const B2: [[f64; 6]; 2] = [
     [
         0.001_388_888_888_888_889,
@@ -119,8 +119,8 @@ impl Momenta {
         Self { x, square, a, b }
     }
 
-    /// Returns `A g + ½ x × g + B x (x·g)`, the part of the momentum at the start that depends on the
-    /// derivative g in the increment.
+    /// Returns `A g + ½ x × g + B x (x·g)`, the part of the momentum at the start that depends on
+    /// the derivative g in the increment.
     pub(crate) fn at_start(&self, g: &[Expr], arena: &mut Arena) -> Vec<Expr> {
         let along = dot(&self.x, g, arena);
         let along = arena.mul(self.b, along);
@@ -194,8 +194,8 @@ impl Chart {
     }
 
     /// Returns the entries of R₀ times the rotation about x by an angle φ. A row a of R₀ becomes
-    /// `a + sin φ/θ a × x + (1 − cos φ)/s ((a·x) x − s a)`; the functions are sin φ/θ, (1 − cos φ)/s and
-    /// 1 − cos φ.
+    /// `a + sin φ/θ a × x + (1 − cos φ)/s ((a·x) x − s a)`; the functions are sin φ/θ, (1 − cos
+    /// φ)/s and 1 − cos φ.
     fn turned(
         &self,
         start: &[Expr],
@@ -309,8 +309,8 @@ fn quotient<const N: usize>(polynomials: &[[f64; N]; 2], x: Expr, arena: &mut Ar
     arena.product(&[(dividend, 1), (divisor, -1)])
 }
 
-/// Returns a polynomial by Estrin's rule, whose operations depend on fewer ones before them than those of
-/// Horner's.
+/// Returns a polynomial by Estrin's rule, whose operations depend on fewer ones before them than
+/// those of Horner's.
 fn polynomial(coefficients: &[f64], x: Expr, arena: &mut Arena) -> Expr {
     let mut parts: Vec<Expr> = coefficients.iter().map(|&c| arena.constant(c)).collect();
     let mut power = x;

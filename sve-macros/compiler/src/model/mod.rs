@@ -23,8 +23,8 @@ pub(crate) use nodes::{AtNode, END, NodeQuantity};
 pub(crate) use symbols::{Argument, Meaning, Quantity, Symbols};
 pub(crate) use unknowns::{Family, Unknown};
 
-/// The noise of one Wiener process: the Hamiltonian `−γ` or `H₁`, or a force. The term of the option
-/// `weak2` may have both.
+/// The noise of one Wiener process: the Hamiltonian `−γ` or `H₁`, or a force. The term of the
+/// option `weak2` may have both.
 #[derive(Clone)]
 pub(crate) struct NoiseTerm {
     /// Source name, with an index if the function returns an array.
@@ -36,7 +36,7 @@ pub(crate) struct NoiseTerm {
     pub(crate) force: Option<Vec<Expr>>,
 }
 
-/// What the user wrote for a noise.
+/// A noise as the user wrote it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum NoiseKind {
     /// γ; the Hamiltonian is −γ.

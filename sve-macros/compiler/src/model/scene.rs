@@ -90,8 +90,8 @@ pub(crate) enum SlotArray {
     /// The integer nearest to a number that reads slots, such as the number of periods between two
     /// sites. It is a constant for derivatives.
     Rounded(Expr),
-    /// The value of an inner sum, one of a list, in an instance of the sum around it. It is a constant
-    /// for derivatives, and so is a weight.
+    /// The value of an inner sum, one of a list, in an instance of the sum around it. It is a
+    /// constant for derivatives, and so is a weight.
     Sum(usize),
     /// The derivative with respect to such a value, with the weight of the sum around it.
     Weight(Expr),

@@ -3,8 +3,8 @@
 //!
 //! Input: a scheduled step. Output: pairs of values, of which the next step takes the second in
 //! place of the first. Invariant: the second value comes from q₁ by the same operations as the
-//! first from q₀. The q₁ of vectors is rounded as the state is, so that carrying changes no bit. The
-//! rotation at the end is the matrix of the equations, and that of the state is the matrix of a
+//! first from q₀. The q₁ of vectors is rounded as the state is, so that carrying changes no bit.
+//! The rotation at the end is the matrix of the equations, and that of the state is the matrix of a
 //! quaternion: they differ by rounding errors.
 
 use std::collections::{HashMap, HashSet};

@@ -16,7 +16,8 @@ pub(crate) struct Step {
     pub(crate) scheme: Scheme<Value, Residual>,
     pub(crate) program: Program,
     pub(crate) labels: Labels,
-    /// Entries of rotations at the end that the step computes, by their numbers in the configuration.
+    /// Entries of rotations at the end that the step computes, by their numbers in the
+    /// configuration.
     pub(crate) turned: HashMap<usize, Value>,
 }
 

@@ -68,8 +68,8 @@ pub(crate) struct Work {
 pub(crate) enum Place {
     /// A coordinate of the node, or a momentum.
     Coordinate(Expr),
-    /// The rotation at the node of this number among those of the rule, which turns in a direction of
-    /// the configuration, about an axis of the body.
+    /// The rotation at the node of this number among those of the rule, which turns in a direction
+    /// of the configuration, about an axis of the body.
     Turn { node: usize, direction: usize },
 }
 
@@ -318,8 +318,8 @@ impl Variables<'_> {
         terms
     }
 
-    /// Returns the work of all forces at a node, for a part of the step: `h F`, the forces of noises
-    /// times their increments, and that of the option `weak2`. `number` is that of the node.
+    /// Returns the work of all forces at a node, for a part of the step: `h F`, the forces of
+    /// noises times their increments, and that of the option `weak2`. `number` is that of the node.
     pub(super) fn work(
         &mut self,
         part: f64,

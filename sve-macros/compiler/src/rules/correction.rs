@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The part without forces is the variation of a term of the action,
-//! `(c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b`. The part of the forces is no variation. It is work at
-//! the node: on its position in dp, on its momentum in dq (`docs/mathematics.md`, section 16).
+//! `(c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b`. The part of the forces is no variation. It is work
+//! at the node: on its position in dp, on its momentum in dq (`docs/mathematics.md`, section 16).
 
 use std::collections::HashMap;
 

@@ -5,8 +5,9 @@
 //!       + (c − ½) Σ_ab ⟨∂G_a/∂p, ∂G_b/∂q⟩ ΔW_a ΔW_b
 //! ```
 //!
-//! The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`, that of a
-//! noise `⟨f_a(t̄,q̄,v) ΔW_a, δq̄⟩`, with a correction of its own ([`correction`](super::correction)).
+//! The last term is the Stratonovich correction. A force does the work `⟨h F(t̄,q̄,v), δq̄⟩`, that
+//! of a noise `⟨f_a(t̄,q̄,v) ΔW_a, δq̄⟩`, with a correction of its own
+//! ([`correction`](super::correction)).
 
 use std::collections::HashMap;
 
@@ -135,8 +136,8 @@ impl OneNode {
     }
 }
 
-/// Adds the entries of a rotation at the node of the midpoint rule, halfway along the geodesic. Other
-/// rules with one node do not apply to rotations ([`applicable`](super::applicable)).
+/// Adds the entries of a rotation at the node of the midpoint rule, halfway along the geodesic.
+/// Other rules with one node do not apply to rotations ([`applicable`](super::applicable)).
 fn rotation_at_midpoint(
     x: &mut Variables<'_>,
     block: &Block,

@@ -47,8 +47,8 @@ impl Variables<'_> {
         [start, displacement]
     }
 
-    /// Declares symbols for the entries of a rotation at the node of this number, and adds them to the
-    /// variables there.
+    /// Declares symbols for the entries of a rotation at the node of this number, and adds them to
+    /// the variables there.
     pub(super) fn rotation(
         &mut self,
         block: &Block,

@@ -60,7 +60,8 @@ impl Discretisation for StormerVerlet {
     }
 }
 
-/// Returns the values of the model's variables at the start and at the end, and the rotations there.
+/// Returns the values of the model's variables at the start and at the end, and the rotations
+/// there.
 fn ends(
     x: &mut Variables<'_>,
     v: &[Symbol],

@@ -152,8 +152,8 @@ impl Features {
         works.join(" + ") + &self.push("h·|h|", &push, points.len())
     }
 
-    /// Returns the work or the impulse of the option `weak2` for noises that are forces, in the form
-    /// of [`potential`](Self::potential).
+    /// Returns the work or the impulse of the option `weak2` for noises that are forces, in the
+    /// form of [`potential`](Self::potential).
     pub(crate) fn push(&self, factor: &str, sum: &str, nodes: usize) -> String {
         match self.potential {
             // κ is twice the factor of the potential

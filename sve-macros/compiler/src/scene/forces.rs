@@ -2,8 +2,8 @@
 //!
 //! A force on a site has three parts. One without velocities is added by a kick. A friction `−ν v`
 //! of a component by its own velocity acts while the site moves: the velocity is that of the drift.
-//! What else reads velocities, of any site, is a drag: it acts with the velocities of the drift too,
-//! which before the drift are the solution of equations of all sites.
+//! Any other function of velocities, of any site, is a drag: it acts with the velocities of the
+//! drift too, which before the drift are the solution of equations of all sites.
 
 use proc_macro2::Span;
 
@@ -126,8 +126,8 @@ impl Terms<'_> {
         })
     }
 
-    /// Returns the name of a time, input, coordinate or velocity that a number or a condition around
-    /// it depends on, beside some slots.
+    /// Returns the name of a time, input, coordinate or velocity that a number or a condition
+    /// around it depends on, beside some slots.
     pub(super) fn varies(
         &mut self,
         sum: Option<SumId>,

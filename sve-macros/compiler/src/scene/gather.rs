@@ -7,7 +7,7 @@ use super::{Derived, Pair, share};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::Meaning;
 
-/// What a node reads.
+/// The values that a node reads.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Read {
     /// A component of the node itself.
@@ -97,7 +97,8 @@ impl Derived {
                 gather.conditions.extend(conditions);
             }
             for (sums, slope) in sums.iter_mut().zip(slopes) {
-                // terms stay apart: `(a - b) + (a - c)` has smaller rounding errors than `2 a - b - c`
+                // terms stay apart: `(a - b) + (a - c)` has smaller rounding errors than
+                // `2 a - b - c`
                 sums[usize::from(term.is_noise)].push((1.0, arena.opaque(slope)));
             }
         }

@@ -18,9 +18,9 @@ impl Terms<'_> {
 }
 
 impl Derived {
-    /// Returns the names of two noises that may not commute; `None` if all do by their form: there is
-    /// one process, or there are γ and forces alone, or one function with a process for each site that
-    /// reads this site alone.
+    /// Returns the names of two noises that may not commute; `None` if all do by their form: there
+    /// is one process, or there are γ and forces alone, or one function with a process for each
+    /// site that reads this site alone.
     pub(crate) fn pair(&self, arena: &Arena) -> Option<[&str; 2]> {
         let noises = &self.scene.noises;
         let h1 = noises.iter().find(|noise| noise.is_h1)?;

@@ -1,8 +1,8 @@
 //! Inner sums that enter formulas of the sum around them, such as the density at an atom.
 //!
-//! In an instance of the outer sum, such a sum S is computed first, in a pass of its own. The formula
-//! f(q, S) then is a term whose derivatives take S for a constant. The summands of S are terms with
-//! the weight ∂f/∂S, which their derivatives take for a constant too.
+//! In an instance of the outer sum, such a sum S is computed first, in a pass of its own. The
+//! formula f(q, S) then is a term whose derivatives take S for a constant. The summands of S are
+//! terms with the weight ∂f/∂S, which their derivatives take for a constant too.
 
 use std::collections::HashMap;
 

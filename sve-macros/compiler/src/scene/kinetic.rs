@@ -1,5 +1,5 @@
-//! The kinetic energy of a scene: a function of the velocities of each site, with numbers that do not
-//! depend on the motion.
+//! The kinetic energy of a scene: a function of the velocities of each site, with numbers that do
+//! not depend on the motion.
 //!
 //! The terms `½ m v²` of single components are masses. If there is any other term, such as one of
 //! two components or `−m c² √(1 − v²/c²)`, the derivatives of all terms are kept: the velocity of a

@@ -1,8 +1,8 @@
 //! Scenes: the tree of sums → terms with their derivatives.
 //!
 //! Input: a [`Scene`]. Output: the sum of all loops as one flat list. A *term* is the summand of a
-//! sum without its inner sums, multiplied by the weight with which the sum enters the Lagrangian
-//! or the noise. The weight of a sum c of P is `ω(c) = ω(P) ∂summand(P)/∂c`, and it contains no sum.
+//! sum without its inner sums, multiplied by the weight with which the sum enters the Lagrangian or
+//! the noise. The weight of a sum c of P is `ω(c) = ω(P) ∂summand(P)/∂c`, and it contains no sum.
 //! So `h L + Σ γ ΔW` is the sum of all terms over all instances, and an impulse of a site is the
 //! sum of the derivatives of the terms that read the site.
 
@@ -238,8 +238,8 @@ impl<'a> Terms<'a> {
         }
     }
 
-    /// Returns the summands of the Lagrangian, and those of its totals with their weights, which have
-    /// its derivatives and not its value.
+    /// Returns the summands of the Lagrangian, and those of its totals with their weights, which
+    /// have its derivatives and not its value.
     fn lagrangian(&mut self) -> (Vec<Summand>, Vec<Summand>) {
         let (mut found, mut slopes) = (Vec::new(), Vec::new());
         let value = self.scene.lagrangian;
@@ -338,8 +338,8 @@ impl<'a> Terms<'a> {
         self.roots.len() - 1
     }
 
-    /// Adds the summand of a sum with a weight, and those of its inner sums; to `slopes` the summands
-    /// of inner totals with their weights, which have derivatives and no value.
+    /// Adds the summand of a sum with a weight, and those of its inner sums; to `slopes` the
+    /// summands of inner totals with their weights, which have derivatives and no value.
     fn sum(&mut self, root: usize, sum: SumId, weight: Expr, [to, slopes]: [&mut Vec<Summand>; 2]) {
         let mut open = vec![(sum, weight, true)];
         while let Some((sum, weight, has_value)) = open.pop() {

@@ -2,8 +2,8 @@
 //!
 //! Input: the tree of sums with the generators ξ, which are functions of the own site. Output: the
 //! momenta, or an error that names each term which is not invariant. The kinetic energy ½ Σ m v² is
-//! invariant only if ξ is affine in q and does not depend on time, so all steps conserve the momenta.
-//! With another kinetic energy or an H₁, ξ of another form is an error.
+//! invariant only if ξ is affine in q and does not depend on time, so all steps conserve the
+//! momenta. With another kinetic energy or an H₁, ξ of another form is an error.
 //!
 //! The test is made in copies of the scene and the arena, so that steps do not depend on it.
 

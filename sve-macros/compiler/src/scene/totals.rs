@@ -22,8 +22,8 @@ pub(crate) struct Total {
 
 impl Terms<'_> {
     /// Returns the summand of `home` with symbols of totals in the place of the sums whose factors
-    /// contain sums. The derivatives with respect to these sums are totals too: they are the weights
-    /// of the summands that are added to `slopes`.
+    /// contain sums. The derivatives with respect to these sums are totals too: they are the
+    /// weights of the summands that are added to `slopes`.
     pub(super) fn with_totals(
         &mut self,
         name: &str,

@@ -30,8 +30,8 @@ pub(crate) struct Scheme<T, R = T> {
     /// Additional results of a step, in terms of the solution: the multipliers of constraints, at
     /// the start and at the end.
     pub(crate) reported: Vec<Expr>,
-    /// Entries of rotations at the end of the step, by their numbers in the configuration, if a node
-    /// of the rule is there.
+    /// Entries of rotations at the end of the step, by their numbers in the configuration, if a
+    /// node of the rule is there.
     pub(crate) turned: Vec<(usize, Expr)>,
 }
 

@@ -207,8 +207,9 @@ fn check_gradients(
 }
 
 /// Reports a noise force that depends on velocities, and any noise force beside a noise that moves
-/// the position. The fields of the motion are projected on the constraints. For such fields, neither
-/// the bracket with another noise nor the correction of a rule with one node at an end is derived.
+/// the position. The fields of the motion are projected on the constraints. For such fields,
+/// neither the bracket with another noise nor the correction of a rule with one node at an end is
+/// derived.
 fn check_noise_forces(
     block: &Annotated,
     model: &Model,

@@ -2,8 +2,9 @@
 //! counted in the tokens.
 //!
 //! Compares every rule of every model of the workspace's tests, with and without structure (in
-//! `lists.rs`, which expands all of them), and of the scenes of `benches/expansion`. Code that runs only after the fast path fails is not counted:
-//! the additional functions of a step, and the closure `rounding` of a step without structure.
+//! `lists.rs`, which expands all of them), and of the scenes of `benches/expansion`. Code that runs
+//! only after the fast path fails is not counted: the additional functions of a step, and the
+//! closure `rounding` of a step without structure.
 
 use std::ops::AddAssign;
 

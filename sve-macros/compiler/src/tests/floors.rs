@@ -86,7 +86,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Returns the modules at the root that a text names in paths from `crate`. A path to a name of the
-/// root itself counts as one to `lib`, and so does a group of names, whose floors are not looked up.
+/// root itself counts as one to `lib`, and so does a group of names, whose floors are not looked
+/// up.
 fn used(text: &str) -> impl Iterator<Item = &str> {
     let before_tests = text.split("#[cfg(test)]\nmod tests").next().unwrap_or(text);
     let lines = before_tests.lines().map(str::trim_start);

@@ -1,5 +1,5 @@
-//! The Lagrangian in a scaled time, and the time of a step: the derivative of the discrete action by
-//! the energy.
+//! The Lagrangian in a scaled time, and the time of a step: the derivative of the discrete action
+//! by the energy.
 
 use std::collections::HashMap;
 

@@ -1,9 +1,9 @@
 //! Rotations as configurations, alone, in arrays, and beside vectors.
 //!
-//! Input: a unit quaternion and the rotation vector x of an increment, an angle θ = |x| about an axis.
-//! Output: the quaternion of R exp(x̂), `q ∘ (1 − T² θ², 2 T x)/(1 + T² θ²)` with T = tan(θ/4)/θ.
-//! Invariant: the quaternion is normalised to rounding after each increment, and continuous along a
-//! path.
+//! Input: a unit quaternion and the rotation vector x of an increment, an angle θ = |x| about an
+//! axis. Output: the quaternion of R exp(x̂), `q ∘ (1 − T² θ², 2 T x)/(1 + T² θ²)` with T =
+//! tan(θ/4)/θ. Invariant: the quaternion is normalised to rounding after each increment, and
+//! continuous along a path.
 //!
 //! Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VII.5.3
 //! (quaternions).
@@ -81,8 +81,8 @@ impl Configuration for UnitQuaternion<f64> {
     }
 }
 
-/// Returns `tan(θ/4)/θ` for the square of an angle; within the limit of a step, by the Padé approximant
-/// that the equations of steps contain.
+/// Returns `tan(θ/4)/θ` for the square of an angle; within the limit of a step, by the Padé
+/// approximant that the equations of steps contain.
 #[inline(always)]
 fn quarter(square: f64) -> f64 {
     if square > 16.0 {

@@ -13,8 +13,8 @@ use crate::error::StepError;
 const WANTED: f64 = 0.5;
 
 impl<R: Row> MidpointStep<'_, R> {
-    /// Makes a sweep from displacements without impulses, of which none is larger than `size`, and puts
-    /// the boxes around its result. Returns the largest displacement.
+    /// Makes a sweep from displacements without impulses, of which none is larger than `size`, and
+    /// puts the boxes around its result. Returns the largest displacement.
     ///
     /// # Errors
     /// An index that is out of range.
@@ -47,7 +47,8 @@ impl<R: Row> MidpointStep<'_, R> {
         Ok(size.max(largest.value()))
     }
 
-    /// Returns the iteration, from the boxes that are written and the bound of |f/4| Σ |∂I/∂q| in them.
+    /// Returns the iteration, from the boxes that are written and the bound of |f/4| Σ |∂I/∂q| in
+    /// them.
     ///
     /// # Errors
     /// The bound of the ratio of errors is not below 1, or the iteration would take many sweeps.

@@ -41,8 +41,8 @@ pub(super) struct Changes {
 }
 
 impl<R: Row> MidpointStep<'_, R> {
-    /// Solves the equations for the nodes in `work`. No displacement there is larger than `size`, and
-    /// no place than `places`.
+    /// Solves the equations for the nodes in `work`. No displacement there is larger than `size`,
+    /// and no place than `places`.
     ///
     /// # Errors
     /// An index that is out of range.
@@ -105,8 +105,8 @@ impl<R: Row> MidpointStep<'_, R> {
         }
     }
 
-    /// Makes updates with these weights: of the velocities, and of the nodes with the impulses or, in a
-    /// scene with H₁, with the velocities.
+    /// Makes updates with these weights: of the velocities, and of the nodes with the impulses or,
+    /// in a scene with H₁, with the velocities.
     ///
     /// # Errors
     /// An index that is out of range.

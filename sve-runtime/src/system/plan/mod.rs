@@ -18,9 +18,9 @@ pub enum BlockKind {
     Linear,
     /// Newton's method with the analytic Jacobian.
     Newton,
-    /// A fixed-point iteration for the velocities of all sites of a scene, which forces of velocities
-    /// or an H₁ join; or for their displacements, with bounds of the Jacobian, which forces make no
-    /// symmetric one.
+    /// A fixed-point iteration for the velocities of all sites of a scene, which forces of
+    /// velocities or an H₁ join; or for their displacements, with bounds of the Jacobian, which
+    /// forces make no symmetric one.
     FixedPoint,
     /// Chebyshev's iteration for the displacements of all sites of a scene, with bounds of the
     /// spectrum.
@@ -67,8 +67,8 @@ pub enum StrongOrder {
     /// Stage noise of two stages, with additive noise and forces that are linear in velocities:
     /// order 2.
     Two,
-    /// Stage noise of three stages or more, as [`Three`](Self::Three), but with forces of velocities
-    /// that depend on the place, such as a magnetic force: order 5/2.
+    /// Stage noise of three stages or more, as [`Three`](Self::Three), but with forces of
+    /// velocities that depend on the place, such as a magnetic force: order 5/2.
     TwoAndAHalf,
     /// Stage noise of three stages or more, with additive noise, and forces of velocities that are
     /// linear in them with constant coefficients: order 3.
@@ -224,8 +224,8 @@ pub struct Plan {
     /// Operations for each step size.
     pub prepare: Operations,
     /// Operations for each step, with the linear solves and without the iterations. For a system
-    /// whose `q` is a slice, those of a site that all loops with neighbouring sites read, in a sweep;
-    /// loops over lists of sites are not counted.
+    /// whose `q` is a slice, those of a site that all loops with neighbouring sites read, in a
+    /// sweep; loops over lists of sites are not counted.
     pub step: Operations,
     /// Operations of a step that a trajectory does not repeat, since it carries their results from
     /// the step before: the force at the end of a step is the force at the start of the next one.

@@ -71,8 +71,8 @@ use crate::trajectory::Method;
 /// different signs at them. Two zeros between them are not detected, and of three zeros one is
 /// found: take smaller steps or more samples if a function returns so fast. A function that is 0 at
 /// the start, exactly or up to rounding, has no crossing at the start, so that a path may begin at
-/// the event of another one: a zero within 2⁻²⁴ of the first step does not count. A value of exactly
-/// 0 after a step is a crossing at that step.
+/// the event of another one: a zero within 2⁻²⁴ of the first step does not count. A value of
+/// exactly 0 after a step is a crossing at that step.
 ///
 /// **Accuracy.** The step is solved anew with a part θh of its length until the function is zero to
 /// rounding. So the state is as accurate as a step of the rule: its error at an event in the first

@@ -2,8 +2,8 @@
 //!
 //! Input: a function that can fail, a bracket and the values at its ends. Output: a point at which
 //! the function is zero, or next to which it changes its sign; of a bracket without a change of
-//! sign, the end with the smaller value. Invariant: the bracket always contains a change of sign, so
-//! the function only has to be continuous.
+//! sign, the end with the smaller value. Invariant: the bracket always contains a change of sign,
+//! so the function only has to be continuous.
 //!
 //! Source: T. R. Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of
 //! a nonlinear function without using derivatives*, Advances in Engineering Software 28 (1997)

@@ -50,7 +50,7 @@ pub struct Saved<T> {
     /// The time at which to end.
     end: Option<f64>,
     has_ended: bool,
-    /// Whether the progress is to be shown from the next state on.
+    /// True if the progress is to be shown from the next state on.
     begins_progress: bool,
     progress: Option<Progress>,
 }

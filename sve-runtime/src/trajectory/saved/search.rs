@@ -137,8 +137,8 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
 }
 
 impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
-    /// Makes steps up to a number of steps, as long as none ends behind a time. Returns their number,
-    /// and whether the last one ends at this time.
+    /// Makes steps up to a number of steps, as long as none ends behind a time. Returns their
+    /// number, and whether the last one ends at this time.
     fn place_in_own_time(&mut self, end: f64, most: u64) -> Result<(u64, bool), StepError> {
         let (after, h) = (self.state.t, self.h);
         let is_behind = |t: f64| (t - end) * h.signum() > 0.0;

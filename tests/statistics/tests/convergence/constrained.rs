@@ -1,4 +1,5 @@
-//! Strong orders of steps with constraints. References are exact paths, paths of the same system in angles, or paths with finer steps.
+//! Strong orders of steps with constraints. References are exact paths, paths of the same system in
+//! angles, or paths with finer steps.
 
 use std::sync::LazyLock;
 
@@ -45,7 +46,8 @@ static EXACT: LazyLock<Paths> = LazyLock::new(|| Paths {
     ..*STEPS
 });
 
-/// A particle on the unit sphere whose time fluctuates, H₁ = s|p|²/2: the path is a great circle at the time t + sW.
+/// A particle on the unit sphere whose time fluctuates, H₁ = s|p|²/2: the path is a great circle at
+/// the time t + sW.
 #[derive(Clone)]
 struct Clocked {
     s: f64,
@@ -199,7 +201,8 @@ impl Angle {
 /// The end of an exact path, from its start and its noise.
 type ExactEnd<'a, Q> = &'a dyn Fn(&State<Q>, &Recorded) -> Vec<f64>;
 
-/// Checks the orders of all rules from a state near a consistent one, against `exact` or the midpoint rule with the finest steps.
+/// Checks the orders of all rules from a state near a consistent one, against `exact` or the
+/// midpoint rule with the finest steps.
 fn check<S, Q, const N: usize, const M: usize>(
     paths: Paths,
     system: &S,
@@ -338,7 +341,8 @@ fn noises_on_the_sphere_and_on_an_ellipsoid() {
     // the momentum along the sphere
     let curved = Curved { g: 1.0, s: 0.3 };
     check(*STEPS, &curved, "f(q)|Πp|²/2", State::new(q, p), None);
-    // The macro accepts this curved noise for the rules with one node at an end, since its correction is tangent.
+    // The macro accepts this curved noise for the rules with one node at an end, since its
+    // correction is tangent.
     let homogeneous = Homogeneous { s: 0.3 };
     check(
         *STEPS,

@@ -124,7 +124,7 @@ fn jittered(z: &[f64]) -> Vec<Vec<f64>> {
     vec![vec![z[1], -sin], noise]
 }
 
-/// What came of some steps.
+/// The outcomes of some steps.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     /// Steps that took the connected solution.

@@ -1,4 +1,5 @@
-//! Formulas in the notation of Rust: one text is evaluated in any kind of number and built by the algebra.
+//! Formulas in the notation of Rust: one text is evaluated in any kind of number and built by the
+//! algebra.
 
 use quote::ToTokens;
 use syn::{BinOp, Lit};

@@ -14,8 +14,8 @@ use crate::tests::rows;
 
 type X = Bounded;
 
-/// The rules by name, each with a formula that it rewrites, and whether the result is `equal` to the
-/// formula or has a `wider` domain.
+/// The rules by name, each with a formula that it rewrites, and whether the result is `equal` to
+/// the formula or has a `wider` domain.
 const RULES: &str = r"
 // sums
 c + d folds → 0.1 + 0.2 → equal

@@ -15,8 +15,8 @@ use crate::program::tests::{run, symbols};
 use crate::tests::rows;
 
 /// Every row of the table in `stable`: a formula f and a value, the difference of both in a form
-/// that does not cancel, and the points (x, y) near which the plain difference cancels. If the value
-/// is 0, the formula is a whole expression.
+/// that does not cancel, and the points (x, y) near which the plain difference cancels. If the
+/// value is 0, the formula is a whole expression.
 const RULES: &str = r"
 x.cos() → 1 → -2.0 * (0.5 * x).sin().powi(2) → 0 1
 x.cos().powi(2) → 1 → -x.sin().powi(2) → 0 1

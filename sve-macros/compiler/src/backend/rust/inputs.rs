@@ -159,8 +159,8 @@ impl Holder<'_> {
         let (attributes, forward) = (attributes(), self.forward(&lifetimes));
         quote! {
             const _: () = {
-                /// A system with inputs or an energy that are held over a step. Its type is as visible
-                /// as the system's, which is an argument.
+                /// A system with inputs or an energy that are held over a step. Its type is as
+                /// visible as the system's, which is an argument.
                 pub struct __WithInputs<'a, S> {
                     __system: &'a S,
                     u: #private::HeldInputs<[f64; #count]>,
@@ -280,7 +280,7 @@ impl Holder<'_> {
         }
     }
 
-    /// What the system and references to it have from the type that holds its inputs.
+    /// The members that the system and references to it have from the type that holds its inputs.
     fn forward(&self, lifetimes: &[Lifetime]) -> TokenStream {
         let private = self.private;
         let kind = match self.holds {

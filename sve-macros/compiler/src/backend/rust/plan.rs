@@ -177,8 +177,8 @@ pub(super) fn operations(private: &TokenStream, operations: &Operations) -> Toke
 /// The strong order of a rule with stage noise, for noises that commute.
 ///
 /// The rest of an additive noise, which the stages do not see, moves momenta by r, of the size of
-/// √h, and places by ∫ r dt. A force of velocities that is not linear in them has the mean of r², as
-/// a term of order h². Where G of `Drag` depends on the place, the product of ∫ rᵢ dt and rⱼ of
+/// √h, and places by ∫ r dt. A force of velocities that is not linear in them has the mean of r²,
+/// as a term of order h². Where G of `Drag` depends on the place, the product of ∫ rᵢ dt and rⱼ of
 /// different coordinates has the mean 0 and the size h², the global order 5/2. Of one coordinate it
 /// is the derivative of a square, which is 0 at the end of a step.
 fn of_stage_noise(rule: Rule, mechanics: &Mechanics) -> TokenStream {

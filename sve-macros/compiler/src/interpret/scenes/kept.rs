@@ -28,7 +28,7 @@ pub(in crate::interpret) enum Nest {
     Branch,
 }
 
-/// What a kept body needs to know of its source.
+/// The facts that a kept body needs of its source.
 pub(in crate::interpret) struct Body {
     /// The name of the counter, for messages.
     counter: String,
@@ -67,7 +67,7 @@ struct Target {
     start: Value,
 }
 
-/// What the end of a body says of the numbers at its start.
+/// The numbers at the start of a body, by whether the body changes them.
 #[derive(Default)]
 struct Numbers {
     /// The symbols of numbers that the body does not change, with their values.

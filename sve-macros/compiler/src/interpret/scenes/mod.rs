@@ -2,9 +2,10 @@
 //! known only when the program runs.
 //!
 //! Reads with such an index are symbols, equal ones the same symbol. A loop over a range with such
-//! a bound is executed once and kept as a sum (`kept.rs`, branches in `branches.rs`); rows and iterators over them are
-//! functions of an index (`streams.rs`). Whether a field is a number or an integer follows from its
-//! uses; the block is executed again if a use shows this too late ([`Known`](super::fields::Known)).
+//! a bound is executed once and kept as a sum (`kept.rs`, branches in `branches.rs`); rows and
+//! iterators over them are functions of an index (`streams.rs`). Whether a field is a number or an
+//! integer follows from its uses; the block is executed again if a use shows this too late
+//! ([`Known`](super::fields::Known)).
 
 mod assigned;
 mod branches;
@@ -46,7 +47,7 @@ pub(super) struct Building {
     nests: Vec<Nest>,
     /// The names of the counters of the kept loops that are being executed.
     counters: Vec<String>,
-    /// Whether the rest of the body of the loop is executed, after a `continue`.
+    /// True if the rest of the body of the loop is executed, after a `continue`.
     rest: Truth,
 }
 

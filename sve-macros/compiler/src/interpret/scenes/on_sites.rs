@@ -1,4 +1,5 @@
-//! Functions of a scene that return an entry for each site: forces, and the generators of symmetries.
+//! Functions of a scene that return an entry for each site: forces, and the generators of
+//! symmetries.
 
 use crate::algebra::Symbol;
 use crate::interpret::Lowering;

@@ -28,8 +28,8 @@ impl Part {
         Identity(OTHERS | self as u64)
     }
 
-    /// Returns an intermediate result with the identity of this part, and lets the arena know the rule
-    /// of its derivative:
+    /// Returns an intermediate result with the identity of this part, and lets the arena know the
+    /// rule of its derivative:
     ///
     /// ```text
     /// u′ = u/16 + s u²/32 − 3 u₂/2        T′ = (T² − u)/8
@@ -93,8 +93,8 @@ impl Part {
     }
 }
 
-/// Returns expressions in which the functions of all charts are polynomials of first degree in s, or of
-/// second degree where they vanish at 0.
+/// Returns expressions in which the functions of all charts are polynomials of first degree in s,
+/// or of second degree where they vanish at 0.
 pub(crate) fn of_small_angles(exprs: &[Expr], arena: &mut Arena) -> Vec<Expr> {
     const OF_S: [(Part, [f64; 3]); 5] = [
         (Part::T, [0.25, 1.0 / 192.0, 0.0]),

@@ -1,5 +1,5 @@
-//! The functions of the chart against those of the angle, and their rules of differentiation against
-//! differences.
+//! The functions of the chart against those of the angle, and their rules of differentiation
+//! against differences.
 
 use super::{Chart, Momenta};
 use crate::algebra::{Arena, Expr, Symbol};
@@ -81,7 +81,8 @@ fn the_rules_of_differentiation_are_those_of_differences() {
     assert_derivatives(&all, at, &mut arena);
 }
 
-/// An increment can depend on the attitude of another body, whose chart then stands within this one.
+/// An increment can depend on the attitude of another body, whose chart then stands within this
+/// one.
 #[test]
 fn the_rules_hold_for_an_increment_that_contains_another_chart() {
     let mut arena = Arena::new();

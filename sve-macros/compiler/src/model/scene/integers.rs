@@ -29,7 +29,7 @@ pub(crate) enum IntNode {
     Max(Int, Int),
 }
 
-/// What has a length.
+/// An object with a length.
 #[derive(Clone, PartialEq, Eq, Hash)]
 pub(crate) enum Array {
     /// The configuration, whose length is that of the velocity.

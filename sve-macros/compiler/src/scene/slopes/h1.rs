@@ -9,8 +9,8 @@ use crate::algebra::{Expr, Symbol};
 
 impl Bounds<'_> {
     /// Replaces the impulses or displacements of a term of H₁ by bounds of the row sums of the
-    /// magnitudes of their derivatives: by places, and by momenta. Returns `None` if a function has no
-    /// bounds.
+    /// magnitudes of their derivatives: by places, and by momenta. Returns `None` if a function has
+    /// no bounds.
     pub(super) fn bound_h1(&mut self, term: &mut Term) -> Option<()> {
         let mut bounds = Vec::new();
         for slopes in &term.slopes {

@@ -2,9 +2,9 @@
 //!
 //! Input: a scene with the first derivatives of its terms. Output: the same scene with rows of the
 //! middle and the half width of a box in each component, and with terms that add, in the place of
-//! impulses, a lower and an upper bound of the row sums of `−∂I/∂q` over the box: the diagonal entry
-//! minus and plus the magnitudes of all others (Gershgorin). The loops, the terms and the pairs are
-//! those of the scene, so one table of segments serves both.
+//! impulses, a lower and an upper bound of the row sums of `−∂I/∂q` over the box: the diagonal
+//! entry minus and plus the magnitudes of all others (Gershgorin). The loops, the terms and the
+//! pairs are those of the scene, so one table of segments serves both.
 //!
 //! A term under a condition on numbers counts where the condition may hold within the box, and may
 //! vanish there. A rounded number is that of the middle. At a jump between two values of either, L
@@ -94,8 +94,8 @@ impl Derived {
         !has_in_drifts && !self.terms.iter().any(|term| is_force(term.sum))
     }
 
-    /// Declares the half width of the box of each coordinate, velocity and momentum. Returns them by
-    /// these.
+    /// Declares the half width of the box of each coordinate, velocity and momentum. Returns them
+    /// by these.
     fn declare_radii(&mut self, size: usize) -> HashMap<Symbol, Symbol> {
         let symbols = (0..self.scene.symbols.meanings().len() as u32).map(Symbol);
         let coordinates = symbols.filter_map(|symbol| match self.scene.slot(symbol)? {
@@ -133,8 +133,8 @@ struct Bounds<'a> {
 }
 
 impl Bounds<'_> {
-    /// Replaces the impulses of a term by bounds of their derivatives. Returns `None` if a function has
-    /// no bounds.
+    /// Replaces the impulses of a term by bounds of their derivatives. Returns `None` if a function
+    /// has no bounds.
     fn bound(&mut self, term: &mut Term, scene: &Scene, may_vanish: bool) -> Option<()> {
         let sites = term.sites.iter();
         let mut all: Vec<Symbol> = sites
@@ -231,8 +231,8 @@ impl Bounds<'_> {
         [self.arena.add(low, below), self.arena.add(high, above)]
     }
 
-    /// Returns the entries of the coordinate `own`, minus and plus the magnitudes of the others, and of
-    /// what sums add.
+    /// Returns the entries of the coordinate `own`, minus and plus the magnitudes of the others,
+    /// and of what sums add.
     fn sum_of_row(&mut self, entries: &[(Symbol, [Expr; 2])], own: &[Symbol]) -> [Expr; 2] {
         let (mut centre, mut width) = (Vec::new(), Vec::new());
         for &(symbol, [middle, radius]) in entries {
@@ -254,7 +254,8 @@ impl Bounds<'_> {
         self.arena.sum(0.0, &[(0.5, number), (sign, size)])
     }
 
-    /// Returns a condition that is true if `condition`, or its negation, holds somewhere in the box.
+    /// Returns a condition that is true if `condition`, or its negation, holds somewhere in the
+    /// box.
     fn may_hold(&mut self, condition: &Condition, is_wanted: bool) -> Condition {
         let mut both = |a: &Condition, b: &Condition| {
             [a, b].map(|part| Box::new(self.may_hold(part, is_wanted)))

@@ -14,7 +14,7 @@ use crate::algebra::{Expr, Symbol};
 use crate::model::Meaning;
 use crate::model::scene::{Condition, Head, Scene, Slot, SlotArray, SumId};
 
-/// What bounds the value of a sum.
+/// The bounds of the value of a sum.
 #[derive(Clone, Copy)]
 pub(super) struct OfSum {
     radius: Symbol,
@@ -54,8 +54,8 @@ pub(super) fn declare(scene: &mut Scene, derived: &Derived) -> HashMap<Symbol, O
     sums
 }
 
-/// Replaces the sums of a scene by their bounds. `read` is the scene with the conditions of the user.
-/// Returns `None` if a function has no bounds.
+/// Replaces the sums of a scene by their bounds. `read` is the scene with the conditions of the
+/// user. Returns `None` if a function has no bounds.
 pub(super) fn bound(derived: &mut Derived, read: &Scene, bounds: &mut Bounds<'_>) -> Option<()> {
     let (totals, inner) = (derived.totals.clone(), derived.inner.clone());
     derived.totals.clear();
@@ -111,8 +111,9 @@ impl Bounds<'_> {
         Some(inner)
     }
 
-    /// Returns the summands of the bounds of a sum. A summand that vanishes somewhere in the box, since
-    /// a condition on numbers does not hold there, has another interval than one that does not.
+    /// Returns the summands of the bounds of a sum. A summand that vanishes somewhere in the box,
+    /// since a condition on numbers does not hold there, has another interval than one that does
+    /// not.
     fn summands(
         &mut self,
         summands: &[Summand],

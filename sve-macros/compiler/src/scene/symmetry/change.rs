@@ -6,8 +6,8 @@
 //!
 //! A sum whose summand does not vanish is a symbol. Two sums with the same bounds and the same
 //! summand, up to the name of the counter and to factors that do not depend on it, are multiples of
-//! one symbol, so that they cancel where a formula contains both: along a shift of all angles,
-//! (Σ cos θ)² + (Σ sin θ)² changes by −2 Σ cos θ Σ sin θ + 2 Σ sin θ Σ cos θ. A condition is a factor
+//! one symbol, so that they cancel where a formula contains both: along a shift of all angles, (Σ
+//! cos θ)² + (Σ sin θ)² changes by −2 Σ cos θ Σ sin θ + 2 Σ sin θ Σ cos θ. A condition is a factor
 //! with a symbol, too: it holds or does not hold, also after the change.
 
 use std::collections::HashMap;
@@ -35,7 +35,7 @@ pub(super) struct Frame {
     depth: usize,
 }
 
-/// What a symbol of a change stands for.
+/// The meaning of a symbol of a change.
 #[derive(Clone, PartialEq, Eq, Hash)]
 enum Formal {
     /// The sum of this summand.

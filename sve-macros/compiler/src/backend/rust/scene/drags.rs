@@ -9,7 +9,7 @@ use super::loops::Loops;
 use crate::scene::Term;
 
 impl Loops<'_> {
-    /// Whether there are such forces and noises.
+    /// True if there are such forces and noises.
     pub(super) fn has_in_drifts(&self) -> Option<TokenStream> {
         let has_drags = !self.derived.drags.is_empty();
         let has_h1 = self.derived.h1.iter().any(|terms| !terms.is_empty());

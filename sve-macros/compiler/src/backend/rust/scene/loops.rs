@@ -67,7 +67,8 @@ pub(super) fn scene(
     }
 }
 
-/// What the loops add to each node: the impulses of a scene, or the bounds of their slopes.
+/// The values that the loops add to each node: the impulses of a scene, or the bounds of their
+/// slopes.
 pub(super) fn contributions(
     derived: &Derived,
     what: &str,

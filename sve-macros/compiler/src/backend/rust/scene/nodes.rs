@@ -34,7 +34,8 @@ pub(super) fn contribution(derived: &Derived, formulas: Formulas<'_>) -> TokenSt
     let pairs = derived.pairs.iter().enumerate().map(|(at, (_, gather))| {
         let (at, body) = (Literal::usize_unsuffixed(at), impulse(gather, formulas));
         let counts = gather.counts.map(Literal::usize_unsuffixed);
-        // a closure that is not part of the loop would not be compiled for the vectors of the machine
+        // a closure that is not part of the loop would not be compiled for the vectors of the
+        // machine
         let body = quote!(#[inline(always)] |reads| { #body });
         quote!(#at => #private::scene::add::<_, #(#counts),*>(streams, to, #body),)
     });

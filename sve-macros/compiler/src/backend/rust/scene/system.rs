@@ -20,7 +20,7 @@ use crate::program::Operations;
 use crate::scene::{Derived, Kinetic, is_implicit};
 use crate::syntax::parse::Annotated;
 
-/// What the implementations share.
+/// The data that the implementations share.
 pub(super) struct Context<'a> {
     pub(super) derived: &'a Derived,
     pub(super) block: &'a Annotated,

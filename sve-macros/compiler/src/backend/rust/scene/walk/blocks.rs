@@ -1,8 +1,8 @@
 //! Inner loops over consecutive sites, which the runtime makes in blocks.
 //!
 //! Such a loop has one summand and no branch. Its index is that of one site, and of numbers of
-//! fields; what else it reads is read before it. If an index would be out of range, the loop is made
-//! as it is written, and finds it.
+//! fields; what else it reads is read before it. If an index would be out of range, the loop is
+//! made as it is written, and finds it.
 
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};

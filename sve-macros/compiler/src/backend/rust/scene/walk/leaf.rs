@@ -1,4 +1,4 @@
-//! What the loops print in each instance.
+//! The code that the loops print in each instance.
 
 use crate::algebra::Expr;
 use crate::model::scene::{Int, SumId};
@@ -26,7 +26,7 @@ impl Leaf {
     }
 }
 
-/// What is done with the values of a summand.
+/// The use of the values of a summand.
 pub(in super::super) enum Action {
     /// The values, a row each, are added to these sites, of the array `to`.
     AddRows(Vec<Int>),
