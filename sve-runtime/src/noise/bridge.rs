@@ -11,10 +11,10 @@
 //! belong to its number of stages: of another number, and without stage noise, they are another
 //! path with the same whole steps.
 //!
-//! Layout: the key of Threefry is (seed, path, domain, 0), the counter (step, process / 4, 2^level
-//! + index, 0), and its four words give the four normals of four processes. With stage noise the
-//! counter is (step, process, 2^level + index, 1 + n / 4) for normal n of a process. The layout is
-//! part of the public contract.
+//! Layout: the key of Threefry is (seed, path, domain, 0), the counter
+//! (step, process / 4, 2^level + index, 0), and its four words give the four normals of four
+//! processes. With stage noise the counter is (step, process, 2^level + index, 1 + n / 4) for
+//! normal n of a process. The layout is part of the public contract.
 //!
 //! Source: Lévy's construction; Karatzas, Shreve, *Brownian Motion and Stochastic Calculus*, 2nd
 //! ed., Springer (1991), section 2.3.

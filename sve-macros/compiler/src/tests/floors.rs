@@ -99,7 +99,7 @@ fn used(text: &str) -> impl Iterator<Item = &str> {
         match word.chars().next() {
             Some(first) if first.is_lowercase() => Some(word),
             Some(_) => Some("lib"),
-            None if path.starts_with('{') => Some("lib"),
+            None if path == "{" || path.starts_with("{ ") => Some("lib"),
             // a text of a message
             None => None,
         }
