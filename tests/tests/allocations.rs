@@ -272,24 +272,24 @@ impl Springs {
     }
 }
 
+/// Returns the arrays of the length of a chain that its first step leaves allocated.
+fn kept(step: impl Fn(&mut State<Vec<f64>>) -> Result<(), StepError>) -> f64 {
+    const MANY: usize = 100_000;
+    let mut state = State::new(vec![0.1; MANY], vec![0.0; MANY]);
+    let info = measure(|| step(&mut state).unwrap());
+    info.bytes_current as f64 / (8 * MANY) as f64
+}
+
 /// A step that can be made backwards keeps no copy, or one of the momenta alone.
 #[test]
 fn an_integrator_keeps_only_the_copies_that_its_steps_need() {
-    const MANY: usize = 100_000;
-    let start = || State::new(vec![0.1; MANY], vec![0.0; MANY]);
-    // arrays of the length of the chain that a first step leaves allocated
-    let kept = |step: &dyn Fn(&mut State<Vec<f64>>) -> Result<(), StepError>| {
-        let mut state = start();
-        let info = measure(|| step(&mut state).unwrap());
-        info.bytes_current as f64 / (8 * MANY) as f64
-    };
     let endpoint = Integrator::new(Springs, Endpoint);
     let verlet = Integrator::new(Springs, StormerVerlet);
     let composed = Integrator::new(Springs, Composed::new(StormerVerlet, KahanLi8));
     let single = [
-        kept(&|state| endpoint.step(state, 0.1, &[])),
-        kept(&|state| verlet.step(state, 0.1, &[])),
-        kept(&|state| composed.step(state, 0.1, &[])),
+        kept(|state| endpoint.step(state, 0.1, &[])),
+        kept(|state| verlet.step(state, 0.1, &[])),
+        kept(|state| composed.step(state, 0.1, &[])),
     ];
     for (kept, arrays) in single.into_iter().zip([0.0, 1.0, 2.0]) {
         assert!((kept - arrays).abs() < 0.1, "{kept} {arrays}");
