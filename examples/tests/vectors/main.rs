@@ -4,7 +4,7 @@
 //! Builds with debug assertions have one version of each step, so that this runs with `--release`.
 //! The versions for AVX-512 run on machines that have it.
 
-#![cfg(not(debug_assertions))]
+#![cfg(any(not(debug_assertions), clippy))]
 
 mod scenes;
 
@@ -106,10 +106,6 @@ fn bodies(n: usize) -> State<Vec<[f64; 2]>> {
 }
 
 #[test]
-#[cfg_attr(
-    debug_assertions,
-    ignore = "with debug assertions there is one version"
-)]
 fn steps_of_scenes_have_the_same_bits_with_all_vectors() {
     gathered();
     listed();

@@ -6,6 +6,7 @@
 use super::Ensemble;
 use super::observe::Function;
 use super::observer::Plain;
+use super::systems::Systems;
 use crate::ensemble::PathMethod;
 use crate::error::StepError;
 use crate::lanes::Lane;
@@ -19,7 +20,7 @@ impl<I: PathMethod, K> Ensemble<'_, I, K> {
     /// fast if the macro has H(q, p) as a formula, that is for Lagrangians that are quadratic in
     /// the velocities, with up to six coordinates that the mass matrix couples. The energies agree
     /// with [`hamiltonian`](crate::Mechanics::hamiltonian) to rounding. For other systems the
-    /// energy is computed for one state after the other.
+    /// energy is computed for one state after the other, as it is for paths with inputs.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -66,17 +67,21 @@ impl<I: PathMethod, K> Ensemble<'_, I, K> {
 struct Energy;
 
 impl<S: Mechanics> Function<S> for Energy {
-    fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
-        let energies = &mut *values;
-        dispatch(EnergyLanes {
-            system,
-            states,
-            energies,
-        });
+    fn tile(&self, systems: &Systems<'_, S>, states: &StateLanesOf<S>, values: &mut Lane) {
+        values.fill(f64::NAN);
+        if let Systems::Same(system) = *systems {
+            let energies = &mut *values;
+            dispatch(EnergyLanes {
+                system,
+                states,
+                energies,
+            });
+        }
         for (lane, value) in values.iter_mut().enumerate() {
             if !value.is_finite() {
                 let state = S::Dims::get(states, lane);
-                *value = system.hamiltonian(&state).unwrap_or(f64::NAN);
+                let energy = systems.of(lane).hamiltonian(&state);
+                *value = energy.unwrap_or(f64::NAN);
             }
         }
     }

@@ -199,7 +199,7 @@ impl<I: PathMethod> Settings<'_, I> {
             for memory in &mut memories {
                 let (last, states) = (LastStep::whole(step, self.h), DimsOf::<I>::splat(&state));
                 let systems = Systems::Same(system);
-                let seen = Seen::new(&systems, 0, &states, 1, &last);
+                let seen = Seen::new(&systems, 0, [&states; 2], 1, &last);
                 memory.update(&seen);
                 if step.is_power_of_two() {
                     let mut values = [0.0; LANES];

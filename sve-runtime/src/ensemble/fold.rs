@@ -91,10 +91,10 @@ where
     V: Fn(&T) -> f64 + Sync,
 {
     /// Evaluates the memory that begins at each state.
-    fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
+    fn tile(&self, systems: &Systems<'_, S>, states: &StateLanesOf<S>, values: &mut Lane) {
         for (lane, value) in values.iter_mut().enumerate() {
             let state = <S::Dims as Dimensions>::get(states, lane);
-            *value = (self.value)(&(self.begin)(system, &state));
+            *value = (self.value)(&(self.begin)(systems.of(lane), &state));
         }
     }
 

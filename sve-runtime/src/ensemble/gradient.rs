@@ -15,6 +15,7 @@ use super::observe::Function;
 use super::observer::{Kind, Observable, Observer, Seen};
 use super::statistics::Statistics;
 use super::summary::Summary;
+use super::systems::Systems;
 use super::tangents::{CarryTiles, carry_tiles};
 use super::tile::lanes;
 use super::{Ensemble, EnsembleError};
@@ -82,10 +83,10 @@ where
     S: System,
     F: Fn(&DualStateOf<'_, S>) -> Dual + Send + Sync,
 {
-    fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
+    fn tile(&self, systems: &Systems<'_, S>, states: &StateLanesOf<S>, values: &mut Lane) {
         for (lane, value) in values.iter_mut().enumerate() {
             let state = S::Dims::get(states, lane);
-            *value = self.value(system, &state).unwrap_or(f64::NAN);
+            *value = self.value(systems.of(lane), &state).unwrap_or(f64::NAN);
         }
     }
 
@@ -141,7 +142,7 @@ where
 
     fn values(&self, seen: &Seen<'_, S>, values: &mut Lane) {
         let (Some(direction), Some(tangents)) = (self.direction, seen.tangents) else {
-            return seen.evaluate(&*self.function, values);
+            return self.function.tile(seen.systems, seen.states, values);
         };
         let varied = tangents.varied_in(direction, seen.step);
         for lane in lanes(seen.active) {

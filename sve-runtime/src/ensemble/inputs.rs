@@ -121,11 +121,12 @@ where
     /// finite, or the function panics, with the number of the step. The name stands for the
     /// function in shards and checkpoints: other inputs need another name.
     ///
-    /// Observables, weights and the functions of passages see the system with the inputs of the
-    /// step that was made last; at the start, with those of the first step. So the energy of a
-    /// Lagrangian with inputs is the energy at the end of a step, before the inputs change. The
-    /// function is called once more for this, from the state before the step. A function of a
-    /// passage has to be continuous where the inputs change: one that jumps there is an error.
+    /// Observables see the system with the inputs of the step that was made last; at the start,
+    /// with those of the first step. So the energy of a Lagrangian with inputs is the energy at the
+    /// end of a step, before the inputs change. Integrals, averages, weights, crossings and the
+    /// functions of passages see the inputs of a step at both of its ends: a function that jumps
+    /// where the inputs change does not pass there. The function is called again for this, from the
+    /// state before the step.
     ///
     /// ```
     /// use sve_runtime::prelude::*;

@@ -93,7 +93,11 @@ impl<S: System, F: Function<S>, A: Accumulate> Observer<S> for NumberMemory<'_, 
     fn update(&mut self, seen: &Seen<'_, S>) -> Mask {
         let Numbers { value, last } = &mut self.tiles[seen.tile];
         let mut now = [0.0; LANES];
-        seen.evaluate(self.function, &mut now);
+        self.function.tile(seen.systems, seen.states, &mut now);
+        if seen.systems.change() && seen.step.number > 0 {
+            // the inputs have changed after the last step but one
+            self.function.tile(seen.systems, seen.before, last);
+        }
         if seen.step.number == 0 {
             *value = now.map(|now| self.memory.begin(now));
         } else {

@@ -6,6 +6,7 @@
 
 use core::marker::PhantomData;
 
+use super::systems::Systems;
 use crate::error::StepError;
 use crate::error::observed::Observed;
 use crate::lanes::dispatch::{Kernel, dispatch};
@@ -15,7 +16,7 @@ use crate::system::{Dimensions, StateLanesOf, StateOf, System};
 /// A function of a system and a state, with a closure of any type.
 pub(super) trait Function<S: System>: Sync {
     /// Evaluates all lanes; NaN where the function fails.
-    fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane);
+    fn tile(&self, systems: &Systems<'_, S>, states: &StateLanesOf<S>, values: &mut Lane);
     /// Returns the value at a state.
     ///
     /// # Errors
@@ -38,10 +39,10 @@ where
     F: Fn(&S, &StateOf<S>) -> O + Sync,
     O: Observed,
 {
-    fn tile(&self, system: &S, states: &StateLanesOf<S>, values: &mut Lane) {
+    fn tile(&self, systems: &Systems<'_, S>, states: &StateLanesOf<S>, values: &mut Lane) {
         dispatch(ObserveTile {
             function: self,
-            system,
+            systems,
             states,
             values,
         });
@@ -56,9 +57,20 @@ where
 /// The evaluation of a function in all lanes.
 struct ObserveTile<'a, S: System, T> {
     function: &'a T,
-    system: &'a S,
+    systems: &'a Systems<'a, S>,
     states: &'a StateLanesOf<S>,
     values: &'a mut Lane,
+}
+
+impl<'a, S: System, T: Function<S>> ObserveTile<'a, S, T> {
+    #[inline(always)]
+    fn evaluate(self, system: impl Fn(usize) -> &'a S) {
+        for lane in 0..LANES {
+            let state = <S::Dims as Dimensions>::get(self.states, lane);
+            let value = self.function.value(system(lane), &state);
+            self.values[lane] = value.unwrap_or(f64::NAN);
+        }
+    }
 }
 
 impl<S: System, T: Function<S>> Kernel for ObserveTile<'_, S, T> {
@@ -66,10 +78,10 @@ impl<S: System, T: Function<S>> Kernel for ObserveTile<'_, S, T> {
 
     #[inline(always)]
     fn run(self) {
-        for lane in 0..LANES {
-            let state = <S::Dims as Dimensions>::get(self.states, lane);
-            let value = self.function.value(self.system, &state);
-            self.values[lane] = value.unwrap_or(f64::NAN);
+        // one system for all lanes is known before the loop, which is then compiled for vectors
+        match self.systems {
+            Systems::Same(system) => self.evaluate(|_| system),
+            Systems::OfLanes(systems) => self.evaluate(|lane| &systems[lane]),
         }
     }
 }

@@ -83,6 +83,8 @@ pub(super) struct Seen<'t, S: System> {
     pub(super) systems: &'t Systems<'t, S>,
     pub(super) tile: usize,
     pub(super) states: &'t StateLanesOf<S>,
+    /// The states before the last step.
+    pub(super) before: &'t StateLanesOf<S>,
     pub(super) active: Mask,
     pub(super) step: &'t LastStep,
     /// The exponent ∫V dt of the weight in each lane, if there is a weight.
@@ -92,11 +94,11 @@ pub(super) struct Seen<'t, S: System> {
 }
 
 impl<'t, S: System> Seen<'t, S> {
-    /// A tile with these states and active lanes after a step, without weight and tangent vectors.
+    /// A tile with these states before and after a step and these active lanes, without weight and tangent vectors.
     pub(super) fn new(
         systems: &'t Systems<'t, S>,
         tile: usize,
-        states: &'t StateLanesOf<S>,
+        [before, states]: [&'t StateLanesOf<S>; 2],
         active: Mask,
         step: &'t LastStep,
     ) -> Self {
@@ -104,16 +106,12 @@ impl<'t, S: System> Seen<'t, S> {
             systems,
             tile,
             states,
+            before,
             active,
             step,
             exponents: None,
             tangents: None,
         }
-    }
-
-    /// Evaluates a function in all lanes; NaN where the function fails.
-    pub(super) fn evaluate<F: Function<S> + ?Sized>(&self, function: &F, values: &mut Lane) {
-        self.systems.evaluate(function, self.states, values);
     }
 }
 
@@ -175,7 +173,7 @@ impl<S: System, F: Function<S>> Observer<S> for &Plain<F> {
     }
 
     fn values(&self, seen: &Seen<'_, S>, values: &mut Lane) {
-        seen.evaluate(&self.function, values);
+        self.function.tile(seen.systems, seen.states, values);
         if let Some(exponents) = seen.exponents.filter(|_| self.is_weighted) {
             for (value, exponent) in values.iter_mut().zip(exponents) {
                 *value *= (-exponent).exp();
@@ -207,23 +205,20 @@ impl<I: PathMethod, K> Ensemble<'_, I, K> {
 
 impl<I: PathMethod> PathBlock<'_, I> {
     /// Shows the last step of a tile, or the start, to all observers.
-    pub(super) fn show(&mut self, tile: usize, step: &LastStep) {
-        if self.tiles[tile].active == 0 {
-            return;
-        }
+    pub(super) fn show(&mut self, tile: usize, step: &LastStep, systems: &Systems<'_, I::System>) {
         let ensemble = self.settings.ensemble;
-        let systems = self.systems(tile, step);
         for number in 0..self.observers.len() {
             let of = &self.tiles[tile];
             if of.active == 0 {
                 return;
             }
-            let seen = Seen::new(&systems, tile, of.states(), of.active, step);
+            let states = [of.states_before(), of.states()];
+            let seen = Seen::new(systems, tile, states, of.active, step);
             let failed = self.observers[number].update(&seen) & seen.active;
             if failed != 0
                 && let Some((name, of)) = ensemble.observed().nth(number)
             {
-                self.fail_not_finite((tile, failed), step, name, of.function(), &systems);
+                self.fail_not_finite((tile, failed), step, name, of.function(), systems);
             }
         }
     }
@@ -255,7 +250,8 @@ impl<I: PathMethod> PathBlock<'_, I> {
         values: &mut [Lane],
     ) {
         let of = &self.tiles[tile];
-        let mut seen = Seen::new(systems, tile, of.states(), of.active, step);
+        let states = [of.states_before(), of.states()];
+        let mut seen = Seen::new(systems, tile, states, of.active, step);
         seen.tangents = Some(&self.tangents);
         let mut observers = self.observers.iter();
         if self.settings.ensemble.observed.weight.is_some() {

@@ -12,6 +12,7 @@ use super::increment_buffer::{BATCH, IncrementBuffer};
 use super::observer::{LastStep, Observer};
 use super::passage::watch::PassageWatch;
 use super::settings::Settings;
+use super::systems::Systems;
 use super::tangents::Tangents;
 use super::tile::{AdvanceTiles, Place, Tile, lanes};
 use super::{BLOCK_TILES, EnsembleError, path_at};
@@ -146,7 +147,7 @@ impl<'a, I: PathMethod> PathBlock<'a, I> {
             is_at_home: true,
         });
         for lane in lanes(active) {
-            if let Some(cause) = self.start_error(&starts[lane]) {
+            if let Some(cause) = self.start_error(paths[lane], &starts[lane]) {
                 self.fail(tile, lane, 0, cause);
             }
         }
@@ -156,7 +157,7 @@ impl<'a, I: PathMethod> PathBlock<'a, I> {
     }
 
     /// Returns why a path cannot start at a state; `None` if it can.
-    fn start_error(&self, state: &StateOf<I::System>) -> Option<Cause> {
+    fn start_error(&self, path: u64, state: &StateOf<I::System>) -> Option<Cause> {
         // Names are made for errors only: making a name for each number of each path takes as long
         // as about ten steps.
         let not_finite = |of: &str, i: usize, value: f64| {
@@ -177,7 +178,8 @@ impl<'a, I: PathMethod> PathBlock<'a, I> {
         state.p.store(momenta.as_mut());
         let sum = state.q.sum_of_stored_values() + momenta.as_ref().iter().sum::<f64>();
         if sum.is_finite() {
-            return None;
+            let system = self.settings.method.system_of_step(path, 0, state);
+            return system.err().map(Cause::Step);
         }
         let [mut q, mut p] = state.stored().map(|values| values.into_iter().enumerate());
         q.find_map(|(i, q)| not_finite("q", i, q))
@@ -258,17 +260,24 @@ impl<'a, I: PathMethod> PathBlock<'a, I> {
             return;
         }
         let mut last = LastStep::whole(self.step, self.settings.h);
-        let stopped = self.find_passages(tile, &mut last);
-        self.show(tile, &last);
+        let systems = self.systems(tile, &last);
+        let stopped = self.find_passages(tile, &mut last, &systems);
+        self.show(tile, &last, &systems);
         if stopped != 0 {
-            self.stop(tile, stopped, &last);
+            self.stop(tile, stopped, &last, &systems);
         }
     }
 
     /// Ends the paths of some lanes at their states.
     #[cold]
-    fn stop(&mut self, tile: usize, stopped: Mask, last: &LastStep) {
-        self.observe(tile, stopped, last);
+    fn stop(
+        &mut self,
+        tile: usize,
+        stopped: Mask,
+        last: &LastStep,
+        systems: &Systems<'_, I::System>,
+    ) {
+        self.observe(tile, stopped, last, systems);
         for lane in lanes(stopped & self.tiles[tile].active) {
             let state = DimsOf::<I>::get(self.tiles[tile].states(), lane);
             let path = self.tiles[tile].paths[lane];

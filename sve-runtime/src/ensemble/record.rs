@@ -12,6 +12,7 @@ use super::observer::{LastStep, not_finite_cause};
 use super::passage::counts::PathEnds;
 use super::path_block::PathBlock;
 use super::statistic::AnyRequest;
+use super::systems::Systems;
 use super::tile::lanes;
 use super::{BLOCK_PATHS, BLOCK_TILES};
 use crate::ensemble::PathMethod;
@@ -42,12 +43,21 @@ impl<I: PathMethod> PathBlock<'_, I> {
     pub(super) fn observe_all(&mut self) {
         let last = LastStep::whole(self.step, self.settings.h);
         for tile in 0..self.tiles.len() {
-            self.observe(tile, ALL, &last);
+            if self.tiles[tile].active != 0 {
+                let systems = self.systems(tile, &last);
+                self.observe(tile, ALL, &last, &systems);
+            }
         }
     }
 
     /// Evaluates the observables of active paths in some lanes of a tile, after its last step.
-    pub(super) fn observe(&mut self, tile: usize, among: Mask, last: &LastStep) {
+    pub(super) fn observe(
+        &mut self,
+        tile: usize,
+        among: Mask,
+        last: &LastStep,
+        systems: &Systems<'_, I::System>,
+    ) {
         let among = among & self.tiles[tile].active;
         if among == 0 {
             return;
@@ -60,7 +70,7 @@ impl<I: PathMethod> PathBlock<'_, I> {
             &mut self.records.work
         };
         let mut values = core::mem::take(home);
-        self.evaluate_all(tile, among, last, &mut values);
+        self.evaluate_all((tile, among), last, systems, &mut values);
         if is_at_home {
             self.records.values[tile] = values;
             return;
@@ -76,10 +86,15 @@ impl<I: PathMethod> PathBlock<'_, I> {
 
     /// Evaluates the observables of a tile, and lets paths of these lanes fail, at the times of
     /// their states.
-    fn evaluate_all(&mut self, tile: usize, among: Mask, last: &LastStep, values: &mut [Lane]) {
+    fn evaluate_all(
+        &mut self,
+        (tile, among): (usize, Mask),
+        last: &LastStep,
+        systems: &Systems<'_, I::System>,
+        values: &mut [Lane],
+    ) {
         let ensemble = self.settings.ensemble;
-        let systems = self.systems(tile, last);
-        self.evaluate(tile, last, &systems, values);
+        self.evaluate(tile, last, systems, values);
         for (k, observable) in ensemble.observed.observables.iter().enumerate() {
             for lane in lanes(not_finite(&values[k]) & among & self.tiles[tile].active) {
                 let name = &ensemble.observed.names[k];

@@ -3,13 +3,12 @@
 //! Input: a method, and the states of a tile before its last step. Output: the system that each
 //! lane had in this step. Invariant: lanes have systems of their own only if steps hold inputs.
 
-use super::observe::Function;
 use super::observer::LastStep;
 use super::path_block::PathBlock;
 use crate::ensemble::PathMethod;
-use crate::lanes::{LANES, Lane};
+use crate::lanes::LANES;
 use crate::method::DimsOf;
-use crate::system::{Dimensions, StateLanesOf, System};
+use crate::system::Dimensions;
 
 /// The system of each lane of a tile.
 pub(super) enum Systems<'t, S> {
@@ -21,29 +20,18 @@ pub(super) enum Systems<'t, S> {
 
 impl<S> Systems<'_, S> {
     /// Returns the system of a lane.
+    #[inline(always)]
     pub(super) fn of(&self, lane: usize) -> &S {
         match self {
             Self::Same(system) => system,
             Self::OfLanes(systems) => &systems[lane],
         }
     }
-}
 
-impl<S: System> Systems<'_, S> {
-    /// Evaluates a function in all lanes; NaN where the function fails.
-    pub(super) fn evaluate<F>(&self, function: &F, states: &StateLanesOf<S>, values: &mut Lane)
-    where
-        F: Function<S> + ?Sized,
-    {
-        match self {
-            Self::Same(system) => function.tile(system, states, values),
-            Self::OfLanes(systems) => {
-                for ((lane, value), system) in values.iter_mut().enumerate().zip(systems) {
-                    let state = S::Dims::get(states, lane);
-                    *value = function.value(system, &state).unwrap_or(f64::NAN);
-                }
-            }
-        }
+    /// Returns whether a function of the system can change between two steps, though the state does
+    /// not.
+    pub(super) fn change(&self) -> bool {
+        matches!(self, Self::OfLanes(_))
     }
 }
 
@@ -64,7 +52,10 @@ impl<'a, I: PathMethod> PathBlock<'a, I> {
             } else {
                 tile.active.trailing_zeros() as usize % LANES
             };
-            method.system_of_step(tile.paths[lane], step, &DimsOf::<I>::get(before, lane))
+            let state = DimsOf::<I>::get(before, lane);
+            // the step was made with these inputs, so they are finite
+            let system = method.system_of_step(tile.paths[lane], step, &state);
+            system.ok().flatten()
         };
         let systems: Option<Vec<_>> = (0..LANES).map(system).collect();
         systems.map_or_else(|| Systems::Same(method.system()), Systems::OfLanes)

@@ -109,6 +109,8 @@ where
     type Increments = <Holding<'a, S, R> as OneStepMethod>::Increments;
     type Prepared = Held<Holding<'a, S, R>>;
 
+    const CARRIED: usize = <Holding<'a, S, R> as OneStepMethod>::CARRIED;
+
     fn system(&self) -> &S::Held<'a> {
         self.open.system()
     }
@@ -143,13 +145,7 @@ where
         if prepared.step == Some((path, step)) {
             return Ok(());
         }
-        let numbers = catch_unwind(AssertUnwindSafe(|| self.source.numbers(path, step, state)));
-        let numbers = numbers.map_err(|panic| StepError::Inputs {
-            step,
-            t: state.t,
-            message: message_of(&*panic),
-        })?;
-        check_numbers(numbers.as_ref(), state.t)?;
+        let numbers = checked(&self.source, path, step, state)?;
         S::inputs_of(&mut prepared.integrator.system).set(numbers);
         prepared.step = Some((path, step));
         Ok(())
@@ -181,12 +177,10 @@ where
         path: u64,
         step: u64,
         state: &StateOf<S::Held<'a>>,
-    ) -> Option<S::Held<'a>> {
-        let numbers = catch_unwind(AssertUnwindSafe(|| self.source.numbers(path, step, state)));
+    ) -> Result<Option<S::Held<'a>>, StepError> {
         let mut system = self.open.system().clone();
-        // inputs that panic stay open: the step tells why
-        S::inputs_of(&mut system).set(numbers.unwrap_or(S::OPEN));
-        Some(system)
+        S::inputs_of(&mut system).set(checked(&self.source, path, step, state)?);
+        Ok(Some(system))
     }
 
     fn keep_held(&self, first: u64) {
@@ -271,6 +265,27 @@ where
     fn order(&self) -> Option<f64> {
         self.open.order()
     }
+}
+
+/// Returns the numbers in the inputs of a step of a path, from the state at its start.
+///
+/// # Errors
+/// [`StepError::Inputs`] if the source panics; [`StepError::NonFiniteInput`].
+#[inline]
+fn checked<S: WithInputs>(
+    source: &impl Source<S>,
+    path: u64,
+    step: u64,
+    state: &StateOf<S>,
+) -> Result<S::Numbers, StepError> {
+    let numbers = catch_unwind(AssertUnwindSafe(|| source.numbers(path, step, state)));
+    let numbers = numbers.map_err(|panic| StepError::Inputs {
+        step,
+        t: state.t,
+        message: message_of(&*panic),
+    })?;
+    check_numbers(numbers.as_ref(), state.t)?;
+    Ok(numbers)
 }
 
 /// Returns the message of a panic.

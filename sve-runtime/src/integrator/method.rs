@@ -31,6 +31,8 @@ where
     type Increments = R::Increments;
     type Prepared = <S::Kind as Steps<S::Target, R>>::Prepared;
 
+    const CARRIED: usize = size_of::<R::Memory>();
+
     fn system(&self) -> &S {
         Integrator::system(self)
     }

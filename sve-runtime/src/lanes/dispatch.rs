@@ -63,9 +63,9 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
 fn in_use() -> Vectors {
     match IN_USE.load(Relaxed) {
         0 => {
-            let widest = widest();
-            IN_USE.store(widest as u8, Relaxed);
-            widest
+            // vectors that were chosen in the meantime stay
+            let _ = IN_USE.compare_exchange(0, widest() as u8, Relaxed, Relaxed);
+            in_use()
         }
         1 => Vectors::Base,
         2 => Vectors::Avx2,

@@ -36,6 +36,10 @@ pub trait OneStepMethod {
     #[doc(hidden)]
     const HAS_OWN_TIME: bool = false;
 
+    /// The size of the numbers that the method carries from step to step, in bytes.
+    #[doc(hidden)]
+    const CARRIED: usize = 0;
+
     /// Returns the time that passes in a unit of the step size, which is 1 unless steps write the
     /// time at their end.
     #[doc(hidden)]
@@ -119,6 +123,9 @@ pub trait OneStepMethod {
 
     /// Returns the system with what it holds in a step of a path, from the state at its start;
     /// `None` if steps hold nothing.
+    ///
+    /// # Errors
+    /// As [`hold`](Self::hold).
     #[doc(hidden)]
     #[inline(always)]
     fn system_of_step(
@@ -126,9 +133,9 @@ pub trait OneStepMethod {
         path: u64,
         step: u64,
         state: &StateOf<Self::System>,
-    ) -> Option<Self::System> {
+    ) -> Result<Option<Self::System>, StepError> {
         let _ = (path, step, state);
-        None
+        Ok(None)
     }
 
     /// Keeps what the steps from a number on are given, for steps that are made again.

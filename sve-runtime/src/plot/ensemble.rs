@@ -96,7 +96,7 @@ impl Summary {
     }
 }
 
-/// The run.
+/// Returns the facts about a run.
 fn facts(summary: &Summary) -> Vec<(&'static str, String)> {
     let run = summary.description();
     let mut facts = page::facts_of_system(&run.system);

@@ -161,7 +161,7 @@ pub(super) struct OfH1<'a, R> {
     pub(super) largest: f64,
 }
 
-/// The tests of the end of a step.
+/// The tests of the displacements after a sweep.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Tests {
     /// Zero if all numbers are finite.

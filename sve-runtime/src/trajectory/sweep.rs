@@ -87,7 +87,7 @@ where
                 let prepared = self.prepared.clone();
                 let end = self.steps(steps - 1..steps, before)?;
                 self.add_loss(steps, &end)?;
-                self.prepared = prepared;
+                (self.prepared, self.at) = (prepared, reached - 1);
             }
             self.pull_back(reached - 1, &before)?;
             self.add_loss(reached - 1, &before)?;

@@ -1,5 +1,5 @@
-//! Programs with mistakes that only the compiler of Rust can show: its own errors, and that no
-//! other error follows those of the macro.
+//! Errors that only the compiler of Rust shows in programs with mistakes; no other error follows
+//! those of the macro.
 //!
 //! The messages of the macro and their places are compared in
 //! `sve-macros/compiler/src/tests/messages.rs`.

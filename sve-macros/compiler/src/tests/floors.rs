@@ -92,14 +92,18 @@ fn used(text: &str) -> impl Iterator<Item = &str> {
     let before_tests = text.split("#[cfg(test)]\nmod tests").next().unwrap_or(text);
     let lines = before_tests.lines().map(str::trim_start);
     let code = lines.filter(|line| !line.starts_with("//") && !line.starts_with("#[doc"));
-    let paths = code.flat_map(|line| line.split("crate::").skip(1));
-    paths.filter_map(|path| {
+    let paths = code.flat_map(|line| {
+        let is_import = line.starts_with("use ") || line.starts_with("pub use ");
+        let paths = line.split("crate::").skip(1);
+        paths.map(move |path| (path, is_import))
+    });
+    paths.filter_map(|(path, is_import)| {
         let end = path.find(|c: char| !c.is_alphanumeric() && c != '_');
         let word = &path[..end.unwrap_or(path.len())];
         match word.chars().next() {
             Some(first) if first.is_lowercase() => Some(word),
             Some(_) => Some("lib"),
-            None if path == "{" || path.starts_with("{ ") => Some("lib"),
+            None if is_import => Some("lib"),
             // a text of a message
             None => None,
         }

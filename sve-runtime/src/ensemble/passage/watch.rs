@@ -18,6 +18,7 @@ use super::super::failure::Cause;
 use super::super::observe::not_finite;
 use super::super::observer::LastStep;
 use super::super::path_block::PathBlock;
+use super::super::systems::Systems;
 use super::super::tile::{Place, lanes};
 
 /// The last values of each function in the tiles of a block, and the passages found.
@@ -77,23 +78,31 @@ impl<I: PathMethod> PathBlock<'_, I> {
     /// Records the passages of the paths of a tile within their last step. Returns the lanes that
     /// stop. Their states are then the states at the zeros, and `last` has the lengths of their
     /// last steps.
-    pub(in super::super) fn find_passages(&mut self, tile: usize, last: &mut LastStep) -> Mask {
+    pub(in super::super) fn find_passages(
+        &mut self,
+        tile: usize,
+        last: &mut LastStep,
+        systems: &Systems<'_, I::System>,
+    ) -> Mask {
         let ensemble = self.settings.ensemble;
-        let systems = self.systems(tile, last);
         let mut crossed = 0;
         for (number, passage) in ensemble.observed.passages.iter().enumerate() {
             let watched = &mut self.watch.functions[number];
             watched.before[tile] = watched.now[tile];
-            let now = &mut watched.now[tile];
-            let states = self.tiles[tile].states();
-            systems.evaluate(&*passage.function, states, now);
+            let (now, of) = (&mut watched.now[tile], &self.tiles[tile]);
+            passage.function.tile(systems, of.states(), now);
+            if systems.change() && last.number > 0 {
+                // the inputs have changed after the last step but one
+                let before = &mut watched.before[tile];
+                passage.function.tile(systems, of.states_before(), before);
+            }
             let failed = not_finite(now) & self.tiles[tile].active;
             if last.number > 0 {
                 crossed |= crossings(&watched.before[tile], now) & !watched.passed[tile];
             }
             if failed != 0 {
                 let function = &*passage.function;
-                self.fail_not_finite((tile, failed), last, &passage.name, function, &systems);
+                self.fail_not_finite((tile, failed), last, &passage.name, function, systems);
             }
         }
         let mut stopped = 0;

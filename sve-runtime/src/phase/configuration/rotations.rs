@@ -1,8 +1,8 @@
 //! Rotations as configurations, alone, in arrays, and beside vectors.
 //!
 //! Input: a unit quaternion and the rotation vector x of an increment, an angle θ = |x| about an
-//! axis. Output: the quaternion of R exp(x̂), `q ∘ (1 − T² θ², 2 T x)/(1 + T² θ²)` with T =
-//! tan(θ/4)/θ. Invariant: the quaternion is normalised to rounding after each increment, and
+//! axis. Output: the quaternion of R exp(x̂), `q ∘ (1 − T² θ², 2 T x)/(1 + T² θ²)` with
+//! T = tan(θ/4)/θ. Invariant: the quaternion is normalised to rounding after each increment, and
 //! continuous along a path.
 //!
 //! Source: Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006), section VII.5.3

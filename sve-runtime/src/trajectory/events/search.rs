@@ -13,7 +13,7 @@ use crate::method::OneStepMethod;
 use crate::noise::Halves;
 use crate::phase::configuration::FixedSize;
 use crate::phase::state::State;
-use crate::system::{ConfigurationOf, Increments, IncrementsOf, StateOf};
+use crate::system::{ConfigurationOf, Increments, IncrementsOf, StateOf, System as _};
 use crate::trajectory::Method;
 
 /// Least time between two changes that a function causes, in steps. Changes that follow one another
@@ -54,6 +54,11 @@ impl<I: Method, W: Halves> Events<'_, I, W> {
         let Some(after) = self.trajectory.next().transpose()? else {
             return Ok(false);
         };
+        if I::System::INPUTS > 0 && !is_first {
+            // the inputs have changed after the step before
+            self.evaluate(&before)?;
+            self.arrive();
+        }
         let h = self.trajectory.h;
         let mut whole = IncrementsOf::<I::System>::NONE;
         // The increments are a function of the step, so they can be drawn again.

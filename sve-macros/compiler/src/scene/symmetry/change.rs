@@ -6,9 +6,9 @@
 //!
 //! A sum whose summand does not vanish is a symbol. Two sums with the same bounds and the same
 //! summand, up to the name of the counter and to factors that do not depend on it, are multiples of
-//! one symbol, so that they cancel where a formula contains both: along a shift of all angles, (Σ
-//! cos θ)² + (Σ sin θ)² changes by −2 Σ cos θ Σ sin θ + 2 Σ sin θ Σ cos θ. A condition is a factor
-//! with a symbol, too: it holds or does not hold, also after the change.
+//! one symbol, so that they cancel where a formula contains both: along a shift of all angles,
+//! (Σ cos θ)² + (Σ sin θ)² changes by −2 Σ cos θ Σ sin θ + 2 Σ sin θ Σ cos θ. A condition is a
+//! factor with a symbol, too: it holds or does not hold, also after the change.
 
 use std::collections::HashMap;
 
