@@ -6,15 +6,20 @@
 
 #![cfg(any(not(debug_assertions), clippy))]
 
+#[allow(dead_code)] // wrappers of scenes that only the tests of the runtime use
+#[path = "../../../sve-runtime/tests/scene/scenes.rs"]
+mod printed;
 mod scenes;
 
 use std::f64::consts::TAU;
 
 use sve_runtime::__private::{Vectors, use_vectors};
 use sve_runtime::StepError;
+use sve_runtime::nalgebra::Vector3;
 use sve_runtime::prelude::*;
 
-use scenes::{AllPairs, Bonds, Chain, Dragged, Lattice, Molecules, Ring, Rotors};
+use printed::{Bodies, Lattice, Polymer};
+use scenes::{Chain, Dragged, Ring, Rotors};
 
 /// The size of a step, and the number of steps of a trajectory; a block has more.
 const H: f64 = 0.02;
@@ -81,9 +86,9 @@ impl Site for f64 {
     }
 }
 
-impl<const D: usize> Site for [f64; D] {
+impl Site for Vector3<f64> {
     fn numbers(self) -> Vec<f64> {
-        self.to_vec()
+        self.as_slice().to_vec()
     }
 }
 
@@ -98,11 +103,18 @@ fn sites(n: usize) -> State<Vec<f64>> {
 }
 
 /// Returns bodies near the sites of a square lattice.
-fn bodies(n: usize) -> State<Vec<[f64; 2]>> {
+fn bodies(n: usize) -> State<Vec<Vector3<f64>>> {
     let side = n.isqrt();
-    let near = |(i, x): (usize, f64)| [(i % side) as f64 + 0.2 * x, (i / side) as f64 - 0.1 * x];
+    let near = |(i, x): (usize, f64)| {
+        Vector3::new((i % side) as f64 + 0.2 * x, (i / side) as f64 - 0.1 * x, x)
+    };
     let q = spread(n, 4).enumerate().map(near).collect();
-    State::new(q, spread(n, 5).map(|x| [0.3 * x, 0.2 - x]).collect())
+    State::new(
+        q,
+        spread(n, 5)
+            .map(|x| Vector3::new(0.3 * x, 0.2 - x, 0.1))
+            .collect(),
+    )
 }
 
 #[test]
@@ -134,34 +146,41 @@ fn gathered() {
     check!(chain, sites(n), n, Composed::new(StormerVerlet, KahanLi8));
     let ring = Ring { beta: 0.5, nu: 0.3 };
     check!(ring, sites(n), 0, Endpoint, StormerVerlet);
-    let (width, height) = (37, 31);
-    let lattice = Lattice { width, k: 0.7 };
-    let n = width * height;
-    check!(lattice, sites(n), 0, Endpoint, StormerVerlet);
+    let lattice = Lattice {
+        sides: [37, 31],
+        around: 1,
+    };
+    check!(lattice, sites(37 * 31), 0, Endpoint);
 }
 
 /// Lists of bonds, which are gathered where they have runs.
 fn listed() {
     let n = 1000;
-    // chains of 25 atoms, in the order of their atoms
-    let bonds = (1..n).filter(|i| i % 25 != 0).map(|i| [i - 1, i]);
-    let molecules = Molecules {
-        bonds: bonds.collect(),
+    // chains of 25 atoms, in the order of their atoms, and bonds between any atoms
+    let chains = (1..n).filter(|i| i % 25 != 0).map(|i| [i - 1, i]);
+    let any = (0..n / 2).map(|i| [i, (i * i + 1) % n]);
+    let any = any.filter(|[i, j]| i != j);
+    for bonds in [chains.collect(), any.collect()] {
+        let (k, length) = (0.7, 1.1);
+        let polymer = Polymer { bonds, k, length };
+        check!(polymer, bodies(n), 0, Endpoint);
+    }
+    // two noises, and neighbours from a list without runs
+    let ring = printed::Ring {
+        k: spread(n, 7).map(|x| 1.0 + 0.5 * x).collect(),
+        mass: spread(n, 8).map(|x| 2.0 + x).collect(),
         sigma: 0.1,
+        s: spread(n, 9).collect(),
+        next: (0..n as i64).map(|i| (7 * i + 3) % n as i64).collect(),
     };
-    check!(molecules, bodies(n), 2 * n, Endpoint, StormerVerlet);
-    let bonds = (0..n / 2).map(|i| [i, (i * i + 1) % n]);
-    let bonds = Bonds {
-        bonds: bonds.filter(|[i, j]| i != j).collect(),
-        sigma: 0.2,
-    };
-    check!(bonds, sites(n), n, Endpoint, StormerVerlet);
+    check!(ring, sites(n), 1 + n, Endpoint, StormerVerlet);
 }
 
 /// Sums over all pairs, which are made in blocks, and sums that enter formulas.
 fn written() {
-    let pairs = AllPairs { depth: 0.01 };
-    check!(pairs, bodies(150), 0, Endpoint, StormerVerlet);
+    let (k, softening) = (0.01, 0.5);
+    let pairs = Bodies { k, softening };
+    check!(pairs, bodies(150), 0, Endpoint);
     let (coupling, sigma) = (0.8, 0.2);
     let rotors = Rotors { coupling, sigma };
     check!(rotors, sites(1001), 1000, Endpoint, StormerVerlet);

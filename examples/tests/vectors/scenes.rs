@@ -1,5 +1,5 @@
-//! Scenes of each kind: with loops that are gathered and loops that are made as they are written,
-//! with and without noise.
+//! Scenes that the tests of the runtime do not have: with friction, sums that enter formulas, drags
+//! and H₁, and for the midpoint rule with noise.
 
 use sve_runtime::prelude::*;
 
@@ -47,106 +47,6 @@ impl Ring {
     #[force]
     fn friction(&self, _q: &[f64], v: &[f64]) -> Vec<f64> {
         v.iter().map(|v| -self.nu * v).collect()
-    }
-}
-
-/// A lattice, open in one direction and periodic in the other.
-pub(crate) struct Lattice {
-    pub(crate) width: usize,
-    pub(crate) k: f64,
-}
-
-#[variational(endpoint, stormer_verlet)]
-impl Lattice {
-    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
-        let height = q.len() / self.width;
-        let mut l = 0.0;
-        for i in 0..height {
-            for j in 0..self.width {
-                let c = i * self.width + j;
-                let right = i * self.width + (j + 1) % self.width;
-                l += 0.5 * v[c] * v[c] - 0.25 * q[c].powi(4);
-                l -= 0.5 * self.k * (q[right] - q[c]).powi(2);
-                if i + 1 < height {
-                    l -= 0.3 * (q[c + self.width] - q[c]).powi(2);
-                }
-            }
-        }
-        l
-    }
-}
-
-/// Molecules in a well, with a list of bonds that has runs, and a noise of each component.
-pub(crate) struct Molecules {
-    pub(crate) bonds: Vec<[usize; 2]>,
-    pub(crate) sigma: f64,
-}
-
-#[variational(endpoint, stormer_verlet)]
-impl Molecules {
-    fn lagrangian(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
-        let mut l = 0.0;
-        for i in 0..q.len() {
-            l += 0.5 * (v[i][0] * v[i][0] + v[i][1] * v[i][1]);
-            l -= 0.01 * (q[i][0] * q[i][0] + q[i][1] * q[i][1]);
-        }
-        for k in 0..self.bonds.len() {
-            let [i, j] = self.bonds[k];
-            let (x, y) = (q[j][0] - q[i][0], q[j][1] - q[i][1]);
-            l -= 0.5 * ((1.0 + x * x + y * y).sqrt() - 1.4).powi(2);
-        }
-        l
-    }
-    #[gamma]
-    fn bath(&self, q: &[[f64; 2]]) -> Vec<[f64; 2]> {
-        q.iter()
-            .map(|q| [self.sigma * q[0], self.sigma * q[1]])
-            .collect()
-    }
-}
-
-/// Sites with a list of bonds without runs, and a noise at each site.
-pub(crate) struct Bonds {
-    pub(crate) bonds: Vec<[usize; 2]>,
-    pub(crate) sigma: f64,
-}
-
-#[variational(endpoint, stormer_verlet)]
-impl Bonds {
-    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
-        let mut l = 0.0;
-        for i in 0..q.len() {
-            l += 0.5 * v[i] * v[i] - 0.5 * q[i] * q[i];
-        }
-        for k in 0..self.bonds.len() {
-            let d = q[self.bonds[k][1]] - q[self.bonds[k][0]];
-            l -= 0.5 * d * d + 0.1 * d.powi(4);
-        }
-        l
-    }
-    #[gamma]
-    fn bath(&self, q: &[f64]) -> Vec<f64> {
-        q.iter().map(|q| self.sigma * (q + 0.2 * q * q)).collect()
-    }
-}
-
-/// Bodies with forces between all pairs.
-pub(crate) struct AllPairs {
-    pub(crate) depth: f64,
-}
-
-#[variational(endpoint, stormer_verlet)]
-impl AllPairs {
-    fn lagrangian(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> f64 {
-        let mut l = 0.0;
-        for i in 0..q.len() {
-            l += 0.5 * (v[i][0] * v[i][0] + v[i][1] * v[i][1]);
-            for j in 0..i {
-                let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
-                l += self.depth / (0.5 + x * x + y * y).sqrt();
-            }
-        }
-        l
     }
 }
 

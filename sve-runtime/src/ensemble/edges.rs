@@ -97,8 +97,8 @@ mod tests {
         number.try_into().ok().expect("a number of parts")
     }
 
-    /// Ranges of whole numbers over powers of two, whose edges can be had from integers: (low (n −
-    /// k) + high k)/n, rounded half to even.
+    /// Ranges of whole numbers over powers of two, whose edges can be had from integers:
+    /// (low (n − k) + high k)/n, rounded half to even.
     #[test]
     fn edges_are_correctly_rounded() {
         let mut checked = 0;

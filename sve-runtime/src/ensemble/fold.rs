@@ -92,10 +92,10 @@ where
 {
     /// Evaluates the memory that begins at each state.
     fn tile(&self, systems: &Systems<'_, S>, states: &StateLanesOf<S>, values: &mut Lane) {
-        for (lane, value) in values.iter_mut().enumerate() {
+        systems.each(|lane, system| {
             let state = <S::Dims as Dimensions>::get(states, lane);
-            *value = (self.value)(&(self.begin)(systems.of(lane), &state));
-        }
+            values[lane] = (self.value)(&(self.begin)(system, &state));
+        });
     }
 
     fn value(&self, system: &S, state: &StateOf<S>) -> Result<f64, StepError> {
@@ -188,25 +188,17 @@ struct UpdateTile<'a, S: System, T, U> {
     states: &'a StateLanesOf<S>,
 }
 
-impl<'a, S: System, T, U: Fn(&mut T, &S, &StateOf<S>)> UpdateTile<'a, S, T, U> {
-    #[inline(always)]
-    fn update(self, system: impl Fn(usize) -> &'a S) {
-        for (lane, memory) in self.memories.iter_mut().enumerate().take(LANES) {
-            let state = <S::Dims as Dimensions>::get(self.states, lane);
-            (self.update)(memory, system(lane), &state);
-        }
-    }
-}
-
 impl<S: System, T, U: Fn(&mut T, &S, &StateOf<S>)> Kernel for UpdateTile<'_, S, T, U> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        // one system for all lanes is known before the loop, which is then compiled for vectors
-        match self.systems {
-            Systems::Same(system) => self.update(|_| system),
-            Systems::OfLanes(systems) => self.update(|lane| &systems[lane]),
-        }
+        self.systems.each(
+            #[inline(always)]
+            |lane, system| {
+                let state = <S::Dims as Dimensions>::get(self.states, lane);
+                (self.update)(&mut self.memories[lane], system, &state);
+            },
+        );
     }
 }

@@ -84,10 +84,10 @@ where
     F: Fn(&DualStateOf<'_, S>) -> Dual + Send + Sync,
 {
     fn tile(&self, systems: &Systems<'_, S>, states: &StateLanesOf<S>, values: &mut Lane) {
-        for (lane, value) in values.iter_mut().enumerate() {
+        systems.each(|lane, system| {
             let state = S::Dims::get(states, lane);
-            *value = self.value(systems.of(lane), &state).unwrap_or(f64::NAN);
-        }
+            values[lane] = self.value(system, &state).unwrap_or(f64::NAN);
+        });
     }
 
     fn value(&self, system: &S, state: &StateOf<S>) -> Result<f64, StepError> {

@@ -94,7 +94,7 @@ impl<S: System, F: Function<S>, A: Accumulate> Observer<S> for NumberMemory<'_, 
         let Numbers { value, last } = &mut self.tiles[seen.tile];
         let mut now = [0.0; LANES];
         self.function.tile(seen.systems, seen.states, &mut now);
-        if seen.systems.change() && seen.step.number > 0 {
+        if seen.systems.hold_inputs() && seen.step.number > 0 {
             // the inputs have changed after the last step but one
             self.function.tile(seen.systems, seen.before, last);
         }

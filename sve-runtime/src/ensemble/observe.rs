@@ -62,27 +62,19 @@ struct ObserveTile<'a, S: System, T> {
     values: &'a mut Lane,
 }
 
-impl<'a, S: System, T: Function<S>> ObserveTile<'a, S, T> {
-    #[inline(always)]
-    fn evaluate(self, system: impl Fn(usize) -> &'a S) {
-        for lane in 0..LANES {
-            let state = <S::Dims as Dimensions>::get(self.states, lane);
-            let value = self.function.value(system(lane), &state);
-            self.values[lane] = value.unwrap_or(f64::NAN);
-        }
-    }
-}
-
 impl<S: System, T: Function<S>> Kernel for ObserveTile<'_, S, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        // one system for all lanes is known before the loop, which is then compiled for vectors
-        match self.systems {
-            Systems::Same(system) => self.evaluate(|_| system),
-            Systems::OfLanes(systems) => self.evaluate(|lane| &systems[lane]),
-        }
+        self.systems.each(
+            #[inline(always)]
+            |lane, system| {
+                let state = <S::Dims as Dimensions>::get(self.states, lane);
+                let value = self.function.value(system, &state);
+                self.values[lane] = value.unwrap_or(f64::NAN);
+            },
+        );
     }
 }
 

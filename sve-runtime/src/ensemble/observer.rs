@@ -94,7 +94,8 @@ pub(super) struct Seen<'t, S: System> {
 }
 
 impl<'t, S: System> Seen<'t, S> {
-    /// A tile with these states before and after a step and these active lanes, without weight and tangent vectors.
+    /// A tile with these states before and after a step and these active lanes, without weight and
+    /// tangent vectors.
     pub(super) fn new(
         systems: &'t Systems<'t, S>,
         tile: usize,

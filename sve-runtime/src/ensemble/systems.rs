@@ -28,9 +28,26 @@ impl<S> Systems<'_, S> {
         }
     }
 
-    /// Returns whether a function of the system can change between two steps, though the state does
-    /// not.
-    pub(super) fn change(&self) -> bool {
+    /// Visits each lane with its system. One system for all lanes is known before the loop, which
+    /// is then compiled for vectors.
+    #[inline(always)]
+    pub(super) fn each(&self, mut visit: impl FnMut(usize, &S)) {
+        match self {
+            Self::Same(system) => {
+                for lane in 0..LANES {
+                    visit(lane, system);
+                }
+            }
+            Self::OfLanes(systems) => {
+                for (lane, system) in systems.iter().enumerate() {
+                    visit(lane, system);
+                }
+            }
+        }
+    }
+
+    /// Returns whether the systems hold inputs, which change where a step ends.
+    pub(super) fn hold_inputs(&self) -> bool {
         matches!(self, Self::OfLanes(_))
     }
 }

@@ -109,8 +109,6 @@ where
     type Increments = <Holding<'a, S, R> as OneStepMethod>::Increments;
     type Prepared = Held<Holding<'a, S, R>>;
 
-    const CARRIED: usize = <Holding<'a, S, R> as OneStepMethod>::CARRIED;
-
     fn system(&self) -> &S::Held<'a> {
         self.open.system()
     }
@@ -217,8 +215,8 @@ where
         (prepared.integrator).next_step(&mut prepared.prepared, state, h, dw)
     }
 
-    fn memory(&self, prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
-        self.open.memory(&prepared.prepared, numbers);
+    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
+        self.open.memory(&prepared.prepared)
     }
 
     fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {

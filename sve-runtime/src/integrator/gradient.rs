@@ -97,8 +97,6 @@ struct PullBack<'a, F, V> {
     first: &'a F,
     /// The starts of the remaining substeps, without the first substep.
     starts: Vec<F>,
-    /// True if a step has one substep, so that the numbers at its start are those of the substep.
-    is_single: bool,
     covector: Covector<'a, V>,
 }
 
@@ -119,7 +117,7 @@ where
         &mut self,
         walker: Walker<'_, S, R>,
         prepared: &Tested<S::Prepared>,
-        memory: &mut S::Memory,
+        _: &mut S::Memory,
         h: f64,
         dw: &I,
     ) -> Result<(), StepError>
@@ -127,10 +125,7 @@ where
         S: StepEquations<R, Increments = I>,
     {
         let state = &self.starts.pop().unwrap_or(*self.first);
-        let end = &mut { *state };
-        if !self.is_single {
-            *memory = S::Memory::none();
-        }
+        let (end, memory) = (&mut { *state }, &mut S::Memory::none());
         let unknowns = solve_step(walker, prepared, memory, end, h, dw)?;
         let covector = self.covector.reborrow();
         let carried = (walker.system).linearise(state, h, dw, &unknowns, |linear| {
@@ -263,10 +258,9 @@ where
         let mut mode = PullBack {
             first,
             starts: states,
-            is_single: R::SUBSTEPS == 1,
             covector,
         };
-        let memory = &mut prepared.memory().clone();
-        R::walk(walker, prepared.coefficients(), memory, h, dw, &mut mode)
+        let (prepared, memory) = (prepared.coefficients(), &mut R::Memory::none());
+        R::walk(walker, prepared, memory, h, dw, &mut mode)
     }
 }

@@ -31,8 +31,6 @@ where
     type Increments = R::Increments;
     type Prepared = <S::Kind as Steps<S::Target, R>>::Prepared;
 
-    const CARRIED: usize = size_of::<R::Memory>();
-
     fn system(&self) -> &S {
         Integrator::system(self)
     }
@@ -89,9 +87,8 @@ where
         S::Kind::processes(self.walker(), &self.cache, state)
     }
 
-    #[inline]
-    fn memory(&self, prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
-        S::Kind::memory(prepared, numbers);
+    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
+        S::Kind::memory(prepared)
     }
 
     fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {

@@ -89,8 +89,9 @@ pub trait Steps<S: AnySystem, R: Rule<S>>: Kind {
     }
 
     /// Returns the numbers that a trajectory carries from step to step.
-    fn memory(prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
-        let _ = (prepared, numbers);
+    fn memory(prepared: &Self::Prepared) -> Vec<f64> {
+        let _ = prepared;
+        Vec::new()
     }
 
     /// Replaces the numbers that a trajectory carries. Returns whether their count is right.
@@ -156,11 +157,6 @@ impl<C, K> Prepared<C, K> {
     pub(super) fn coefficients(&self) -> &C {
         &self.coefficients
     }
-
-    /// Returns the numbers that the step before left.
-    pub(super) fn memory(&self) -> &K {
-        &self.memory
-    }
 }
 
 impl<S, R, Q, const N: usize, const M: usize> Steps<S, R> for FixedSizes
@@ -208,9 +204,8 @@ where
         })
     }
 
-    #[inline]
-    fn memory(prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
-        numbers.extend_from_slice(prepared.memory.numbers());
+    fn memory(prepared: &Self::Prepared) -> Vec<f64> {
+        prepared.memory.numbers().to_vec()
     }
 
     fn recall(prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {

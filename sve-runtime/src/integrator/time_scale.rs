@@ -285,9 +285,10 @@ where
         self.advance(prepared, state, h, dw, false)
     }
 
-    fn memory(&self, prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
-        self.integrator.memory(&prepared.steps, numbers);
+    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
+        let mut numbers = self.integrator.memory(&prepared.steps);
         numbers.push(prepared.low);
+        numbers
     }
 
     fn recall(&self, prepared: &mut Self::Prepared, numbers: &[f64]) -> bool {

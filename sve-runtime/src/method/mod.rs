@@ -36,10 +36,6 @@ pub trait OneStepMethod {
     #[doc(hidden)]
     const HAS_OWN_TIME: bool = false;
 
-    /// The size of the numbers that the method carries from step to step, in bytes.
-    #[doc(hidden)]
-    const CARRIED: usize = 0;
-
     /// Returns the time that passes in a unit of the step size, which is 1 unless steps write the
     /// time at their end.
     #[doc(hidden)]
@@ -203,10 +199,11 @@ pub trait OneStepMethod {
         Ok(0)
     }
 
-    /// Adds the numbers that the method carries from step to step to a list.
+    /// Returns the numbers that the method carries from step to step.
     #[doc(hidden)]
-    fn memory(&self, prepared: &Self::Prepared, numbers: &mut Vec<f64>) {
-        let _ = (prepared, numbers);
+    fn memory(&self, prepared: &Self::Prepared) -> Vec<f64> {
+        let _ = prepared;
+        Vec::new()
     }
 
     /// Replaces the numbers that the method carries from step to step. Returns whether their count

@@ -251,14 +251,13 @@ impl<I: Differentiable, W: Replayable> Adjoint<'_, I, W> {
             I::System::PARAMETERS.len(),
             steps.div_ceil(piece).max(1) as usize,
         );
-        let size = size_of::<Kept<StateOf<I::System>>>() + I::CARRIED;
+        let size = size_of::<Kept<StateOf<I::System>>>();
         let checkpoints = checkpoints.unwrap_or_else(|| enough(steps, size));
         trajectory.method.keep_held(trajectory.step);
         let carried = trajectory.prepared.filter(|_| trajectory.low.is_none());
         let prepared = carried.map_or_else(|| trajectory.method.prepare(trajectory.h), Ok)?;
         let mut sweep = Sweep {
             prepared,
-            carried: Vec::new(),
             at: 0,
             first: trajectory.step,
             method: trajectory.method,

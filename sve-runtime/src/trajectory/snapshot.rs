@@ -125,17 +125,14 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// Returns the snapshot from which [`Method::resume`](crate::Method::resume) continues with the
     /// bits of this trajectory.
     pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {
-        let mut memory = Vec::new();
-        if let Some(prepared) = &self.prepared {
-            self.method.memory(prepared, &mut memory);
-        }
         Snapshot {
             start: self.start,
             h: self.h,
             step: self.step,
             state: self.state.clone(),
             low: self.low.clone(),
-            memory,
+            memory: (self.prepared.as_ref())
+                .map_or_else(Vec::new, |prepared| self.method.memory(prepared)),
             adapted: self.sizes.numbers(),
             steps: StepsFingerprint::of(&*self.method),
             refinements: self.refinements,

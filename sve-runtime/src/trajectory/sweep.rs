@@ -26,8 +26,8 @@ use crate::system::{
 pub(super) struct Kept<S> {
     number: u64,
     state: S,
-    /// The place of the first number that the method carries there, in the list of all of them.
-    memory: usize,
+    /// The numbers that the method carries there.
+    memory: Vec<f64>,
 }
 
 /// The walk backwards.
@@ -35,8 +35,6 @@ pub(super) struct Sweep<'a, I: Differentiable, W, F> {
     pub(super) method: Shared<'a, I>,
     /// Values of the step, and the numbers that the method carries at the state [`at`](Self::at).
     pub(super) prepared: I::Prepared,
-    /// The numbers that the method carries at the states that are kept, one state after the other.
-    pub(super) carried: Vec<f64>,
     /// The number of the state that was walked to last.
     pub(super) at: u64,
     pub(super) noise: W,
@@ -68,7 +66,13 @@ where
         steps: u64,
         checkpoints: usize,
     ) -> Result<(), StepError> {
-        let mut kept = vec![self.keep(0, first)];
+        let memory = self.method.memory(&self.prepared);
+        let (number, state) = (0, first);
+        let mut kept = vec![Kept {
+            number,
+            state,
+            memory,
+        }];
         let mut reached = steps;
         if steps == 0 {
             self.add_loss(0, &first)?;
@@ -79,49 +83,43 @@ where
             if left > 1 && free > 0 {
                 let number = last.number + distance(left, free);
                 let state = self.state_at(number, last)?;
-                kept.push(self.keep(number, state));
+                // If each of the following states is kept, the walk begins at none of them.
+                let memory = if left <= free + 1 {
+                    Vec::new()
+                } else {
+                    self.method.memory(&self.prepared)
+                };
+                kept.push(Kept {
+                    number,
+                    state,
+                    memory,
+                });
                 continue;
             }
             let before = self.state_at(reached - 1, last)?;
             if reached == steps {
-                let prepared = self.prepared.clone();
                 let end = self.steps(steps - 1..steps, before)?;
                 self.add_loss(steps, &end)?;
-                (self.prepared, self.at) = (prepared, reached - 1);
             }
             self.pull_back(reached - 1, &before)?;
             self.add_loss(reached - 1, &before)?;
             reached -= 1;
             if left == 1 {
-                self.carried.truncate(last.memory);
                 kept.pop();
             }
         }
         Ok(())
     }
 
-    /// Keeps the state that was walked to last.
-    fn keep(&mut self, number: u64, state: StateOf<I::System>) -> Kept<StateOf<I::System>> {
-        let memory = self.carried.len();
-        self.method.memory(&self.prepared, &mut self.carried);
-        Kept {
-            number,
-            state,
-            memory,
-        }
-    }
-
-    /// Returns a state, by steps from the one that was kept last.
+    /// Returns a state, by steps from a kept one.
     fn state_at(
         &mut self,
         number: u64,
         from: &Kept<StateOf<I::System>>,
     ) -> Result<StateOf<I::System>, StepError> {
-        if from.number != self.at {
-            let carried = &self.carried[from.memory..];
-            let is_recalled = self.method.recall(&mut self.prepared, carried);
+        if from.number < number && from.number != self.at {
+            let is_recalled = self.method.recall(&mut self.prepared, &from.memory);
             debug_assert!(is_recalled, "numbers of the same method");
-            self.at = from.number;
         }
         self.steps(from.number..number, from.state)
     }
@@ -160,7 +158,7 @@ where
         Ok(dw)
     }
 
-    /// Carries the derivatives over a step back to its start, the state that was walked to last.
+    /// Carries the derivatives over a step back to its start.
     pub(super) fn pull_back(
         &mut self,
         step: u64,

@@ -91,7 +91,7 @@ impl<I: PathMethod> PathBlock<'_, I> {
             watched.before[tile] = watched.now[tile];
             let (now, of) = (&mut watched.now[tile], &self.tiles[tile]);
             passage.function.tile(systems, of.states(), now);
-            if systems.change() && last.number > 0 {
+            if systems.hold_inputs() && last.number > 0 {
                 // the inputs have changed after the last step but one
                 let before = &mut watched.before[tile];
                 passage.function.tile(systems, of.states_before(), before);
