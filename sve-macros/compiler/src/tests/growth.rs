@@ -14,10 +14,9 @@ use crate::Operations;
 use crate::tests::{expand, tokens};
 use scenes::Scene;
 
-/// Returns the number of tokens of the expansion, including tokens within groups.
-fn length(rule: &str, scene: Scene, n: usize) -> f64 {
-    let mut open = vec![expand(&tokens(rule), &tokens(&scene.block(n)))];
-    let mut sum = 0;
+/// Returns the number of tokens, including tokens within groups.
+fn count(code: TokenStream) -> u32 {
+    let (mut open, mut sum) = (vec![code], 0);
     while let Some(stream) = open.pop() {
         for tree in stream {
             sum += 1;
@@ -26,12 +25,28 @@ fn length(rule: &str, scene: Scene, n: usize) -> f64 {
             }
         }
     }
-    f64::from(sum)
+    sum
+}
+
+/// Returns the number of tokens of the expansion.
+fn length(rule: &str, scene: Scene, n: usize) -> f64 {
+    count(expand(&tokens(rule), &tokens(&scene.block(n)))).into()
 }
 
 /// Returns the exponent of growth from one size to its double.
 fn exponent(rule: &str, scene: Scene, n: usize) -> f64 {
     (length(rule, scene, 2 * n) / length(rule, scene, n)).log2()
+}
+
+/// A mechanism that is written out in every expansion is paid by every crate of a user. With line
+/// breaks the expansion has some 375 lines.
+#[test]
+fn the_expansion_of_a_pendulum_is_short() {
+    let pendulum = "impl Pendulum {
+        fn lagrangian(&self, q: f64, v: f64) -> f64 { 0.5 * self.m * v * v + self.k * q.cos() }
+    }";
+    let length = count(expand(&tokens("midpoint"), &tokens(pendulum)));
+    assert!(length < 6000, "{length}");
 }
 
 #[test]
