@@ -81,19 +81,8 @@ mod each {
             }
             l
         }
-        gamma {
-            fn bath(&self, q: &[f64]) -> Vec<f64> {
-                (0..q.len()).map(|i| self.sigma[i] * q[i] * q[i]).collect()
-            }
-        } or {
-            fn bath(&self, q: [f64; 8]) -> [f64; 8] {
-                let mut g = [0.0; 8];
-                for i in 0..8 {
-                    g[i] = self.sigma[i] * q[i] * q[i];
-                }
-                g
-            }
-        }
+        #[gamma]
+        each bath(&self, q) -> f64 |i| { self.sigma[i] * q[i] * q[i] }
     }
 }
 
@@ -109,30 +98,17 @@ mod listed {
             }
             l
         }
-        gamma {
-            fn two(&self, q: &[f64]) -> [f64; 2] {
-                let mut even = 0.0;
-                let mut all = 0.0;
-                for i in 0..q.len() {
-                    if i % 2 == 0 {
-                        even += q[i].sin();
-                    }
-                    all += q[i] * q[i];
+        #[gamma]
+        fn two(&self, q) -> [f64; 2] {
+            let mut even = 0.0;
+            let mut all = 0.0;
+            for i in 0..q.len() {
+                if i % 2 == 0 {
+                    even += q[i].sin();
                 }
-                [self.sigma * even, self.sigma * (all + even)]
+                all += q[i] * q[i];
             }
-        } or {
-            fn two(&self, q: [f64; 8]) -> [f64; 2] {
-                let mut even = 0.0;
-                let mut all = 0.0;
-                for i in 0..q.len() {
-                    if i % 2 == 0 {
-                        even += q[i].sin();
-                    }
-                    all += q[i] * q[i];
-                }
-                [self.sigma * even, self.sigma * (all + even)]
-            }
+            [self.sigma * even, self.sigma * (all + even)]
         }
     }
 }

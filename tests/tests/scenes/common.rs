@@ -3,9 +3,18 @@
 use sve_runtime::nalgebra::SVector;
 use sve_runtime::prelude::*;
 
-/// Defines a system twice from one body, as `scene::System` and as `unrolled::System`. The second
-/// γ, force and generator of each pair are those of the unrolled system. `explicit` leaves the
-/// midpoint rule out.
+/// Defines a system twice from one body, as `scene::System` and as `unrolled::System`. `explicit`
+/// leaves the midpoint rule out.
+///
+/// | written | function |
+/// | --- | --- |
+/// | `each bath(&self, q) -> f64 \|i\| { … }` | returns an entry for each site |
+/// | `each … where { let … } \|i\| { … }` | begins with statements |
+/// | `fn total(&self, q, v; t) -> f64 { … }` | has one body; its first argument is the time `t` |
+/// | `{ fn … } or { fn … }` | has a body for each system |
+///
+/// The functions of the first rows have a role, and return a `Vec` or an array. The unrolled system
+/// has those with one body first, since their processes come first in scenes.
 macro_rules! both {
     (explicit $($block:tt)*) => {
         both! { @rules (initial_point, endpoint, stormer_verlet) $($block)* }
@@ -15,12 +24,91 @@ macro_rules! both {
     };
     (
         @rules $rules:tt
-        struct { $($field:ident: $ty:ty),* $(,)? }
+        struct $fields:tt
         [$($row:tt)*] $n:tt
-        |$this:ident, $q:ident, $v:ident| { $($body:tt)* }
-        $(gamma { $($scene:tt)* } or { $($unrolled:tt)* })?
-        $(force { $($scene_force:tt)* } or { $($unrolled_force:tt)* })?
-        $(symmetry { $($scene_symmetry:tt)* } or { $($unrolled_symmetry:tt)* })*
+        |$this:ident, $q:ident, $v:ident| $body:tt
+        $($functions:tt)*
+    ) => {
+        both! {
+            @sites [$($row)*] [$($row)*; $n] $n
+            @systems $rules $fields
+            [pub(crate) fn lagrangian(&$this, $q: &[$($row)*], $v: &[$($row)*]) -> f64 $body]
+            [pub(crate) fn lagrangian(&$this, $q: [$($row)*; $n], $v: [$($row)*; $n]) -> f64 $body]
+            []
+            $($functions)*
+        }
+    };
+    (
+        @sites $slice:tt $array:tt $n:tt
+        @systems $rules:tt $fields:tt [$($scene:tt)*] [$($whole:tt)*] [$($each:tt)*]
+        #[$($role:tt)*]
+        each $name:ident(&$this:ident, $q:ident $(, $v:ident)? $(; $t:ident)?) -> $of:ty
+            $(where { $($before:tt)* })? |$i:ident| $body:tt
+        $($functions:tt)*
+    ) => {
+        both! {
+            @sites $slice $array $n
+            @systems $rules $fields
+            [
+                $($scene)*
+                #[$($role)*]
+                pub(crate) fn $name(&$this, $($t: f64,)? $q: &$slice $(, $v: &$slice)?) -> Vec<$of> {
+                    $($($before)*)?
+                    (0..$q.len()).map(|$i| $body).collect()
+                }
+            ]
+            [$($whole)*]
+            [
+                $($each)*
+                #[$($role)*]
+                pub(crate) fn $name(&$this, $($t: f64,)? $q: $array $(, $v: $array)?) -> [$of; $n] {
+                    $($($before)*)?
+                    std::array::from_fn::<_, $n, _>(|$i| $body)
+                }
+            ]
+            $($functions)*
+        }
+    };
+    (
+        @sites $slice:tt $array:tt $n:tt
+        @systems $rules:tt $fields:tt [$($scene:tt)*] [$($whole:tt)*] $each:tt
+        #[$($role:tt)*]
+        fn $name:ident(&$this:ident, $q:ident $(, $v:ident)? $(; $t:ident)?) -> $of:ty { $($body:tt)* }
+        $($functions:tt)*
+    ) => {
+        both! {
+            @sites $slice $array $n
+            @systems $rules $fields
+            [
+                $($scene)*
+                #[$($role)*]
+                pub(crate) fn $name(&$this, $($t: f64,)? $q: &$slice $(, $v: &$slice)?) -> $of { $($body)* }
+            ]
+            [
+                $($whole)*
+                #[$($role)*]
+                pub(crate) fn $name(&$this, $($t: f64,)? $q: $array $(, $v: $array)?) -> $of { $($body)* }
+            ]
+            $each
+            $($functions)*
+        }
+    };
+    (
+        @sites $slice:tt $array:tt $n:tt
+        @systems $rules:tt $fields:tt [$($scene:tt)*] $whole:tt [$($each:tt)*]
+        { $($of_scene:tt)* } or { $($unrolled:tt)* }
+        $($functions:tt)*
+    ) => {
+        both! {
+            @sites $slice $array $n
+            @systems $rules $fields [$($scene)* $($of_scene)*] $whole [$($each)* $($unrolled)*]
+            $($functions)*
+        }
+    };
+    (
+        @sites $slice:tt $array:tt $n:tt
+        @systems $rules:tt { $($field:ident: $ty:ty),* $(,)? }
+        [$($scene:tt)*] [$($whole:tt)*] [$($each:tt)*]
     ) => {
         pub(crate) mod scene {
             use super::*;
@@ -29,13 +117,9 @@ macro_rules! both {
             pub(crate) struct System { $(pub(crate) $field: $ty),* }
 
             #[variational $rules]
-            impl System {
-                pub(crate) fn lagrangian(&$this, $q: &[$($row)*], $v: &[$($row)*]) -> f64 { $($body)* }
-                $(#[gamma] $($scene)*)?
-                $(#[force] $($scene_force)*)?
-                $(#[symmetry] pub(crate) $($scene_symmetry)*)*
-            }
+            impl System { $($scene)* }
         }
+        #[allow(unused_variables)] // sites, where an entry is the same for each
         pub(crate) mod unrolled {
             #[allow(unused_imports)] // types of some systems
             use super::*;
@@ -44,12 +128,7 @@ macro_rules! both {
             pub(crate) struct System { $(pub(crate) $field: $ty),* }
 
             #[sve_comparison::stepped $rules]
-            impl System {
-                pub(crate) fn lagrangian(&$this, $q: [$($row)*; $n], $v: [$($row)*; $n]) -> f64 { $($body)* }
-                $(#[gamma] $($unrolled)*)?
-                $(#[force] $($unrolled_force)*)?
-                $(#[symmetry] pub(crate) $($unrolled_symmetry)*)*
-            }
+            impl System { $($whole)* $($each)* }
         }
     };
 }

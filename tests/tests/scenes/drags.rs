@@ -23,51 +23,23 @@ mod pairs {
             }
             l
         }
-        gamma {
-            fn push(&self, q: &[[f64; 2]]) -> Vec<f64> { q.iter().map(|q| self.sigma * (q[0] - q[1] * q[0])).collect() }
-        } or {
-            fn push(&self, q: [[f64; 2]; 8]) -> [f64; 8] { q.map(|q| self.sigma * (q[0] - q[1] * q[0])) }
-        }
-        force {
-            fn drag(&self, t: f64, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                (0..q.len())
-                    .map(|i| {
-                        let mut f = [0.1 * (t + q[i][1]).sin(), -0.2 * v[i][1]];
-                        for j in 0..q.len() {
-                            if j == i {
-                                continue;
-                            }
-                            let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
-                            let r2 = x * x + y * y;
-                            let along = x * (v[i][0] - v[j][0]) + y * (v[i][1] - v[j][1]);
-                            let w = self.gamma * (-r2).exp() / (r2 + 0.1) * along;
-                            f[0] -= w * x;
-                            f[1] -= w * y;
-                        }
-                        f
-                    })
-                    .collect()
-            }
-        } or {
-            fn drag(&self, t: f64, q: [[f64; 2]; 8], v: [[f64; 2]; 8]) -> [[f64; 2]; 8] {
-                let mut all = [[0.0; 2]; 8];
-                for i in 0..8 {
-                    let mut f = [0.1 * (t + q[i][1]).sin(), -0.2 * v[i][1]];
-                    for j in 0..8 {
-                        if j == i {
-                            continue;
-                        }
-                        let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
-                        let r2 = x * x + y * y;
-                        let along = x * (v[i][0] - v[j][0]) + y * (v[i][1] - v[j][1]);
-                        let w = self.gamma * (-r2).exp() / (r2 + 0.1) * along;
-                        f[0] -= w * x;
-                        f[1] -= w * y;
-                    }
-                    all[i] = f;
+        #[gamma]
+        each push(&self, q) -> f64 |i| { self.sigma * (q[i][0] - q[i][1] * q[i][0]) }
+        #[force]
+        each drag(&self, q, v; t) -> [f64; 2] |i| {
+            let mut f = [0.1 * (t + q[i][1]).sin(), -0.2 * v[i][1]];
+            for j in 0..q.len() {
+                if j == i {
+                    continue;
                 }
-                all
+                let (x, y) = (q[i][0] - q[j][0], q[i][1] - q[j][1]);
+                let r2 = x * x + y * y;
+                let along = x * (v[i][0] - v[j][0]) + y * (v[i][1] - v[j][1]);
+                let w = self.gamma * (-r2).exp() / (r2 + 0.1) * along;
+                f[0] -= w * x;
+                f[1] -= w * y;
             }
+            f
         }
     }
 }
@@ -87,32 +59,14 @@ mod magnetic {
             }
             l
         }
-        force {
-            fn field(&self, t: f64, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                (0..q.len())
-                    .map(|i| {
-                        let b = self.b[i] * (q[i][0] + t).cos();
-                        let speed = (v[i][0] * v[i][0] + v[i][1] * v[i][1] + 0.01).sqrt();
-                        [
-                            b * v[i][1] - self.k * speed * v[i][0] - self.nu * v[i][0],
-                            -b * v[i][0] - self.k * speed * v[i][1] - self.nu * v[i][1] + q[i][0].sin(),
-                        ]
-                    })
-                    .collect()
-            }
-        } or {
-            fn field(&self, t: f64, q: [[f64; 2]; 6], v: [[f64; 2]; 6]) -> [[f64; 2]; 6] {
-                let mut all = [[0.0; 2]; 6];
-                for i in 0..6 {
-                    let b = self.b[i] * (q[i][0] + t).cos();
-                    let speed = (v[i][0] * v[i][0] + v[i][1] * v[i][1] + 0.01).sqrt();
-                    all[i] = [
-                        b * v[i][1] - self.k * speed * v[i][0] - self.nu * v[i][0],
-                        -b * v[i][0] - self.k * speed * v[i][1] - self.nu * v[i][1] + q[i][0].sin(),
-                    ];
-                }
-                all
-            }
+        #[force]
+        each field(&self, q, v; t) -> [f64; 2] |i| {
+            let b = self.b[i] * (q[i][0] + t).cos();
+            let speed = (v[i][0] * v[i][0] + v[i][1] * v[i][1] + 0.01).sqrt();
+            [
+                b * v[i][1] - self.k * speed * v[i][0] - self.nu * v[i][0],
+                -b * v[i][0] - self.k * speed * v[i][1] - self.nu * v[i][1] + q[i][0].sin(),
+            ]
         }
     }
 }
@@ -130,38 +84,16 @@ mod wind {
             }
             l
         }
-        force {
-            fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
-                let mean = q.iter().sum::<f64>() / 11.0;
-                (0..q.len())
-                    .map(|i| {
-                        let mut f = -0.1 * (v[i] - self.wind * mean.sin()).powi(3);
-                        if i > 0 {
-                            f -= self.mu * (v[i] - v[i - 1]);
-                        }
-                        if i + 1 < q.len() {
-                            f -= self.mu * (v[i] - v[i + 1]);
-                        }
-                        f
-                    })
-                    .collect()
+        #[force]
+        each drag(&self, q, v) -> f64 where { let mean = q.iter().sum::<f64>() / 11.0; } |i| {
+            let mut f = -0.1 * (v[i] - self.wind * mean.sin()).powi(3);
+            if i > 0 {
+                f -= self.mu * (v[i] - v[i - 1]);
             }
-        } or {
-            fn drag(&self, q: [f64; 11], v: [f64; 11]) -> [f64; 11] {
-                let mean = q.iter().sum::<f64>() / 11.0;
-                let mut all = [0.0; 11];
-                for i in 0..11 {
-                    let mut f = -0.1 * (v[i] - self.wind * mean.sin()).powi(3);
-                    if i > 0 {
-                        f -= self.mu * (v[i] - v[i - 1]);
-                    }
-                    if i + 1 < 11 {
-                        f -= self.mu * (v[i] - v[i + 1]);
-                    }
-                    all[i] = f;
-                }
-                all
+            if i + 1 < q.len() {
+                f -= self.mu * (v[i] - v[i + 1]);
             }
+            f
         }
     }
 }

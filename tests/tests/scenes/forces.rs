@@ -20,25 +20,11 @@ mod chain {
             }
             l
         }
-        gamma {
-            fn bath(&self, q: &[f64]) -> Vec<f64> { q.iter().map(|q| self.sigma * q).collect() }
-        } or {
-            fn bath(&self, q: [f64; 9]) -> [f64; 9] { q.map(|q| self.sigma * q) }
-        }
-        force {
-            fn drag(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
-                (0..q.len())
-                    .map(|i| -self.nu[i] * v[i] + self.push * (t + q[i]).sin() * (i as f64))
-                    .collect()
-            }
-        } or {
-            fn drag(&self, t: f64, q: [f64; 9], v: [f64; 9]) -> [f64; 9] {
-                let mut f = [0.0; 9];
-                for i in 0..9 {
-                    f[i] = -self.nu[i] * v[i] + self.push * (t + q[i]).sin() * (i as f64);
-                }
-                f
-            }
+        #[gamma]
+        each bath(&self, q) -> f64 |i| { self.sigma * q[i] }
+        #[force]
+        each drag(&self, q, v; t) -> f64 |i| {
+            -self.nu[i] * v[i] + self.push * (t + q[i]).sin() * (i as f64)
         }
     }
 }
@@ -60,32 +46,14 @@ mod bodies {
             }
             l
         }
-        force {
-            fn wind(&self, q: &[Vector3<f64>], v: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-                (0..q.len())
-                    .map(|i| {
-                        let next = q[(i + 1) % q.len()];
-                        let mut f = next * (self.swirl * q[i][0]) - v[i] * (self.nu * self.m[i]);
-                        for j in 0..q.len() {
-                            f[1] += 0.1 * (q[j][0] - q[i][2]).sin();
-                        }
-                        f
-                    })
-                    .collect()
+        #[force]
+        each wind(&self, q, v) -> Vector3<f64> |i| {
+            let next = q[(i + 1) % q.len()];
+            let mut f = next * (self.swirl * q[i][0]) - v[i] * (self.nu * self.m[i]);
+            for j in 0..q.len() {
+                f[1] += 0.1 * (q[j][0] - q[i][2]).sin();
             }
-        } or {
-            fn wind(&self, q: [Vector3<f64>; 5], v: [Vector3<f64>; 5]) -> [Vector3<f64>; 5] {
-                let mut all = [Vector3::new(0.0, 0.0, 0.0); 5];
-                for i in 0..5 {
-                    let next = q[(i + 1) % 5];
-                    let mut f = next * (self.swirl * q[i][0]) - v[i] * (self.nu * self.m[i]);
-                    for j in 0..5 {
-                        f[1] += 0.1 * (q[j][0] - q[i][2]).sin();
-                    }
-                    all[i] = f;
-                }
-                all
-            }
+            f
         }
     }
 }

@@ -5,43 +5,11 @@ use sve_runtime::prelude::*;
 
 use crate::common::spread;
 
-/// A block with an H₁ as a scene and as an unrolled system.
-macro_rules! both_h1 {
-    (
-        ($($rule:ident),*)
-        struct { $($field:ident: $ty:ty),* $(,)? }
-        [$($row:tt)*] $n:tt
-        |$this:ident, $q:ident, $v:ident| { $($body:tt)* }
-        { $($scene:tt)* } or { $($unrolled:tt)* }
-    ) => {
-        pub(crate) mod scene {
-            use sve_runtime::prelude::*;
-            #[derive(Clone, Debug)]
-            pub(crate) struct System { $(pub(crate) $field: $ty),* }
-
-            #[variational($($rule),*)]
-            impl System {
-                fn lagrangian(&$this, $q: &[$($row)*], $v: &[$($row)*]) -> f64 { $($body)* }
-                $($scene)*
-            }
-        }
-        pub(crate) mod unrolled {
-            #[derive(Clone, Debug)]
-            pub(crate) struct System { $(pub(crate) $field: $ty),* }
-
-            #[sve_comparison::stepped($($rule),*)]
-            impl System {
-                fn lagrangian(&$this, $q: [$($row)*; $n], $v: [$($row)*; $n]) -> f64 { $($body)* }
-                $($unrolled)*
-            }
-        }
-    };
-}
-
 /// Kubo oscillators in a chain.
 mod kubo {
-    both_h1! {
-        (stormer_verlet, midpoint)
+    use sve_runtime::prelude::*;
+    both! {
+        @rules (stormer_verlet, midpoint)
         struct { omega: Vec<f64>, spring: f64, sigma: f64 }
         [f64] 8
         |self, q, v| {
@@ -54,29 +22,17 @@ mod kubo {
             }
             l
         }
-        {
-            #[h1]
-            fn phase(&self, q: &[f64], p: &[f64]) -> Vec<f64> {
-                (0..q.len()).map(|i| 0.5 * self.sigma * (p[i] * p[i] + q[i] * q[i])).collect()
-            }
-        } or {
-            #[h1]
-            fn phase(&self, q: [f64; 8], p: [f64; 8]) -> [f64; 8] {
-                let mut h = [0.0; 8];
-                for i in 0..8 {
-                    h[i] = 0.5 * self.sigma * (p[i] * p[i] + q[i] * q[i]);
-                }
-                h
-            }
-        }
+        #[h1]
+        each phase(&self, q, p) -> f64 |i| { 0.5 * self.sigma * (p[i] * p[i] + q[i] * q[i]) }
     }
 }
 
 /// Relativistic bodies with two listed noises, one of a mean, a noise of each body that reads the
 /// next one, a γ, friction, and a magnetic force.
 mod bodies {
-    both_h1! {
-        (stormer_verlet)
+    use sve_runtime::prelude::*;
+    both! {
+        @rules (stormer_verlet)
         struct { k: f64, sigma: [f64; 3], nu: f64 }
         [[f64; 2]] 6
         |self, q, v| {
@@ -87,75 +43,38 @@ mod bodies {
             }
             l
         }
-        {
-            #[gamma]
-            fn push(&self, q: &[[f64; 2]]) -> Vec<f64> {
-                q.iter().map(|q| self.sigma[0] * q[0].sin() * q[1]).collect()
+        #[gamma]
+        each push(&self, q) -> f64 |i| { self.sigma[0] * q[i][0].sin() * q[i][1] }
+        #[h1]
+        fn turn(&self, q, p; t) -> [f64; 2] {
+            let mean = q.iter().map(|q| q[0]).sum::<f64>() / 6.0;
+            let mut turn = 0.0;
+            let mut stretch = self.sigma[1] * mean * mean;
+            for i in 0..q.len() {
+                turn += self.sigma[1] * t.cos() * (q[i][0] * p[i][1] - q[i][1] * p[i][0]);
+                stretch += self.sigma[2] * q[i][0] * p[i][0];
             }
-            #[h1]
-            fn turn(&self, t: f64, q: &[[f64; 2]], p: &[[f64; 2]]) -> [f64; 2] {
-                let mean = q.iter().map(|q| q[0]).sum::<f64>() / 6.0;
-                let mut turn = 0.0;
-                let mut stretch = self.sigma[1] * mean * mean;
-                for i in 0..q.len() {
-                    turn += self.sigma[1] * t.cos() * (q[i][0] * p[i][1] - q[i][1] * p[i][0]);
-                    stretch += self.sigma[2] * q[i][0] * p[i][0];
-                }
-                [turn, stretch]
-            }
-            #[h1]
-            fn swap(&self, q: &[[f64; 2]], p: &[[f64; 2]]) -> Vec<f64> {
-                (0..q.len())
-                    .map(|i| self.sigma[2] * (q[i][0] * p[(i + 1) % q.len()][1] + p[i][0].sin()))
-                    .collect()
-            }
-            #[force]
-            fn drag(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                (0..q.len())
-                    .map(|i| [v[i][1] * q[i][0] - self.nu * v[i][0], -v[i][0] * q[i][0] - self.nu * v[i][1]])
-                    .collect()
-            }
-        } or {
-            // increments of listed processes come first in scenes
-            #[h1]
-            fn turn(&self, t: f64, q: [[f64; 2]; 6], p: [[f64; 2]; 6]) -> [f64; 2] {
-                let mean = q.iter().map(|q| q[0]).sum::<f64>() / 6.0;
-                let mut turn = 0.0;
-                let mut stretch = self.sigma[1] * mean * mean;
-                for i in 0..6 {
-                    turn += self.sigma[1] * t.cos() * (q[i][0] * p[i][1] - q[i][1] * p[i][0]);
-                    stretch += self.sigma[2] * q[i][0] * p[i][0];
-                }
-                [turn, stretch]
-            }
-            #[gamma]
-            fn push(&self, q: [[f64; 2]; 6]) -> [f64; 6] {
-                q.map(|q| self.sigma[0] * q[0].sin() * q[1])
-            }
-            #[h1]
-            fn swap(&self, q: [[f64; 2]; 6], p: [[f64; 2]; 6]) -> [f64; 6] {
-                let mut h = [0.0; 6];
-                for i in 0..6 {
-                    h[i] = self.sigma[2] * (q[i][0] * p[(i + 1) % 6][1] + p[i][0].sin());
-                }
-                h
-            }
-            #[force]
-            fn drag(&self, q: [[f64; 2]; 6], v: [[f64; 2]; 6]) -> [[f64; 2]; 6] {
-                let mut f = [[0.0; 2]; 6];
-                for i in 0..6 {
-                    f[i] = [v[i][1] * q[i][0] - self.nu * v[i][0], -v[i][0] * q[i][0] - self.nu * v[i][1]];
-                }
-                f
-            }
+            [turn, stretch]
+        }
+        #[h1]
+        each swap(&self, q, p) -> f64 |i| {
+            self.sigma[2] * (q[i][0] * p[(i + 1) % q.len()][1] + p[i][0].sin())
+        }
+        #[force]
+        each drag(&self, q, v) -> [f64; 2] |i| {
+            [
+                v[i][1] * q[i][0] - self.nu * v[i][0],
+                -v[i][0] * q[i][0] - self.nu * v[i][1],
+            ]
         }
     }
 }
 
 /// The same with masses, the friction of each component, and a drag that is not linear.
 mod heavy {
-    both_h1! {
-        (stormer_verlet, midpoint)
+    use sve_runtime::prelude::*;
+    both! {
+        @rules (stormer_verlet, midpoint)
         struct { m: Vec<f64>, k: f64, sigma: [f64; 3], nu: f64 }
         [[f64; 2]] 6
         |self, q, v| {
@@ -166,67 +85,29 @@ mod heavy {
             }
             l
         }
-        {
-            #[gamma]
-            fn push(&self, q: &[[f64; 2]]) -> Vec<f64> {
-                q.iter().map(|q| self.sigma[0] * q[0].sin() * q[1]).collect()
+        #[gamma]
+        each push(&self, q) -> f64 |i| { self.sigma[0] * q[i][0].sin() * q[i][1] }
+        #[h1]
+        fn turn(&self, q, p; t) -> [f64; 2] {
+            let mean = q.iter().map(|q| q[0]).sum::<f64>() / 6.0;
+            let mut turn = 0.0;
+            let mut stretch = self.sigma[1] * mean * mean;
+            for i in 0..q.len() {
+                turn += self.sigma[1] * t.cos() * (q[i][0] * p[i][1] - q[i][1] * p[i][0]);
+                stretch += self.sigma[2] * q[i][0] * p[i][0];
             }
-            #[h1]
-            fn turn(&self, t: f64, q: &[[f64; 2]], p: &[[f64; 2]]) -> [f64; 2] {
-                let mean = q.iter().map(|q| q[0]).sum::<f64>() / 6.0;
-                let mut turn = 0.0;
-                let mut stretch = self.sigma[1] * mean * mean;
-                for i in 0..q.len() {
-                    turn += self.sigma[1] * t.cos() * (q[i][0] * p[i][1] - q[i][1] * p[i][0]);
-                    stretch += self.sigma[2] * q[i][0] * p[i][0];
-                }
-                [turn, stretch]
-            }
-            #[h1]
-            fn swap(&self, q: &[[f64; 2]], p: &[[f64; 2]]) -> Vec<f64> {
-                (0..q.len())
-                    .map(|i| self.sigma[2] * (q[i][0] * p[(i + 1) % q.len()][1] + p[i][0].sin()))
-                    .collect()
-            }
-            #[force]
-            fn drag(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                (0..q.len())
-                    .map(|i| [(v[i][1] * q[i][0]).sin() - self.nu * v[i][0], -v[i][0] * q[i][0] - 0.3 * v[i][1]])
-                    .collect()
-            }
-        } or {
-            // increments of listed processes come first in scenes
-            #[h1]
-            fn turn(&self, t: f64, q: [[f64; 2]; 6], p: [[f64; 2]; 6]) -> [f64; 2] {
-                let mean = q.iter().map(|q| q[0]).sum::<f64>() / 6.0;
-                let mut turn = 0.0;
-                let mut stretch = self.sigma[1] * mean * mean;
-                for i in 0..6 {
-                    turn += self.sigma[1] * t.cos() * (q[i][0] * p[i][1] - q[i][1] * p[i][0]);
-                    stretch += self.sigma[2] * q[i][0] * p[i][0];
-                }
-                [turn, stretch]
-            }
-            #[gamma]
-            fn push(&self, q: [[f64; 2]; 6]) -> [f64; 6] {
-                q.map(|q| self.sigma[0] * q[0].sin() * q[1])
-            }
-            #[h1]
-            fn swap(&self, q: [[f64; 2]; 6], p: [[f64; 2]; 6]) -> [f64; 6] {
-                let mut h = [0.0; 6];
-                for i in 0..6 {
-                    h[i] = self.sigma[2] * (q[i][0] * p[(i + 1) % 6][1] + p[i][0].sin());
-                }
-                h
-            }
-            #[force]
-            fn drag(&self, q: [[f64; 2]; 6], v: [[f64; 2]; 6]) -> [[f64; 2]; 6] {
-                let mut f = [[0.0; 2]; 6];
-                for i in 0..6 {
-                    f[i] = [(v[i][1] * q[i][0]).sin() - self.nu * v[i][0], -v[i][0] * q[i][0] - 0.3 * v[i][1]];
-                }
-                f
-            }
+            [turn, stretch]
+        }
+        #[h1]
+        each swap(&self, q, p) -> f64 |i| {
+            self.sigma[2] * (q[i][0] * p[(i + 1) % q.len()][1] + p[i][0].sin())
+        }
+        #[force]
+        each drag(&self, q, v) -> [f64; 2] |i| {
+            [
+                (v[i][1] * q[i][0]).sin() - self.nu * v[i][0],
+                -v[i][0] * q[i][0] - 0.3 * v[i][1],
+            ]
         }
     }
 }

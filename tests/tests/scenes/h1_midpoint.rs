@@ -138,8 +138,9 @@ fn the_plan_has_the_noises() {
 }
 
 mod wild {
-    both_h1! {
-        (midpoint)
+    use sve_runtime::prelude::*;
+    both! {
+        @rules (midpoint)
         struct { k: f64, sigma: f64 }
         [f64] 3
         |self, q, v| {
@@ -152,20 +153,9 @@ mod wild {
             }
             l
         }
-        {
-            #[h1]
-            fn kick(&self, q: &[f64], p: &[f64]) -> Vec<f64> {
-                (0..q.len()).map(|i| self.sigma * (q[i] * p[i].sin() + 0.3 * (p[i] - q[i]).cos())).collect()
-            }
-        } or {
-            #[h1]
-            fn kick(&self, q: [f64; 3], p: [f64; 3]) -> [f64; 3] {
-                let mut h = [0.0; 3];
-                for i in 0..3 {
-                    h[i] = self.sigma * (q[i] * p[i].sin() + 0.3 * (p[i] - q[i]).cos());
-                }
-                h
-            }
+        #[h1]
+        each kick(&self, q, p) -> f64 |i| {
+            self.sigma * (q[i] * p[i].sin() + 0.3 * (p[i] - q[i]).cos())
         }
     }
 }

@@ -55,49 +55,15 @@ mod nested {
             }
             l - self.g * all * all
         }
-        gamma {
-            fn bath(&self, q: &[f64]) -> Vec<f64> {
-                (0..q.len())
-                    .map(|i| {
-                        let s = q.iter().map(|x| (x - q[i]).cos()).sum::<f64>();
-                        self.sigma * s * s
-                    })
-                    .collect()
-            }
-        } or {
-            fn bath(&self, q: [f64; 7]) -> [f64; 7] {
-                let mut gamma = [0.0; 7];
-                for i in 0..7 {
-                    let mut s = 0.0;
-                    for j in 0..7 {
-                        s += (q[j] - q[i]).cos();
-                    }
-                    gamma[i] = self.sigma * s * s;
-                }
-                gamma
-            }
+        #[gamma]
+        each bath(&self, q) -> f64 |i| {
+            let s = q.iter().map(|x| (x - q[i]).cos()).sum::<f64>();
+            self.sigma * s * s
         }
-        force {
-            fn push(&self, q: &[f64], _v: &[f64]) -> Vec<f64> {
-                (0..q.len())
-                    .map(|i| {
-                        let s = q.iter().map(|x| (x * q[i]).sin()).sum::<f64>();
-                        0.02 * s * s
-                    })
-                    .collect()
-            }
-        } or {
-            fn push(&self, q: [f64; 7], _v: [f64; 7]) -> [f64; 7] {
-                let mut f = [0.0; 7];
-                for i in 0..7 {
-                    let mut s = 0.0;
-                    for j in 0..7 {
-                        s += (q[j] * q[i]).sin();
-                    }
-                    f[i] = 0.02 * s * s;
-                }
-                f
-            }
+        #[force]
+        each push(&self, q, _v) -> f64 |i| {
+            let s = q.iter().map(|x| (x * q[i]).sin()).sum::<f64>();
+            0.02 * s * s
         }
     }
 }

@@ -24,24 +24,10 @@ mod relativistic {
             }
             l
         }
-        gamma {
-            fn bath(&self, q: &[f64]) -> Vec<f64> { q.iter().map(|q| self.sigma * q).collect() }
-        } or {
-            fn bath(&self, q: [f64; 8]) -> [f64; 8] { q.map(|q| self.sigma * q) }
-        }
-        force {
-            fn drag(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
-                (0..q.len()).map(|i| -self.nu * self.m[i] * v[i] + 0.1 * q[i].sin()).collect()
-            }
-        } or {
-            fn drag(&self, q: [f64; 8], v: [f64; 8]) -> [f64; 8] {
-                let mut f = [0.0; 8];
-                for i in 0..8 {
-                    f[i] = -self.nu * self.m[i] * v[i] + 0.1 * q[i].sin();
-                }
-                f
-            }
-        }
+        #[gamma]
+        each bath(&self, q) -> f64 |i| { self.sigma * q[i] }
+        #[force]
+        each drag(&self, q, v) -> f64 |i| { -self.nu * self.m[i] * v[i] + 0.1 * q[i].sin() }
     }
 }
 
@@ -65,19 +51,8 @@ mod matrices {
             }
             l
         }
-        force {
-            fn drag(&self, q: &[[f64; 2]], v: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                (0..q.len()).map(|i| [-self.nu * v[i][0], 0.2 - 2.0 * self.nu * v[i][1]]).collect()
-            }
-        } or {
-            fn drag(&self, _q: [[f64; 2]; 12], v: [[f64; 2]; 12]) -> [[f64; 2]; 12] {
-                let mut f = [[0.0; 2]; 12];
-                for i in 0..12 {
-                    f[i] = [-self.nu * v[i][0], 0.2 - 2.0 * self.nu * v[i][1]];
-                }
-                f
-            }
-        }
+        #[force]
+        each drag(&self, q, v) -> [f64; 2] |i| { [-self.nu * v[i][0], 0.2 - 2.0 * self.nu * v[i][1]] }
     }
 }
 

@@ -38,7 +38,6 @@ mod conserved;
 mod drags;
 mod failures;
 mod forces;
-#[macro_use]
 mod h1;
 mod h1_midpoint;
 mod hard_steps;

@@ -6,80 +6,28 @@ use sve_runtime::prelude::*;
 use crate::common::{assert_same, spread};
 
 /// Seven sites in a flow that pushes each by its neighbour, with noises of every kind.
-struct Flow {
-    s: [f64; 3],
-}
-
-#[variational(endpoint, initial_point, midpoint, stormer_verlet)]
-impl Flow {
-    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
-        let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
-        for i in 1..q.len() {
-            l -= 0.5 * (q[i] - q[i - 1]).powi(2);
+mod flow {
+    use sve_runtime::prelude::*;
+    both! {
+        struct { s: [f64; 3] }
+        [f64] 7
+        |self, q, v| {
+            let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
+            for i in 1..q.len() {
+                l -= 0.5 * (q[i] - q[i - 1]).powi(2);
+            }
+            l
         }
-        l
-    }
-    #[force(noise)]
-    fn stir(&self, t: f64, q: &[f64], _v: &[f64]) -> Vec<f64> {
-        (0..q.len())
-            .map(|i| self.s[0] * (q[(i + 1) % q.len()] + t.sin()))
-            .collect()
-    }
-    #[gamma]
-    fn bath(&self, q: &[f64]) -> Vec<f64> {
-        q.iter().map(|q| self.s[1] * q).collect()
-    }
-    #[gamma]
-    fn shake(&self, q: &[f64]) -> f64 {
-        q.iter().map(|q| self.s[2] * q.cos()).sum()
-    }
-    #[force(noise)]
-    fn push(&self, q: &[f64], _v: &[f64]) -> Vec<f64> {
-        q.iter().map(|q| 0.3 + 0.1 * q * q).collect()
-    }
-    #[force]
-    fn drag(&self, _q: &[f64], v: &[f64]) -> Vec<f64> {
-        v.iter().map(|v| -0.2 * v).collect()
-    }
-}
-
-/// The same, unrolled.
-struct Unrolled {
-    s: [f64; 3],
-}
-
-#[sve_comparison::stepped(endpoint, initial_point, midpoint, stormer_verlet)]
-impl Unrolled {
-    fn lagrangian(&self, q: [f64; 7], v: [f64; 7]) -> f64 {
-        let mut l = v.iter().map(|v| 0.5 * v * v).sum::<f64>();
-        for i in 1..7 {
-            l -= 0.5 * (q[i] - q[i - 1]).powi(2);
-        }
-        l
-    }
-    #[gamma]
-    fn shake(&self, q: [f64; 7]) -> f64 {
-        q.iter().map(|q| self.s[2] * q.cos()).sum()
-    }
-    #[gamma]
-    fn bath(&self, q: [f64; 7]) -> [f64; 7] {
-        q.map(|q| self.s[1] * q)
-    }
-    #[force(noise)]
-    fn stir(&self, t: f64, q: [f64; 7], _v: [f64; 7]) -> [f64; 7] {
-        let mut f = [0.0; 7];
-        for i in 0..7 {
-            f[i] = self.s[0] * (q[(i + 1) % 7] + t.sin());
-        }
-        f
-    }
-    #[force(noise)]
-    fn push(&self, q: [f64; 7], _v: [f64; 7]) -> [f64; 7] {
-        q.map(|q| 0.3 + 0.1 * q * q)
-    }
-    #[force]
-    fn drag(&self, _q: [f64; 7], v: [f64; 7]) -> [f64; 7] {
-        v.map(|v| -0.2 * v)
+        #[force(noise)]
+        each stir(&self, q, _v; t) -> f64 |i| { self.s[0] * (q[(i + 1) % q.len()] + t.sin()) }
+        #[gamma]
+        each bath(&self, q) -> f64 |i| { self.s[1] * q[i] }
+        #[gamma]
+        fn shake(&self, q) -> f64 { q.iter().map(|q| self.s[2] * q.cos()).sum() }
+        #[force(noise)]
+        each push(&self, q, _v) -> f64 |i| { 0.3 + 0.1 * q[i] * q[i] }
+        #[force]
+        each drag(&self, q, v) -> f64 |i| { -0.2 * v[i] }
     }
 }
 
@@ -97,9 +45,9 @@ fn noise_forces_of_scenes_are_those_of_unrolled_systems() {
     unrolled[8..].copy_from_slice(&listed[1..]);
     macro_rules! check {
         ($($rule:expr),*) => {$(
-            let flow = Integrator::new(Flow { s }, $rule);
+            let flow = Integrator::new(flow::scene::System { s }, $rule);
             let mut state = State::at(0.3, q.to_vec(), p.to_vec());
-            let expected = Integrator::new(Unrolled { s }, $rule);
+            let expected = Integrator::new(flow::unrolled::System { s }, $rule);
             let mut other = State::at(0.3, q, p);
             for _ in 0..3 {
                 flow.step(&mut state, 0.05, &of_scene).unwrap();
@@ -111,11 +59,13 @@ fn noise_forces_of_scenes_are_those_of_unrolled_systems() {
         )*};
     }
     check!(Endpoint, InitialPoint, Midpoint, StormerVerlet);
-    let plan = Integrator::new(Flow { s }, Midpoint).plan().to_string();
+    let plan = Integrator::new(flow::scene::System { s }, Midpoint)
+        .plan()
+        .to_string();
     for text in ["Σ f ∘ dW", "Σ f(q̄)·δq̄ ΔW", "f, of a process, stir"] {
         assert!(plan.contains(text), "{text}: {plan}");
     }
-    let plan = Integrator::new(Flow { s }, StormerVerlet)
+    let plan = Integrator::new(flow::scene::System { s }, StormerVerlet)
         .plan()
         .to_string();
     assert!(

@@ -22,32 +22,14 @@ mod vectors {
             }
             l
         }
-        gamma {
-            fn bath(&self, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-                (0..q.len()).map(|i| q[i].map(|x| self.sigma[i] * x.sin())).collect()
-            }
+        #[gamma]
+        each bath(&self, q) -> Vector3<f64> |i| { q[i].map(|x| self.sigma[i] * x.sin()) }
+        {
             #[gamma]
             fn bonds(&self, q: &[Vector3<f64>]) -> Vec<[f64; 2]> {
                 (1..q.len()).map(|i| [q[i].dot(&q[i - 1]), q[i].x * q[i - 1].y]).collect()
             }
-            #[gamma]
-            fn all(&self, q: &[Vector3<f64>]) -> [[f64; 1]; 2] {
-                let x = q.iter().map(|q| q.x).sum::<f64>();
-                [[0.3 * x], [0.1 * x * x]]
-            }
         } or {
-            fn all(&self, q: [Vector3<f64>; 5]) -> [[f64; 1]; 2] {
-                let x = q.iter().map(|q| q.x).sum::<f64>();
-                [[0.3 * x], [0.1 * x * x]]
-            }
-            #[gamma]
-            fn bath(&self, q: [Vector3<f64>; 5]) -> [Vector3<f64>; 5] {
-                let mut noises = q;
-                for i in 0..5 {
-                    noises[i] = q[i].map(|x| self.sigma[i] * x.sin());
-                }
-                noises
-            }
             #[gamma]
             fn bonds(&self, q: [Vector3<f64>; 5]) -> [[f64; 2]; 4] {
                 let mut noises = [[0.0; 2]; 4];
@@ -56,6 +38,11 @@ mod vectors {
                 }
                 noises
             }
+        }
+        #[gamma]
+        fn all(&self, q) -> [[f64; 1]; 2] {
+            let x = q.iter().map(|q| q.x).sum::<f64>();
+            [[0.3 * x], [0.1 * x * x]]
         }
     }
 }

@@ -19,25 +19,10 @@ pub(crate) mod ring {
             }
             l
         }
-        gamma {
-            fn bonds(&self, q: &[f64]) -> Vec<f64> {
-                let n = q.len();
-                (0..n).map(|i| self.sigma * (q[(i + 1) % n] - q[i]).sin()).collect()
-            }
-        } or {
-            fn bonds(&self, q: [f64; 7]) -> [f64; 7] {
-                let mut g = [0.0; 7];
-                for i in 0..7 {
-                    g[i] = self.sigma * (q[(i + 1) % 7] - q[i]).sin();
-                }
-                g
-            }
-        }
-        symmetry {
-            fn shift(&self, q: &[f64]) -> Vec<f64> { q.iter().map(|_| 1.0).collect() }
-        } or {
-            fn shift(&self, _q: [f64; 7]) -> [f64; 7] { [1.0; 7] }
-        }
+        #[gamma]
+        each bonds(&self, q) -> f64 |i| { self.sigma * (q[(i + 1) % q.len()] - q[i]).sin() }
+        #[symmetry]
+        each shift(&self, q) -> f64 |_i| { 1.0 }
     }
 }
 
@@ -58,45 +43,20 @@ pub(crate) mod stars {
             }
             l
         }
-        gamma {
-            fn breath(&self, q: &[Vector3<f64>]) -> f64 {
-                let mut g = 0.0;
-                for i in 0..q.len() {
-                    for j in 0..i {
-                        g += self.sigma * (1.0 + (q[i] - q[j]).norm_squared()).ln();
-                    }
+        #[gamma]
+        fn breath(&self, q) -> f64 {
+            let mut g = 0.0;
+            for i in 0..q.len() {
+                for j in 0..i {
+                    g += self.sigma * (1.0 + (q[i] - q[j]).norm_squared()).ln();
                 }
-                g
             }
-        } or {
-            fn breath(&self, q: [Vector3<f64>; 5]) -> f64 {
-                let mut g = 0.0;
-                for i in 0..q.len() {
-                    for j in 0..i {
-                        g += self.sigma * (1.0 + (q[i] - q[j]).norm_squared()).ln();
-                    }
-                }
-                g
-            }
+            g
         }
-        symmetry {
-            fn along(&self, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-                q.iter().map(|_| Vector3::new(0.0, 2.0, -1.0)).collect()
-            }
-        } or {
-            fn along(&self, _q: [Vector3<f64>; 5]) -> [Vector3<f64>; 5] {
-                [Vector3::new(0.0, 2.0, -1.0); 5]
-            }
-        }
-        symmetry {
-            fn turn(&self, q: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-                q.iter().map(|q| Vector3::new(1.0, -0.5, 2.0).cross(q)).collect()
-            }
-        } or {
-            fn turn(&self, q: [Vector3<f64>; 5]) -> [Vector3<f64>; 5] {
-                q.map(|q| Vector3::new(1.0, -0.5, 2.0).cross(&q))
-            }
-        }
+        #[symmetry]
+        each along(&self, q) -> Vector3<f64> |_i| { Vector3::new(0.0, 2.0, -1.0) }
+        #[symmetry]
+        each turn(&self, q) -> Vector3<f64> |i| { Vector3::new(1.0, -0.5, 2.0).cross(&q[i]) }
     }
 }
 
@@ -117,13 +77,8 @@ pub(crate) mod planar {
             }
             l
         }
-        symmetry {
-            fn turn(&self, q: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                (0..q.len()).map(|i| [-q[i][1], q[i][0]]).collect()
-            }
-        } or {
-            fn turn(&self, q: [[f64; 2]; 4]) -> [[f64; 2]; 4] { q.map(|q| [-q[1], q[0]]) }
-        }
+        #[symmetry]
+        each turn(&self, q) -> [f64; 2] |i| { [-q[i][1], q[i][0]] }
     }
 }
 
@@ -148,11 +103,8 @@ pub(crate) mod rotors {
             }
             l
         }
-        symmetry {
-            fn angle(&self, q: &[f64]) -> Vec<f64> { q.iter().map(|_| 1.0).collect() }
-        } or {
-            fn angle(&self, _q: [f64; 6]) -> [f64; 6] { [1.0; 6] }
-        }
+        #[symmetry]
+        each angle(&self, q) -> f64 |_i| { 1.0 }
     }
 }
 
@@ -170,11 +122,8 @@ pub(crate) mod charges {
             }
             l
         }
-        symmetry {
-            fn phase(&self, q: &[f64]) -> Vec<f64> { (0..q.len()).map(|i| self.charge[i]).collect() }
-        } or {
-            fn phase(&self, _q: [f64; 4]) -> [f64; 4] { [0, 1, 2, 3].map(|i| self.charge[i]) }
-        }
+        #[symmetry]
+        each phase(&self, q) -> f64 |i| { self.charge[i] }
     }
 }
 
@@ -195,20 +144,10 @@ pub(crate) mod centred {
             }
             l
         }
-        symmetry {
-            fn turn(&self, q: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                q.iter().map(|q| [-q[1], q[0]]).collect()
-            }
-        } or {
-            fn turn(&self, q: [[f64; 2]; 4]) -> [[f64; 2]; 4] { q.map(|q| [-q[1], q[0]]) }
-        }
-        symmetry {
-            fn shift(&self, q: &[[f64; 2]]) -> Vec<[f64; 2]> {
-                q.iter().map(|_| [0.5, 1.5]).collect()
-            }
-        } or {
-            fn shift(&self, _q: [[f64; 2]; 4]) -> [[f64; 2]; 4] { [[0.5, 1.5]; 4] }
-        }
+        #[symmetry]
+        each turn(&self, q) -> [f64; 2] |i| { [-q[i][1], q[i][0]] }
+        #[symmetry]
+        each shift(&self, q) -> [f64; 2] |_i| { [0.5, 1.5] }
     }
 }
 

@@ -20,16 +20,10 @@ mod rotors {
             }
             l
         }
-        gamma {
-            fn bath(&self, q: &[f64]) -> f64 {
-                let s = q.iter().map(|q| q * q).sum::<f64>();
-                self.sigma * s.sqrt()
-            }
-        } or {
-            fn bath(&self, q: [f64; 11]) -> f64 {
-                let s = q.iter().map(|q| q * q).sum::<f64>();
-                self.sigma * s.sqrt()
-            }
+        #[gamma]
+        fn bath(&self, q) -> f64 {
+            let s = q.iter().map(|q| q * q).sum::<f64>();
+            self.sigma * s.sqrt()
         }
     }
 }
