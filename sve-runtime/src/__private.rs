@@ -84,7 +84,8 @@ pub use crate::system::{
     System, WithInputs,
 };
 pub use crate::trajectory::{
-    CompensatedSums, FixedSteps, StepsWithoutInputs, WithoutEvents, WithoutNoise,
+    AdaptedSteps, CompensatedSums, EqualSteps, FixedSteps, RefinedSteps, StepKind,
+    StepsWithoutInputs, WholeSteps, WithoutEvents, WithoutNoise,
 };
 pub use nalgebra::UnitQuaternion;
 /// The derivatives of a step.

@@ -4,15 +4,8 @@
 //! states after its steps, with the adapters of a trajectory. Invariant: what is read from the
 //! path, a saved state or an event, does not change its steps.
 
-use core::borrow::Borrow;
-use core::fmt;
-use core::ops::Deref;
-
 use super::adapted::{Adapted, Sizes, first_size, unit_of_step};
-use super::saved::Saved;
-use super::{Events, Method, RefinedTrajectory, Trajectory};
-use crate::error::StepError;
-use crate::error::observed::Observed;
+use super::{AdaptedSteps, FixedSteps, RefinedTrajectory, Trajectory};
 use crate::integrator::adapted::AdaptsSteps;
 use crate::method::OneStepMethod;
 use crate::noise::{Halves, NoNoise, Noise};
@@ -28,21 +21,11 @@ pub trait WithoutNoise: Halves {}
 
 impl WithoutNoise for NoNoise {}
 
-/// Paths with steps of one size: none that has a tolerance.
-#[doc(hidden)]
-#[diagnostic::on_unimplemented(
-    message = "a path with a tolerance has neither `refine` nor `compensated`",
-    label = "the path chooses the size of its steps",
-    note = "a step that fails is tried again with a smaller size, and rounding errors are compensated in any case: leave out `.refine(…)` and `.compensated()`, or `.tolerance(tol)`"
-)]
-pub trait FixedSteps {}
-
 /// A path with a tolerance, from [`Trajectory::tolerance`].
 ///
-/// It dereferences to the [`Trajectory`], for its state, the number of its steps and its snapshot.
-pub struct AccurateTrajectory<'a, I: OneStepMethod, W = NoNoise> {
-    trajectory: Trajectory<'a, I, W>,
-}
+/// A saved state and a state at an event are the ends of shorter steps, with the accuracy of the
+/// path. Changes of the state by [`change_at`](Trajectory::change_at) end a step.
+pub type AccurateTrajectory<'a, I, W = NoNoise> = Trajectory<'a, I, W, AdaptedSteps>;
 
 impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// Adapts the size of each step so that the path has an error of about `tolerance` after a
@@ -89,13 +72,13 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// before, and a step whose series decays too slowly, or whose iteration does not contract, is
     /// tried again with a smaller size.
     ///
-    /// **Times.** Steps end at times of their own. [`until`](AccurateTrajectory::until) and
-    /// [`at`](AccurateTrajectory::at) end a step at a given time, to the last bit, and
-    /// [events](AccurateTrajectory::crossings) are found as in any trajectory; the steps of the
+    /// **Times.** Steps end at times of their own. [`until`](Self::until) and
+    /// [`at`](Self::at) end a step at a given time, to the last bit, and
+    /// [events](Self::crossings) are found as in any trajectory; the steps of the
     /// path are the same with and without them. The sign of the step size is that of time.
     ///
     /// **With a [time scale](crate::WithTimeScale)** the sizes are those of steps of τ, in which
-    /// the motion is even. `until`, `at`, events and [`state_at`](AccurateTrajectory::state_at) act
+    /// the motion is even. `until`, `at`, events and [`state_at`](Trajectory::state_at) act
     /// on the time t. Such a path has no structure either.
     ///
     /// **A [snapshot](Trajectory::snapshot)** has the numbers from which the next size follows:
@@ -115,6 +98,11 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     /// *Chebyshev and Fourier Spectral Methods*, 2001, chapter 2). The trend of the sizes and the
     /// first values of the stages from the step before as in the program `IRKGaussLegendre.jl` of
     /// Antoñana, Makazaga and Murua.
+    ///
+    /// [`StepError::Tolerance`]: crate::StepError::Tolerance
+    /// [`StepError::StepSize`]: crate::StepError::StepSize
+    /// [`StepError::StepTooSmall`]: crate::StepError::StepTooSmall
+    /// [`StepError::TooManySteps`]: crate::StepError::TooManySteps
     #[must_use]
     pub fn tolerance(mut self, tolerance: f64) -> AccurateTrajectory<'a, I, W>
     where
@@ -131,7 +119,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         self.sizes = Sizes::Adapted(Box::new(adapted));
         self.prepared = None;
         self.low.get_or_insert_with(I::no_low_parts);
-        AccurateTrajectory { trajectory: self }
+        self.of_kind(AdaptedSteps)
     }
 }
 
@@ -147,7 +135,7 @@ impl<I: OneStepMethod, W> RefinedTrajectory<'_, I, W> {
     }
 }
 
-impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
+impl<I: OneStepMethod, W: Noise> AccurateTrajectory<'_, I, W> {
     /// Returns the state at a time within the last step, by the polynomials through its stages;
     /// `None` if the time is not within it, or before the first step.
     ///
@@ -162,14 +150,15 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
     /// assert!(middle.q[0] < start.q[0] && middle.q[0] > end.q[0]);
     #[doc = include_str!("../example_end.md")]
     pub fn state_at(&self, t: f64) -> Option<StateOf<I::System>> {
-        match &self.trajectory.sizes {
+        match &self.sizes {
             Sizes::Adapted(adapted) => adapted.state_at(t),
             Sizes::Fixed | Sizes::Stored(_) => None,
         }
     }
 
     /// Limits the number of steps, including the steps before a snapshot; without this option it is
-    /// 10⁸. A path that would make more ends with [`StepError::TooManySteps`].
+    /// 10⁸. A path that would make more ends with
+    /// [`StepError::TooManySteps`](crate::StepError::TooManySteps).
     ///
     #[doc = include_str!("../example_gauss.md")]
     /// let path = pendulum.trajectory(start, 0.1, NoNoise).tolerance(1e-8).max_steps(10);
@@ -178,7 +167,7 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
     #[doc = include_str!("../example_end.md")]
     #[must_use]
     pub fn max_steps(mut self, steps: u64) -> Self {
-        if let Sizes::Adapted(adapted) = &mut self.trajectory.sizes {
+        if let Sizes::Adapted(adapted) = &mut self.sizes {
             adapted.most_steps = steps;
         }
         self
@@ -212,10 +201,11 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
     /// ```
     ///
     /// # Errors
-    /// The first step fails with [`StepError::StepSize`] if the size is not positive.
+    /// The first step fails with [`StepError::StepSize`](crate::StepError::StepSize) if the size is
+    /// not positive.
     #[must_use]
     pub fn max_step(mut self, size: f64) -> Self {
-        if let Sizes::Adapted(adapted) = &mut self.trajectory.sizes {
+        if let Sizes::Adapted(adapted) = &mut self.sizes {
             adapted.limit(size);
         }
         self
@@ -224,126 +214,9 @@ impl<'a, I: OneStepMethod, W: Noise> AccurateTrajectory<'a, I, W> {
     /// Returns the number of attempts at steps that were not accepted, including the attempts
     /// before a snapshot.
     pub fn rejections(&self) -> u64 {
-        match &self.trajectory.sizes {
+        match &self.sizes {
             Sizes::Adapted(adapted) => adapted.rejected,
             Sizes::Fixed | Sizes::Stored(_) => 0,
         }
-    }
-
-    /// Saves the present state of the path, and every `n`-th state after it; see
-    /// [`Trajectory::every`].
-    #[must_use]
-    pub fn every(self, n: u64) -> Saved<Trajectory<'a, I, W>> {
-        self.trajectory.every(n)
-    }
-
-    /// Saves the states at these times, in the order in which the path reaches them, and ends. Each
-    /// is the end of a step from the last step of the path, with the accuracy of the path.
-    ///
-    #[doc = include_str!("../example_gauss.md")]
-    /// let path = pendulum.trajectory(start, 0.1, NoNoise).tolerance(1e-12);
-    /// let states = path.at([0.0, 0.25, 2.0]).collect::<Result<Vec<_>, _>>()?;
-    /// assert_eq!([states[1].t, states[2].t], [0.25, 2.0]);
-    #[doc = include_str!("../example_end.md")]
-    #[must_use]
-    pub fn at<T: Borrow<f64>>(
-        self,
-        times: impl IntoIterator<Item = T>,
-    ) -> Saved<Trajectory<'a, I, W>> {
-        self.trajectory.at(times)
-    }
-
-    /// Ends the path at a time, with the state at this time as its last state; before it come the
-    /// states after each step.
-    #[must_use]
-    pub fn until(self, t: f64) -> Saved<Trajectory<'a, I, W>> {
-        self.trajectory.until(t)
-    }
-
-    /// Returns the states at the zeros of a function; see [`Trajectory::crossings`]. A state within
-    /// a step is the end of a shorter step.
-    #[must_use]
-    pub fn crossings<F, O>(self, function: F) -> Events<'a, I, W>
-    where
-        I: Method,
-        W: Halves,
-        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
-        O: Observed,
-    {
-        self.trajectory.crossings(function)
-    }
-
-    /// Ends the path at the first zero of a function; see [`Trajectory::stop_at`].
-    #[must_use]
-    pub fn stop_at<F, O>(self, function: F) -> Events<'a, I, W>
-    where
-        I: Method,
-        W: Halves,
-        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
-        O: Observed,
-    {
-        self.trajectory.stop_at(function)
-    }
-
-    /// Changes the state at each zero of a function; see [`Trajectory::change_at`]. The step ends
-    /// at the change, and the next one begins there.
-    #[must_use]
-    pub fn change_at<F, O, C>(self, function: F, change: C) -> Events<'a, I, W>
-    where
-        I: Method,
-        W: Halves,
-        F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
-        O: Observed,
-        C: FnMut(&I::System, &mut StateOf<I::System>) + 'a,
-    {
-        self.trajectory.change_at(function, change)
-    }
-
-    /// Does not compile: a step that fails is tried again with a smaller size in any case.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn refine(self, _: u32) -> Self
-    where
-        Self: FixedSteps,
-    {
-        self
-    }
-
-    /// Does not compile: rounding errors are compensated in any case.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn compensated(self) -> Self
-    where
-        Self: FixedSteps,
-    {
-        self
-    }
-}
-
-impl<'a, I: OneStepMethod, W> Deref for AccurateTrajectory<'a, I, W> {
-    type Target = Trajectory<'a, I, W>;
-
-    fn deref(&self) -> &Trajectory<'a, I, W> {
-        &self.trajectory
-    }
-}
-
-impl<'a, I: OneStepMethod, W> fmt::Debug for AccurateTrajectory<'a, I, W>
-where
-    Trajectory<'a, I, W>: fmt::Debug,
-{
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("AccurateTrajectory")
-            .field("trajectory", &self.trajectory)
-            .finish()
-    }
-}
-
-impl<I: OneStepMethod, W: Noise> Iterator for AccurateTrajectory<'_, I, W> {
-    type Item = Result<StateOf<I::System>, StepError>;
-
-    #[inline]
-    fn next(&mut self) -> Option<Self::Item> {
-        self.trajectory.next()
     }
 }

@@ -7,8 +7,8 @@
 use core::borrow::Borrow as _;
 use core::ops::RangeInclusive;
 
-use super::Trajectory;
 use super::events::zero_between;
+use super::{StepKind, Trajectory};
 use crate::error::StepError;
 use crate::gauss::step_size::StepSize;
 use crate::integrator::accept::check_step_size;
@@ -236,7 +236,7 @@ fn reaches(elapsed: f64, rest: f64) -> bool {
     rest.is_finite() && rest.abs() <= elapsed.abs() * (1.0 + SAME_TIME)
 }
 
-impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'_, I, W, K> {
     /// Returns whether the sizes of the steps are adapted.
     pub(super) fn is_adapted(&self) -> bool {
         matches!(self.sizes, Sizes::Adapted(_))

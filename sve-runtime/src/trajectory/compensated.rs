@@ -3,7 +3,7 @@
 //! Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006),
 //! section VIII.5.
 
-use super::{RefinedTrajectory, Trajectory};
+use super::{FixedSteps, StepKind, Trajectory};
 use crate::error::StepError;
 use crate::integrator::Integrator;
 use crate::integrator::driven::Driven;
@@ -15,14 +15,7 @@ use crate::phase::state::State;
 use crate::rule::Rule;
 use crate::system::{Dims, StateOf, System, WithInputs};
 
-impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
-    /// Carries the low parts of the state from now on, starting with `low`. A resumed trajectory
-    /// keeps its own low parts.
-    fn carry_low_parts(mut self, low: StateOf<I::System>) -> Self {
-        self.low.get_or_insert(low);
-        self
-    }
-
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'_, I, W, K> {
     /// Makes a step that carries the low parts of the state.
     #[inline(never)]
     pub(super) fn compensated_step(&mut self, dw: &I::Increments) -> Result<(), StepError> {
@@ -33,13 +26,6 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
             }
             _ => Ok(()),
         }
-    }
-}
-
-impl<I: OneStepMethod, W: Noise> RefinedTrajectory<'_, I, W> {
-    /// Carries the low parts of the state from now on, see [`Trajectory::carry_low_parts`].
-    fn carry_low_parts(self, low: StateOf<I::System>) -> Self {
-        self.map(|trajectory| trajectory.carry_low_parts(low))
     }
 }
 
@@ -98,7 +84,7 @@ where
     }
 }
 
-impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'_, I, W, K> {
     /// Compensates the rounding errors of the state: keeps the rounding errors of coordinates and
     /// momenta at each step, and adds them at the next one. In a run of many steps this reduces the
     /// random walk of rounding errors.
@@ -140,22 +126,13 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Source: Kahan's sum as in Hairer, Lubich, Wanner, *Geometric Numerical Integration* (2006),
     /// section VIII.5.
     #[must_use]
-    pub fn compensated(self) -> Self
+    pub fn compensated(mut self) -> Self
     where
         I: CompensatedSums,
+        K: FixedSteps,
     {
-        self.carry_low_parts(I::no_low_parts())
-    }
-}
-
-impl<I: OneStepMethod, W: Noise> RefinedTrajectory<'_, I, W> {
-    /// Compensates the rounding errors of the state, see [`Trajectory::compensated`], which has an
-    /// example.
-    #[must_use]
-    pub fn compensated(self) -> Self
-    where
-        I: CompensatedSums,
-    {
-        self.carry_low_parts(I::no_low_parts())
+        // a resumed trajectory keeps its own low parts
+        self.low.get_or_insert_with(I::no_low_parts);
+        self
     }
 }

@@ -1,11 +1,12 @@
 //! States along a path, one for each step.
 //!
-//! Input: a method, a start, a step size and a noise. Output: an iterator over the states. Two
-//! options change how a step is made: [`refine`](Trajectory::refine) wraps the trajectory into an
-//! adapter that divides failing steps; [`compensated`](Trajectory::compensated) carries the low
-//! parts of the state. The adapter [`Events`] yields the states at zeros of functions, and ends or
-//! changes the trajectory at them; the adapter [`Saved`] yields every n-th state, or the states at
-//! given times. An [`AccurateTrajectory`] adapts the step size to a tolerance.
+//! Input: a method, a start, a step size and a noise. Output: an iterator over the states. Three
+//! options change how a step is made: [`refine`](Trajectory::refine) divides steps that fail;
+//! [`tolerance`](Trajectory::tolerance) adapts the step size;
+//! [`compensated`](Trajectory::compensated) carries the low parts of the state. The first two
+//! change the kind of the trajectory. The adapter [`Events`] yields the states at zeros of
+//! functions, and ends or changes the trajectory at them; the adapter [`Saved`] yields every n-th
+//! state, or the states at given times.
 
 mod accurate;
 mod adapted;
@@ -14,6 +15,7 @@ mod compensated;
 mod driven;
 mod events;
 mod gradient;
+mod kind;
 mod method;
 mod refined;
 mod saved;
@@ -21,11 +23,12 @@ mod snapshot;
 mod sweep;
 mod time_scale;
 
-pub use accurate::{AccurateTrajectory, FixedSteps, WithoutNoise};
+pub use accurate::{AccurateTrajectory, WithoutNoise};
 pub use compensated::CompensatedSums;
 pub use driven::{DrivenPaths, DrivenTrajectory, NeedsInputs, StepsWithoutInputs};
 pub use events::{Events, WithoutEvents};
 pub use gradient::{Adjoint, Gradient};
+pub use kind::{AdaptedSteps, EqualSteps, FixedSteps, RefinedSteps, StepKind, WholeSteps};
 pub use method::Method;
 #[cfg(feature = "ensemble")]
 pub(crate) use refined::Halving;
@@ -50,8 +53,12 @@ use crate::time::{is_next_time, time_after};
 /// Ends after an error, and at the end of a recorded path; otherwise it has no end: `take` as many
 /// as needed, or give a time with [`until`](Self::until). [`every`](Self::every) and
 /// [`at`](Self::at) save some of the states.
+///
+/// The kind `K` of its steps is that of steps of one size, unless it is a [`RefinedTrajectory`] or
+/// an [`AccurateTrajectory`].
 #[derive(Debug)]
-pub struct Trajectory<'a, I: OneStepMethod, W> {
+pub struct Trajectory<'a, I: OneStepMethod, W, K = EqualSteps> {
+    kind: K,
     method: Shared<'a, I>,
     noise: W,
     state: StateOf<I::System>,
@@ -80,6 +87,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         noise: W,
     ) -> Self {
         Self {
+            kind: EqualSteps,
             start: state.t,
             method: method.into(),
             noise,
@@ -92,6 +100,27 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             refinements: Refinements::default(),
             low: None,
             sizes: Sizes::Fixed,
+        }
+    }
+}
+
+impl<'a, I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'a, I, W, K> {
+    /// Returns the trajectory with steps of another kind.
+    fn of_kind<L>(self, kind: L) -> Trajectory<'a, I, W, L> {
+        Trajectory {
+            kind,
+            method: self.method,
+            noise: self.noise,
+            state: self.state,
+            start: self.start,
+            h: self.h,
+            prepared: self.prepared,
+            buffer: self.buffer,
+            step: self.step,
+            has_ended: self.has_ended,
+            refinements: self.refinements,
+            low: self.low,
+            sizes: self.sizes,
         }
     }
 
@@ -185,7 +214,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
                 made => left -= made,
             }
         }
-        (0..left).try_for_each(|_| self.make_step(|_, error, _| Err(error)))
+        (0..left).try_for_each(|_| self.make_step())
     }
 
     /// Makes some of the next `count` steps at once, if noise and method can. Returns the number of
@@ -217,25 +246,6 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         Ok(made)
     }
 
-    /// Returns the state after the next step. If the step fails, calls `retry` with the error and
-    /// the increments of the step; `retry` makes the step in another way, or returns an error.
-    #[inline(always)]
-    fn next_or(
-        &mut self,
-        retry: impl FnOnce(&mut Self, StepError, &I::Increments) -> Result<(), StepError>,
-    ) -> Option<Result<StateOf<I::System>, StepError>> {
-        if self.has_ended {
-            return None;
-        }
-        match self.make_step(retry) {
-            Ok(()) => Some(Ok(self.state.clone())),
-            Err(error) => {
-                self.has_ended = true;
-                (!is_end_of_path(&error)).then_some(Err(error))
-            }
-        }
-    }
-
     /// Returns the increments of the next step.
     ///
     /// # Errors
@@ -259,12 +269,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
         }
     }
 
-    /// Makes the next step. If the step fails, calls `retry`, see [`next_or`](Self::next_or).
+    /// Makes the next step. If the step fails, makes it as the kind of the trajectory does.
     #[inline(always)]
-    fn make_step(
-        &mut self,
-        retry: impl FnOnce(&mut Self, StepError, &I::Increments) -> Result<(), StepError>,
-    ) -> Result<(), StepError> {
+    fn make_step(&mut self) -> Result<(), StepError> {
         if self.prepared.is_none() {
             self.prepare()?;
             if self.prepared.is_none() {
@@ -296,7 +303,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             }
         };
         if let Err(error) = made {
-            retry(self, error, dw.to_owned().borrow())?;
+            (self.kind).retry(self, error, dw.to_owned().borrow())?;
             self.forget();
         }
         I::Increments::give(&mut self.buffer, drawn);
@@ -318,12 +325,21 @@ fn is_end_of_path(error: &StepError) -> bool {
     matches!(source, NoiseError::Exhausted { .. })
 }
 
-impl<I: OneStepMethod, W: Noise> Iterator for Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Iterator for Trajectory<'_, I, W, K> {
     type Item = Result<StateOf<I::System>, StepError>;
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        self.next_or(|_, error, _| Err(error))
+        if self.has_ended {
+            return None;
+        }
+        match self.make_step() {
+            Ok(()) => Some(Ok(self.state.clone())),
+            Err(error) => {
+                self.has_ended = true;
+                (!is_end_of_path(&error)).then_some(Err(error))
+            }
+        }
     }
 
     /// Makes the steps up to the state without copying the states that are skipped.

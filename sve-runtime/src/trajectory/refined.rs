@@ -1,10 +1,6 @@
 //! Trajectories that divide a failing step into smaller steps on the same path.
 
-use core::fmt;
-use core::ops::Deref;
-
-use super::Method;
-use super::Trajectory;
+use super::{FixedSteps, Method, RefinedSteps, StepKind, Trajectory};
 use crate::error::StepError;
 use crate::method::{OneStepMethod, Within};
 use crate::noise::{DyadicInterval, Halves, Noise};
@@ -21,14 +17,9 @@ pub struct Refinements {
 }
 
 /// A trajectory that refines steps that fail, from [`Trajectory::refine`].
-///
-/// It dereferences to the [`Trajectory`], for its state, snapshot and counts.
-pub struct RefinedTrajectory<'a, I: OneStepMethod, W> {
-    pub(super) trajectory: Trajectory<'a, I, W>,
-    depth: u32,
-}
+pub type RefinedTrajectory<'a, I, W> = Trajectory<'a, I, W, RefinedSteps>;
 
-impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'a, I, W, K> {
     /// Refines steps that fail: divides such a step into two halves on the same path, and divides
     /// each half that fails in the same way, up to `depth` times.
     ///
@@ -76,6 +67,7 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     where
         I: Method,
         W: Halves,
+        K: FixedSteps,
     {
         const {
             assert!(
@@ -83,34 +75,32 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
                 "steps of a system with a time scale are not refined, since parts of a step keep no structure: take a smaller h, or another time scale"
             );
         }
-        RefinedTrajectory {
-            trajectory: self,
-            depth,
-        }
+        self.of_kind(RefinedSteps { depth })
     }
 }
 
-impl<I: Method, W: Halves> Trajectory<'_, I, W> {
+impl<I: Method, W: Halves> StepKind<I, W> for RefinedSteps {
     /// Makes a step that failed with `error` in smaller steps.
     #[cold]
     #[inline(never)]
-    fn refined_step(
-        &mut self,
-        depth: u32,
+    fn retry(
+        self,
+        trajectory: &mut RefinedTrajectory<'_, I, W>,
         error: StepError,
         dw: &I::Increments,
     ) -> Result<(), StepError> {
-        let mut state = self.state;
+        let mut state = trajectory.state;
         let halving = Halving {
-            method: self.within(),
-            noise: &self.noise,
-            depth,
+            method: trajectory.within(),
+            noise: &trajectory.noise,
+            depth: self.depth,
         };
-        let whole = DyadicInterval::whole(self.step);
-        let deepest = halving.step(error, whole, self.h, dw, &mut state)?;
-        self.state = state;
-        self.refinements.steps += 1;
-        self.refinements.deepest = self.refinements.deepest.max(deepest);
+        let whole = DyadicInterval::whole(trajectory.step);
+        let deepest = halving.step(error, whole, trajectory.h, dw, &mut state)?;
+        trajectory.state = state;
+        let made = &mut trajectory.refinements;
+        made.steps += 1;
+        made.deepest = made.deepest.max(deepest);
         Ok(())
     }
 }
@@ -151,48 +141,5 @@ impl<I: OneStepMethod<Increments: Increments>, W: Halves + ?Sized> Halving<'_, I
             }
         }
         Ok(deepest)
-    }
-}
-
-impl<'a, I: OneStepMethod, W> RefinedTrajectory<'a, I, W> {
-    pub(super) fn map(
-        self,
-        change: impl FnOnce(Trajectory<'a, I, W>) -> Trajectory<'a, I, W>,
-    ) -> Self {
-        Self {
-            trajectory: change(self.trajectory),
-            depth: self.depth,
-        }
-    }
-}
-
-impl<'a, I: OneStepMethod, W> Deref for RefinedTrajectory<'a, I, W> {
-    type Target = Trajectory<'a, I, W>;
-
-    fn deref(&self) -> &Trajectory<'a, I, W> {
-        &self.trajectory
-    }
-}
-
-impl<'a, I: OneStepMethod, W> fmt::Debug for RefinedTrajectory<'a, I, W>
-where
-    Trajectory<'a, I, W>: fmt::Debug,
-{
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("RefinedTrajectory")
-            .field("trajectory", &self.trajectory)
-            .field("depth", &self.depth)
-            .finish()
-    }
-}
-
-impl<I: Method, W: Halves> Iterator for RefinedTrajectory<'_, I, W> {
-    type Item = Result<StateOf<I::System>, StepError>;
-
-    #[inline]
-    fn next(&mut self) -> Option<Self::Item> {
-        let depth = self.depth;
-        self.trajectory
-            .next_or(|trajectory, error, dw| trajectory.refined_step(depth, error, dw))
     }
 }

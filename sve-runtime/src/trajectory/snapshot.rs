@@ -1,7 +1,7 @@
 //! The stored form of a trajectory.
 
 use super::adapted::Sizes;
-use super::{Refinements, Trajectory};
+use super::{Refinements, StepKind, Trajectory};
 use crate::error::StepError;
 use crate::fingerprint::{StepsDifference, StepsFingerprint};
 use crate::method::{OneStepMethod, Shared};
@@ -121,7 +121,9 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
             ..Self::new(method, state, h, noise)
         })
     }
+}
 
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'_, I, W, K> {
     /// Returns the snapshot from which [`Method::resume`](crate::Method::resume) continues with the
     /// bits of this trajectory.
     pub fn snapshot(&self) -> Snapshot<StateOf<I::System>> {

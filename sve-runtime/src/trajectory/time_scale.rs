@@ -115,7 +115,7 @@ impl<S: WithTimeScale, R: Copy> ScaledPaths<S, R> for Integrator<S, R> {
     }
 }
 
-impl<H: TimeScale, R, W> Trajectory<'_, InScaledTime<H, R>, W>
+impl<H: TimeScale, R, W, K> Trajectory<'_, InScaledTime<H, R>, W, K>
 where
     InScaledTime<H, R>: OneStepMethod,
 {

@@ -129,6 +129,10 @@ fn refined_stage_noise(pendulum: Staged, start: Start) {
     let _ = pendulum.trajectory(start, 0.1, Wiener::new(1)).refine(3);
 }
 
+fn section_of_a_refined_path(pendulum: Noisy, start: Start) {
+    let _ = pendulum.trajectory(start, 0.1, Wiener::new(1)).refine(3).crossings(|_, state| state.q[0]);
+}
+
 fn gradient_of_a_baseline(start: Start) {
     let heun = Heun::new(Pendulum { g: 9.8 });
     let _ = heun.trajectory(start, 0.1, Wiener::new(1)).gradient(10, |_, state| Some(state.q[0]));

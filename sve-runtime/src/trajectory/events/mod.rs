@@ -22,7 +22,7 @@ pub(super) use root::zero_between;
 use std::collections::VecDeque;
 
 use self::function::{Action, Direction, EventFunction, Function};
-use super::Trajectory;
+use super::{EqualSteps, StepKind, Trajectory, WholeSteps};
 use crate::error::StepError;
 use crate::error::observed::Observed;
 use crate::method::OneStepMethod;
@@ -113,7 +113,7 @@ pub struct Events<'a, I: OneStepMethod, W> {
     has_ended: bool,
 }
 
-impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
+impl<'a, I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'a, I, W, K> {
     /// Returns the states at which a function of the system and a state changes its sign, in place
     /// of the states after each step: a Poincaré section, for example.
     ///
@@ -153,10 +153,11 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     where
         I: Method,
         W: Halves,
+        K: WholeSteps,
         F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
         O: Observed,
     {
-        Events::new(self).crossings(function)
+        Events::new(self.of_kind(EqualSteps)).crossings(function)
     }
 
     /// Ends the trajectory at the first zero of a function, with the state at this zero as its last
@@ -188,10 +189,11 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     where
         I: Method,
         W: Halves,
+        K: WholeSteps,
         F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
         O: Observed,
     {
-        Events::new(self).stop_at(function)
+        Events::new(self.of_kind(EqualSteps)).stop_at(function)
     }
 
     /// Changes the state at each zero of a function: a ball that bounces, a kick at a place. The
@@ -211,11 +213,12 @@ impl<'a, I: OneStepMethod, W: Noise> Trajectory<'a, I, W> {
     where
         I: Method,
         W: Halves,
+        K: WholeSteps,
         F: Fn(&I::System, &StateOf<I::System>) -> O + 'a,
         O: Observed,
         C: FnMut(&I::System, &mut StateOf<I::System>) + 'a,
     {
-        Events::new(self).change_at(function, change)
+        Events::new(self.of_kind(EqualSteps)).change_at(function, change)
     }
 }
 

@@ -1,10 +1,9 @@
 //! The states of a trajectory that are saved: every n-th state, the states at given times, the
 //! states up to a time.
 //!
-//! Input: a trajectory, plain or refined, and the points to save. Output: an iterator over the
-//! saved states. Invariant: the trajectory makes its own steps, with its own bits. A state within a
-//! step is computed separately, by a step of a part of the length, and does not affect the
-//! trajectory.
+//! Input: a trajectory of any kind, and the points to save. Output: an iterator over the saved
+//! states. Invariant: the trajectory makes its own steps, with its own bits. A state within a step
+//! is computed separately, by a step of a part of the length, and does not affect the trajectory.
 
 mod search;
 mod write;
@@ -13,13 +12,11 @@ use core::borrow::Borrow;
 use core::ops::Deref;
 use std::collections::VecDeque;
 
-use self::search::Steps;
-use super::{RefinedTrajectory, Trajectory};
+use super::{StepKind, Trajectory};
 use crate::method::OneStepMethod;
-use crate::noise::{Halves, Noise};
+use crate::noise::Noise;
 use crate::progress::Progress;
 use crate::time::WrittenTimes;
-use crate::trajectory::Method;
 
 /// Saved states of a trajectory, from [`Trajectory::every`], [`Trajectory::at`] and
 /// [`Trajectory::until`].
@@ -34,8 +31,9 @@ use crate::trajectory::Method;
 /// **A time within a step** is reached by a step of a part of the length, from the last whole step,
 /// on the same path of the noise. The trajectory does not notice it. The source has to know its
 /// path within steps, as [`Wiener`](crate::noise::Wiener) and [`NoNoise`](crate::noise::NoNoise) do
-/// ([`Halves`]); for other sources, and for a rule with [stage noise](crate::StageNoise), the item
-/// is an error that says so. A time that is the end of a whole step up to rounding counts as one.
+/// ([`Halves`](crate::noise::Halves)); for other sources, and for a rule with [stage
+/// noise](crate::StageNoise), the item is an error that says so. A time that is the end of a whole
+/// step up to rounding counts as one.
 ///
 /// [`to_csv`](Self::to_csv), `to_npy` and `to_parquet` write the states, with the names of the
 /// coordinates; [`table`](Self::table) returns them. The states of a scene have no table:
@@ -64,7 +62,7 @@ enum Wanted {
     Times(VecDeque<f64>),
 }
 
-impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'_, I, W, K> {
     /// Saves the present state of the trajectory, and every `n`-th state after it.
     ///
     /// ```
@@ -93,14 +91,16 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// [`StepError::SavedInterval`](crate::StepError::SavedInterval).
     #[must_use]
     pub fn every(self, n: u64) -> Saved<Self> {
-        Saved::every(self, n)
+        let next = self.step;
+        Saved::new(self, Wanted::Steps { next, every: n })
     }
 
     /// Saves the states at these times, in the order in which the trajectory reaches them, and
     /// ends.
     ///
     /// A time between two steps is reached by a step of a part of the length, on the same path of
-    /// the noise; see [`Saved`]. The time of the start is allowed.
+    /// the noise; see [`Saved`]. This part is not [refined](Self::refine). The time of the start is
+    /// allowed.
     ///
     /// ```
     /// use sve_runtime::prelude::*;
@@ -126,7 +126,8 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// ```
     #[must_use]
     pub fn at<T: Borrow<f64>>(self, times: impl IntoIterator<Item = T>) -> Saved<Self> {
-        Saved::at(self, times)
+        let times = times.into_iter().map(|t| *t.borrow()).collect();
+        Saved::new(self, Wanted::Times(times))
     }
 
     /// Ends the trajectory at a time, with the state at this time as its last state.
@@ -156,36 +157,13 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// ```
     #[must_use]
     pub fn until(self, t: f64) -> Saved<Self> {
-        Saved::after_each_step(self).until(t)
+        let next = self.step + 1;
+        Saved::new(self, Wanted::Steps { next, every: 1 }).until(t)
     }
 }
 
-impl<I: Method, W: Halves> RefinedTrajectory<'_, I, W> {
-    /// Saves the present state of the trajectory, and every `n`-th state after it; see
-    /// [`Trajectory::every`], which has an example.
-    #[must_use]
-    pub fn every(self, n: u64) -> Saved<Self> {
-        Saved::every(self, n)
-    }
-
-    /// Saves the states at these times; see [`Trajectory::at`], which has an example. A part of a
-    /// step is not refined.
-    #[must_use]
-    pub fn at<T: Borrow<f64>>(self, times: impl IntoIterator<Item = T>) -> Saved<Self> {
-        Saved::at(self, times)
-    }
-
-    /// Ends the trajectory at a time; see [`Trajectory::until`], which has an example. A part of a
-    /// step is not refined.
-    #[must_use]
-    pub fn until(self, t: f64) -> Saved<Self> {
-        Saved::after_each_step(self).until(t)
-    }
-}
-
-#[allow(private_bounds)] // trajectories, plain and refined
-impl<T: Steps> Saved<T> {
-    fn new(path: T, wanted: Wanted) -> Self {
+impl<'a, I: OneStepMethod, W: Noise, K: StepKind<I, W>> Saved<Trajectory<'a, I, W, K>> {
+    fn new(path: Trajectory<'a, I, W, K>, wanted: Wanted) -> Self {
         Self {
             times: path.times(),
             path,
@@ -195,21 +173,6 @@ impl<T: Steps> Saved<T> {
             begins_progress: false,
             progress: None,
         }
-    }
-
-    pub(super) fn every(path: T, every: u64) -> Self {
-        let next = path.steps_made();
-        Self::new(path, Wanted::Steps { next, every })
-    }
-
-    pub(super) fn after_each_step(path: T) -> Self {
-        let next = path.steps_made() + 1;
-        Self::new(path, Wanted::Steps { next, every: 1 })
-    }
-
-    pub(super) fn at<X: Borrow<f64>>(path: T, times: impl IntoIterator<Item = X>) -> Self {
-        let times = times.into_iter().map(|t| *t.borrow()).collect();
-        Self::new(path, Wanted::Times(times))
     }
 
     /// Ends at a time. The state at this time is the last one, even if it would not be saved

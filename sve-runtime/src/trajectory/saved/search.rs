@@ -9,52 +9,12 @@ use core::borrow::Borrow as _;
 use super::{Saved, Wanted};
 use crate::error::StepError;
 use crate::method::OneStepMethod;
-use crate::noise::{Halves, Noise, increments_until};
+use crate::noise::{Noise, increments_until};
 use crate::progress::Progress;
-use crate::system::{AnySystem, StateOf};
+use crate::system::StateOf;
 use crate::time::{WrittenTimes, is_next_time};
-use crate::trajectory::Method;
 use crate::trajectory::events::zero_between;
-use crate::trajectory::{RefinedTrajectory, Trajectory, is_end_of_path};
-
-/// A trajectory whose states can be saved.
-pub(crate) trait Steps: Iterator<Item = Result<StateOf<Self::System>, StepError>> {
-    type System: AnySystem;
-    /// Returns whether the times after its steps are not known ahead: they are those of the states,
-    /// not multiples of the step size.
-    fn has_own_times(&self) -> bool {
-        false
-    }
-    /// Returns the times after its steps.
-    fn times(&self) -> WrittenTimes;
-    /// Returns the number of steps made.
-    fn steps_made(&self) -> u64;
-    /// Returns the state reached.
-    fn reached(&self) -> &StateOf<Self::System>;
-    /// Makes steps up to a number of steps. Returns whether it was reached before the end of the
-    /// trajectory.
-    fn go_on(&mut self, steps: u64) -> Result<bool, StepError> {
-        while self.steps_made() < steps {
-            if self.next().transpose()?.is_none() {
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-    /// Returns the number of whole steps before a time, and whether the time is the end of these
-    /// steps. A path whose times are not known ahead makes them, and counts no further than `most`.
-    fn place_of(
-        &mut self,
-        t: f64,
-        times: &WrittenTimes,
-        most: u64,
-    ) -> Result<(u64, bool), StepError> {
-        let _ = most;
-        place_among(times, t, self.steps_made())
-    }
-    /// Returns the state at a time within the next step.
-    fn state_within(&mut self, t: f64) -> Result<StateOf<Self::System>, StepError>;
-}
+use crate::trajectory::{StepKind, Trajectory, is_end_of_path};
 
 /// Returns the number of whole steps before a time, and whether the time is the end of these steps.
 ///
@@ -69,25 +29,20 @@ fn place_among(times: &WrittenTimes, t: f64, made: u64) -> Result<(u64, bool), S
     })
 }
 
-impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
-    type System = I::System;
-
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Trajectory<'_, I, W, K> {
+    /// Returns whether the times after its steps are not known ahead: they are those of the states,
+    /// not multiples of the step size.
     fn has_own_times(&self) -> bool {
         I::HAS_OWN_TIME || self.is_adapted()
     }
 
-    fn times(&self) -> WrittenTimes {
+    /// Returns the times after its steps.
+    pub(super) fn times(&self) -> WrittenTimes {
         WrittenTimes::new(self.start, self.h)
     }
 
-    fn steps_made(&self) -> u64 {
-        self.step
-    }
-
-    fn reached(&self) -> &StateOf<I::System> {
-        &self.state
-    }
-
+    /// Makes steps up to a number of steps. Returns whether it was reached before the end of the
+    /// trajectory.
     fn go_on(&mut self, steps: u64) -> Result<bool, StepError> {
         let left = steps.saturating_sub(self.step);
         if left == 0 || self.has_ended {
@@ -100,6 +55,8 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
         }
     }
 
+    /// Returns the number of whole steps before a time, and whether the time is the end of these
+    /// steps. A path whose times are not known ahead makes them, and counts no further than `most`.
     fn place_of(
         &mut self,
         t: f64,
@@ -116,6 +73,7 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
         place_among(times, t, self.step)
     }
 
+    /// Returns the state at a time within the next step.
     fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
         if self.is_adapted() {
             return self.adapted_state_at(t);
@@ -134,9 +92,7 @@ impl<I: OneStepMethod, W: Noise> Steps for Trajectory<'_, I, W> {
         state.t = t;
         Ok(state)
     }
-}
 
-impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     /// Makes steps up to a number of steps, as long as none ends behind a time. Returns their
     /// number, and whether the last one ends at this time.
     fn place_in_own_time(&mut self, end: f64, most: u64) -> Result<(u64, bool), StepError> {
@@ -197,39 +153,18 @@ impl<I: OneStepMethod, W: Noise> Trajectory<'_, I, W> {
     }
 }
 
-impl<I: Method, W: Halves> Steps for RefinedTrajectory<'_, I, W> {
-    type System = I::System;
-
-    fn times(&self) -> WrittenTimes {
-        self.trajectory.times()
-    }
-
-    fn steps_made(&self) -> u64 {
-        self.trajectory.step
-    }
-
-    fn reached(&self) -> &StateOf<I::System> {
-        &self.trajectory.state
-    }
-
-    fn state_within(&mut self, t: f64) -> Result<StateOf<I::System>, StepError> {
-        self.trajectory.state_within(t)
-    }
-}
-
 /// A point of a trajectory.
 enum Point {
     Step(u64),
     Time(f64),
 }
 
-#[allow(private_bounds)] // trajectories, plain and refined
-impl<T: Steps> Saved<T> {
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Saved<Trajectory<'_, I, W, K>> {
     /// Returns the next point to save; `None` after the last one.
     fn next_point(&mut self) -> Result<Option<Point>, StepError> {
         let point = match &mut self.wanted {
             Wanted::Steps { every: 0, .. } => {
-                let t = self.path.reached().t;
+                let t = self.path.state.t;
                 return Err(StepError::SavedInterval { t });
             }
             Wanted::Steps { next, every } => {
@@ -279,7 +214,7 @@ impl<T: Steps> Saved<T> {
 
     /// Goes to a point. Returns the state at it; `None` if a trajectory without an end has ended,
     /// for example at the end of a recorded path.
-    fn go_to(&mut self, point: &Point) -> Result<Option<StateOf<T::System>>, StepError> {
+    fn go_to(&mut self, point: &Point) -> Result<Option<StateOf<I::System>>, StepError> {
         let (steps, t, is_whole) = match *point {
             Point::Step(step) => (step, self.times.after(step), true),
             Point::Time(t) => {
@@ -293,20 +228,20 @@ impl<T: Steps> Saved<T> {
                 Point::Time(t) => Some(t),
                 Point::Step(_) => self.end,
             };
-            let end = self.times.after(self.path.steps_made());
+            let end = self.times.after(self.path.step);
             return wanted.map_or(Ok(None), |t| Err(StepError::PathEnded { t, end }));
         }
         if !is_whole {
             return self.path.state_within(t).map(Some);
         }
-        let mut state = self.path.reached().clone();
+        let mut state = self.path.state.clone();
         if !self.path.has_own_times() {
             state.t = t;
         }
         Ok(Some(state))
     }
 
-    fn advance(&mut self) -> Result<Option<StateOf<T::System>>, StepError> {
+    fn advance(&mut self) -> Result<Option<StateOf<I::System>>, StepError> {
         if !self.times.are_known() {
             // The first step returns the reason.
             return self.path.next().transpose();
@@ -318,8 +253,8 @@ impl<T: Steps> Saved<T> {
     }
 }
 
-impl<T: Steps> Iterator for Saved<T> {
-    type Item = <T as Iterator>::Item;
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Iterator for Saved<Trajectory<'_, I, W, K>> {
+    type Item = Result<StateOf<I::System>, StepError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.has_ended {

@@ -4,11 +4,13 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
 
-use super::search::Steps;
 use super::{Saved, Wanted};
+use crate::method::OneStepMethod;
+use crate::noise::Noise;
 use crate::phase::configuration::Site;
 use crate::system::{ConfigurationOf, MomentumOf, StateOf, System};
 use crate::table::{SaveError, StateTable, Xyz};
+use crate::trajectory::{StepKind, Trajectory};
 
 #[cfg(feature = "npy")]
 use crate::integrator::scenes::Scenes;
@@ -17,8 +19,12 @@ use crate::system::{AnySystem, FixedSizes, Kind};
 #[cfg(feature = "npy")]
 use crate::table::frames_header;
 
-#[allow(private_bounds)] // trajectories, plain and refined
-impl<T: Steps<System: System>> Saved<T> {
+impl<I, W, K> Saved<Trajectory<'_, I, W, K>>
+where
+    I: OneStepMethod<System: System>,
+    W: Noise,
+    K: StepKind<I, W>,
+{
     /// Makes the steps and returns the saved states as a table, to which columns can be
     /// [added](StateTable::with).
     ///
@@ -32,7 +38,7 @@ impl<T: Steps<System: System>> Saved<T> {
     /// error of a step.
     pub fn table(mut self) -> Result<StateTable, SaveError> {
         self.check_end()?;
-        let mut table = StateTable::new::<T::System>(false);
+        let mut table = StateTable::new::<I::System>(false);
         for state in &mut self {
             table.push(None, &state?);
         }
@@ -90,8 +96,7 @@ impl<T: Steps<System: System>> Saved<T> {
     }
 }
 
-#[allow(private_bounds)] // trajectories, plain and refined
-impl<T: Steps> Saved<T> {
+impl<I: OneStepMethod, W: Noise, K: StepKind<I, W>> Saved<Trajectory<'_, I, W, K>> {
     /// Makes the steps and writes the saved states as a structured array of `NumPy` into a file.
     ///
     /// For a system of fixed size, its fields are the columns of [`table`](Self::table); see
@@ -131,11 +136,12 @@ impl<T: Steps> Saved<T> {
     /// [`SaveError::NoEnd`] without [`at`](crate::Trajectory::at) or [`until`](Self::until); the
     /// error of a step; errors of the file, which is complete or not written at all.
     #[cfg(feature = "npy")]
+    #[allow(private_bounds)] // the kinds of systems
     pub fn to_npy(self, path: impl AsRef<Path>) -> Result<(), SaveError>
     where
-        KindOf<T>: WriteNpy<T::System>,
+        <I::System as AnySystem>::Kind: WriteNpy<I::System>,
     {
-        KindOf::<T>::write_npy(self, path.as_ref())
+        <I::System as AnySystem>::Kind::write_npy(self, path.as_ref())
     }
 
     /// Makes the steps and writes the saved states of bodies as frames in the extended XYZ format
@@ -181,8 +187,8 @@ impl<T: Steps> Saved<T> {
         xyz: &Xyz<D>,
     ) -> Result<(), SaveError>
     where
-        ConfigurationOf<T::System>: AsRef<[B]>,
-        MomentumOf<T::System>: AsRef<[B]>,
+        ConfigurationOf<I::System>: AsRef<[B]>,
+        MomentumOf<I::System>: AsRef<[B]>,
         B: Site<Row = [f64; D]>,
     {
         self.check_end()?;
@@ -211,7 +217,7 @@ impl<T: Steps> Saved<T> {
         self,
         path: &Path,
         header: &[u8],
-        mut write: impl FnMut(&mut BufWriter<File>, &StateOf<T::System>) -> io::Result<()>,
+        mut write: impl FnMut(&mut BufWriter<File>, &StateOf<I::System>) -> io::Result<()>,
     ) -> Result<(), SaveError> {
         let mut failed = None;
         let written = crate::file::write(path, |file| {
@@ -234,9 +240,6 @@ impl<T: Steps> Saved<T> {
     }
 }
 
-#[cfg(feature = "npy")]
-type KindOf<T> = <<T as Steps>::System as AnySystem>::Kind;
-
 /// How the saved states of systems of a kind are written as an array of `NumPy`.
 #[cfg(feature = "npy")]
 pub(crate) trait WriteNpy<S: AnySystem>: Kind {
@@ -244,21 +247,30 @@ pub(crate) trait WriteNpy<S: AnySystem>: Kind {
     ///
     /// # Errors
     /// As [`Saved::to_npy`].
-    fn write_npy<T: Steps<System = S>>(saved: Saved<T>, path: &Path) -> Result<(), SaveError>;
+    fn write_npy<I: OneStepMethod<System = S>, W: Noise, K: StepKind<I, W>>(
+        saved: Saved<Trajectory<'_, I, W, K>>,
+        path: &Path,
+    ) -> Result<(), SaveError>;
 }
 
 #[cfg(feature = "npy")]
 impl<S: System> WriteNpy<S> for FixedSizes {
-    fn write_npy<T: Steps<System = S>>(saved: Saved<T>, path: &Path) -> Result<(), SaveError> {
+    fn write_npy<I: OneStepMethod<System = S>, W: Noise, K: StepKind<I, W>>(
+        saved: Saved<Trajectory<'_, I, W, K>>,
+        path: &Path,
+    ) -> Result<(), SaveError> {
         Ok(saved.table()?.to_npy(path)?)
     }
 }
 
 #[cfg(feature = "npy")]
 impl<S: AnySystem<Configuration = Vec<Q>>, Q: Site> WriteNpy<S> for Scenes {
-    fn write_npy<T: Steps<System = S>>(mut saved: Saved<T>, path: &Path) -> Result<(), SaveError> {
+    fn write_npy<I: OneStepMethod<System = S>, W: Noise, K: StepKind<I, W>>(
+        mut saved: Saved<Trajectory<'_, I, W, K>>,
+        path: &Path,
+    ) -> Result<(), SaveError> {
         let frames = saved.frames()?;
-        let sites = saved.path.reached().q.len();
+        let sites = saved.path.state.q.len();
         let header = frames_header(frames, sites, Q::NUMBERS);
         saved.write_frames(path, &header, |file, state| {
             file.write_all(&state.t.to_le_bytes())?;
