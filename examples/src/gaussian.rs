@@ -4,7 +4,13 @@
 //! `Σ₁ = A Σ₀ Aᵀ + Q`. A quadratic form has mean `tr(DΣ) + μᵀDμ` and variance
 //! `2 tr(DΣDΣ) + 4 μᵀDΣDμ` (D symmetric). So mean energies and their standard errors are known
 //! without sampling. For `Q = σ²h b bᵀ` the second moments `M = Σ + μμᵀ` obey
-//! `M₁ = A M₀ Aᵀ + σ²h b bᵀ`.
+//! `M₁ = A M₀ Aᵀ + σ²h b bᵀ`. A and b are read off the steps of a method, so that the moments belong
+//! to the code that runs.
+
+use std::array::from_fn;
+
+use sve_runtime::system::{Dims, System};
+use sve_runtime::{Method, State, StepError};
 
 /// A matrix, rows first.
 pub type Matrix<const K: usize> = [[f64; K]; K];
@@ -17,6 +23,29 @@ pub struct Gaussian<const K: usize> {
     /// The covariance of the distribution.
     pub covariance: Matrix<K>,
 }
+
+/// A and b of a step `y₁ = A y₀ + b ΔW`.
+pub type Linear<const K: usize> = (Matrix<K>, [f64; K]);
+
+/// Returns A and b of the steps of length `h` of a linear system, from three of them.
+///
+/// # Errors
+/// That of a step.
+pub fn linear<I>(method: &I, h: f64) -> Result<Linear<2>, StepError>
+where
+    I: Method<System: System<Dims = Dims<1, 1>>>,
+{
+    let image = |q: f64, p: f64, dw: f64| {
+        let mut state = State::new([q], [p]);
+        method.step(&mut state, h, &[dw])?;
+        Ok([state.q[0], state.p[0]])
+    };
+    let (x, y) = (image(1.0, 0.0, 0.0)?, image(0.0, 1.0, 0.0)?);
+    Ok((from_fn(|i| [x[i], y[i]]), image(0.0, 0.0, 1.0)?))
+}
+
+/// `½ yᵀ y`, the energy of an oscillator, as the matrix of a quadratic form.
+pub const ENERGY: Matrix<2> = [[0.5, 0.0], [0.0, 0.5]];
 
 /// A linear scheme.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +76,12 @@ impl<const K: usize> Gaussian<K> {
 }
 
 impl<const K: usize> Scheme<K> {
+    /// Returns the scheme of steps of length `h` with one Wiener process.
+    pub fn driven((a, b): Linear<K>, h: f64) -> Self {
+        let noise = from_fn(|i| from_fn(|j| h * b[i] * b[j]));
+        Self { a, noise }
+    }
+
     /// Returns the distribution one step later.
     #[must_use]
     pub fn step(&self, y: &Gaussian<K>) -> Gaussian<K> {
@@ -60,6 +95,11 @@ impl<const K: usize> Scheme<K> {
             mean: apply(&self.a, &y.mean),
             covariance,
         }
+    }
+
+    /// Returns the distribution after so many steps.
+    pub fn after(&self, start: [f64; K], steps: usize) -> Gaussian<K> {
+        (0..steps).fold(Gaussian::certain(start), |y, _| self.step(&y))
     }
 
     /// Returns the distributions after 0, 1, 2 … steps.
@@ -127,12 +167,13 @@ pub fn product<const K: usize>(a: &Matrix<K>, b: &Matrix<K>) -> Matrix<K> {
     c
 }
 
-fn transpose<const K: usize>(a: &Matrix<K>) -> Matrix<K> {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
+/// Returns `Aᵀ`.
+pub fn transpose<const K: usize>(a: &Matrix<K>) -> Matrix<K> {
+    from_fn(|i| from_fn(|j| a[j][i]))
 }
 
 fn apply<const K: usize>(a: &Matrix<K>, x: &[f64; K]) -> [f64; K] {
-    std::array::from_fn(|i| dot(&a[i], x))
+    from_fn(|i| dot(&a[i], x))
 }
 
 fn dot<const K: usize>(x: &[f64; K], y: &[f64; K]) -> f64 {

@@ -6,18 +6,17 @@
 //! recursion; A and b are read off the scheme's own step, so the expectation belongs to the code
 //! that ran.
 
-use std::array::from_fn;
 use std::error::Error;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Shape, Spread};
-use sve_examples::gaussian::{Matrix, Scheme};
+use sve_examples::gaussian::{ENERGY, Scheme, linear};
 use sve_examples::hues;
 use sve_examples::palette::{self, Color};
 use sve_examples::report::one_row;
+use sve_runtime::Method;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
 use sve_runtime::prelude::*;
-use sve_runtime::{Method, StepError};
 
 use crate::{Options, Report, mean};
 
@@ -40,8 +39,6 @@ impl Oscillator {
 
 const OSCILLATOR: Oscillator = Oscillator { sigma: 1.0 };
 const START: [f64; 2] = [1.0, 0.0];
-/// `H = ½ zᵀ z` as the matrix of a quadratic form.
-const ENERGY: Matrix<2> = [[0.5, 0.0], [0.0, 0.5]];
 const H: f64 = 0.1;
 /// Number of steps between two records.
 const EVERY: usize = 10;
@@ -144,7 +141,7 @@ where
         })
         .stop_on_failure(true)
         .run()?;
-    let exact = scheme(method)?
+    let exact = Scheme::driven(linear(method, H)?, H)
         .distributions(START)
         .take(steps + 1)
         .map(|law| {
@@ -162,24 +159,6 @@ where
         means: energy.mean().to_vec(),
         errors: energy.standard_error(),
         exact,
-    })
-}
-
-/// Returns the method as a map of distributions, from three of its steps.
-fn scheme(method: &impl Method<System = Oscillator>) -> Result<Scheme<2>, StepError> {
-    let image = |q: f64, p: f64, dw: f64| {
-        let mut state = State::new([q], [p]);
-        method.step(&mut state, H, &[dw])?;
-        Ok([state.q[0], state.p[0]])
-    };
-    let (first, second, b) = (
-        image(1.0, 0.0, 0.0)?,
-        image(0.0, 1.0, 0.0)?,
-        image(0.0, 0.0, 1.0)?,
-    );
-    Ok(Scheme {
-        a: from_fn(|i| [first[i], second[i]]),
-        noise: from_fn(|i| from_fn(|j| H * b[i] * b[j])),
     })
 }
 

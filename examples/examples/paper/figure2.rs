@@ -4,12 +4,12 @@ use std::error::Error;
 
 use sve_examples::check::Check;
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::gaussian::{Matrix, Scheme, product, standard_errors};
+use sve_examples::gaussian::{ENERGY, Linear, Scheme, product, standard_errors};
 use sve_examples::{hues, palette};
 use sve_runtime::prelude::*;
 
 use crate::Report;
-use crate::oscillator::{self, ENERGY, Entry, Exact, OSCILLATOR, START, energy};
+use crate::oscillator::{self, Entry, Exact, OSCILLATOR, START, energy};
 use crate::run::{Run, ln_radius};
 use crate::settings::{H, Options};
 
@@ -147,13 +147,9 @@ fn growth(run: &Run) -> Check {
 }
 
 /// Checks the time average of the backward method's energy over the second half.
-fn settled(
-    options: &Options,
-    linear: (Matrix<2>, [f64; 2]),
-    run: &Run,
-) -> Result<Check, StepError> {
+fn settled(options: &Options, linear: Linear<2>, run: &Run) -> Result<Check, StepError> {
     let a = linear.0;
-    let scheme = oscillator::moments(linear);
+    let scheme = Scheme::driven(linear, H);
     let half = run.states.len() / 2;
     let count = (run.states.len() - half) as f64;
     let mut average = 0.0;
@@ -191,15 +187,9 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
     let steps = run.states.len() - 1;
     let (ours, exact) = (run.states[steps], solution.states[steps]);
     let error = [ours.q[0] - exact.q[0], ours.p[0] - exact.p[0]];
-    // The iterator is infinite.
-    let law = joint
-        .distributions(start)
-        .nth(steps)
-        .map(|law| oscillator::difference(&law));
-    let surprise = law.as_ref().map_or(f64::NAN, |law| law.surprise(error));
-    let rms = law.map_or(f64::NAN, |law| {
-        law.quadratic(&[[1.0, 0.0], [0.0, 1.0]]).0.sqrt()
-    });
+    let law = oscillator::difference(&joint.after(start, steps));
+    let surprise = law.surprise(error);
+    let rms = law.quadratic(&[[1.0, 0.0], [0.0, 1.0]]).0.sqrt();
     [
         Check::new(
             format!(
@@ -230,13 +220,10 @@ fn near_exact(entry: &Entry, joint: &Scheme<4>, run: &Run, solution: &Run) -> [C
 fn law(scheme: &Scheme<2>, solution: &Run) -> Check {
     let steps = solution.states.len() - 1;
     let z = solution.states[steps];
-    let surprise = scheme
-        .distributions(START)
-        .nth(steps)
-        .map(|law| law.surprise([z.q[0], z.p[0]]));
+    let surprise = scheme.after(START, steps).surprise([z.q[0], z.p[0]]);
     Check::new(
         "exact solution at the horizon, squared, in units of its covariance",
-        surprise.unwrap_or(f64::NAN),
+        surprise,
     )
     .near(
         2.0,

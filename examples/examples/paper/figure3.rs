@@ -4,14 +4,14 @@ use std::error::Error;
 
 use sve_examples::check::{Check, number};
 use sve_examples::figure::{Axis, Corner, Figure, Layer, Panel, Pen, Row};
-use sve_examples::gaussian::{Matrix, Scheme, standard_errors};
+use sve_examples::gaussian::{ENERGY, Matrix, Scheme, standard_errors};
 use sve_examples::report::one_row;
 use sve_examples::{hues, palette};
 use sve_runtime::plot::page;
 use sve_runtime::prelude::*;
 
 use crate::Report;
-use crate::oscillator::{self, ENERGY, Entry, Exact, START, energy};
+use crate::oscillator::{self, Entry, Exact, START, energy};
 use crate::run::Run;
 use crate::settings::{H, Options, step_of};
 
@@ -102,7 +102,7 @@ pub(crate) fn report(options: &Options, tick: &dyn Fn()) -> Result<Report, Box<d
     }
     let mut schemes = Vec::new();
     for entry in &entries {
-        schemes.push(oscillator::moments(entry.scheme.linear()?));
+        schemes.push(Scheme::driven(entry.scheme.linear()?, H));
     }
     schemes.push(exact.moments());
     let names: Vec<&str> = entries
@@ -231,8 +231,7 @@ fn paired(options: &Options, name: &str, joint: &Scheme<4>, sums: &Sums, exact: 
         form[i][i] = sign;
     }
     let start = [START[0], START[1], START[0], START[1]];
-    let law = joint.distributions(start).nth(step);
-    let (mean, variance) = law.map_or((f64::NAN, f64::NAN), |law| law.quadratic(&form));
+    let (mean, variance) = joint.after(start, step).quadratic(&form);
     let paths = f64::from(options.paths);
     Check::new(
         format!(

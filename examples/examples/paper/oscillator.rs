@@ -7,7 +7,7 @@
 use std::array::from_fn;
 
 use sve_examples::figure::{Pen, Shape};
-use sve_examples::gaussian::{Gaussian, Matrix, Scheme};
+use sve_examples::gaussian::{Gaussian, Linear, Matrix, Scheme, linear};
 use sve_examples::hues;
 use sve_runtime::baseline::{BackwardEulerMaruyama, EulerMaruyama};
 use sve_runtime::prelude::*;
@@ -19,8 +19,6 @@ use crate::systems::Oscillator;
 pub(crate) const OSCILLATOR: Oscillator = Oscillator { sigma: 1.0 };
 /// Start of every run, `(q, p)`.
 pub(crate) const START: [f64; 2] = [1.0, 0.0];
-/// `H = ½ zᵀ z` as the matrix of a quadratic form.
-pub(crate) const ENERGY: Matrix<2> = [[0.5, 0.0], [0.0, 0.5]];
 
 /// A scheme that figures 2 and 3 show.
 pub(crate) struct Entry {
@@ -34,7 +32,7 @@ pub(crate) trait Stepper {
     /// Returns the run from [`START`] on a path.
     fn run(&self, path: &Wiener, steps: usize) -> Result<Run, StepError>;
     /// Returns A and b of one step.
-    fn linear(&self) -> Result<(Matrix<2>, [f64; 2]), StepError>;
+    fn linear(&self) -> Result<Linear<2>, StepError>;
 }
 
 impl<I: Method<System = Oscillator>> Stepper for I {
@@ -42,18 +40,8 @@ impl<I: Method<System = Oscillator>> Stepper for I {
         run(self, start(), H, *path, steps)
     }
 
-    fn linear(&self) -> Result<(Matrix<2>, [f64; 2]), StepError> {
-        let image = |q: f64, p: f64, dw: f64| {
-            let mut state = State::new([q], [p]);
-            self.step(&mut state, H, &[dw])?;
-            Ok([state.q[0], state.p[0]])
-        };
-        let (first, second, b) = (
-            image(1.0, 0.0, 0.0)?,
-            image(0.0, 1.0, 0.0)?,
-            image(0.0, 0.0, 1.0)?,
-        );
-        Ok(([[first[0], second[0]], [first[1], second[1]]], b))
+    fn linear(&self) -> Result<Linear<2>, StepError> {
+        linear(self, H)
     }
 }
 
@@ -100,14 +88,6 @@ pub(crate) fn entries() -> [Entry; 5] {
             Box::new(Integrator::new(OSCILLATOR, Endpoint)),
         ),
     ]
-}
-
-/// Returns the scheme as a map of distributions.
-pub(crate) fn moments((a, b): (Matrix<2>, [f64; 2])) -> Scheme<2> {
-    Scheme {
-        a,
-        noise: from_fn(|i| from_fn(|j| H * b[i] * b[j])),
-    }
 }
 
 /// The exact step `z₁ = R z₀ + σ (∫ sin(h − s) dW, ∫ cos(h − s) dW)`, drawn jointly with ΔW.
@@ -182,7 +162,7 @@ impl Exact {
 
     /// Returns a scheme (components 0, 1) and the exact solution (2, 3) on the same path, as a map
     /// of distributions.
-    pub(crate) fn beside(&self, (a, b): (Matrix<2>, [f64; 2])) -> Scheme<4> {
+    pub(crate) fn beside(&self, (a, b): Linear<2>) -> Scheme<4> {
         let mut joint = Scheme {
             a: [[0.0; 4]; 4],
             noise: [[0.0; 4]; 4],

@@ -6,6 +6,5 @@ mod failures;
 mod increments;
 mod mechanics;
 mod models;
-mod moments;
 mod random;
 mod steps;

@@ -5,8 +5,9 @@ use sve_runtime::baseline::{
 };
 use sve_runtime::{Method, Newton, OneStepMethod, State};
 
-use crate::models::{Damped, Kubo, Pendulum, Polar, Relativistic};
+use crate::models::{Damped, Kubo, Oscillator, Pendulum, Polar, Relativistic};
 
+const H: f64 = 0.1;
 const KUBO: Kubo = Kubo { a: 1.5, sigma: 0.8 };
 
 fn after<I, const N: usize, const M: usize>(
@@ -203,4 +204,27 @@ fn backward_euler_has_the_exact_jacobian() {
         0.5,
         [],
     );
+}
+
+#[test]
+fn additive_noise_needs_no_correction() {
+    let oscillator = Oscillator { sigma: 0.7 };
+    let mut corrected = State::new([0.3], [0.4]);
+    let mut plain = corrected;
+    EulerMaruyama::new(oscillator)
+        .step(&mut corrected, H, &[0.2])
+        .unwrap();
+    EulerMaruyama::new(oscillator)
+        .uncorrected()
+        .step(&mut plain, H, &[0.2])
+        .unwrap();
+    assert_eq!(corrected, plain);
+    BackwardEulerMaruyama::new(oscillator)
+        .step(&mut corrected, H, &[0.2])
+        .unwrap();
+    BackwardEulerMaruyama::new(oscillator)
+        .uncorrected()
+        .step(&mut plain, H, &[0.2])
+        .unwrap();
+    assert_eq!(corrected, plain);
 }

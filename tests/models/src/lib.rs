@@ -1,6 +1,6 @@
 //! Code shared by the tests: models, the users' functions as oracles, all models with all rules as
 //! objects, checks of a feature of the language, comparisons, loops over rules, difference
-//! quotients, orders of convergence, random points, an exact solution.
+//! quotients, orders of convergence, random points, an exact solution, moments of linear systems.
 
 pub mod case;
 pub mod checks;
@@ -11,6 +11,8 @@ pub mod differences;
 pub mod double_double;
 pub mod exact;
 pub mod functions;
+#[path = "../../../examples/src/gaussian.rs"]
+pub mod gaussian;
 pub mod language;
 pub mod models;
 pub mod oracle;

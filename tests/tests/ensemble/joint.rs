@@ -3,15 +3,17 @@
 
 use sve_models::assert_matches;
 use sve_models::checks::{assert_says, assert_within};
+use sve_models::gaussian::{Matrix, Scheme, product, transpose};
 use sve_models::models::{Bath, Oscillator};
 use sve_models::stepper::Stepper;
 use sve_runtime::ensemble::Difference;
 use sve_runtime::prelude::*;
 
-use crate::exact::Affine;
+use crate::exact::scheme;
 use crate::runs::{kubo, oscillator, run_in_parts};
 
 const PATHS: u64 = 20_000;
+const START: [f64; 2] = [1.0, 0.0];
 
 type Method = Integrator<Oscillator, Midpoint>;
 
@@ -37,11 +39,10 @@ fn covariances_are_those_of_the_recursion() {
         .two_time("p", "p")
         .run()
         .unwrap();
-    let affine = Affine::of(&method, 0.1);
-    let states = affine.from(1.0, 60);
+    let steps = scheme(&method, 0.1);
     let [qp, qq] = ["p", "q"].map(|of| summary.covariance("q", of).unwrap());
     for record in 1..=6 {
-        let (_, c) = states[10 * record];
+        let c = steps.after(START, 10 * record).covariance;
         for (found, exact) in [(&qp, c[0][1]), (&qq, c[0][0])] {
             let (covariance, error) = (found.covariance(), found.standard_error());
             assert_within(covariance[record], exact, error[record], 4.5, record);
@@ -60,9 +61,9 @@ fn covariances_are_those_of_the_recursion() {
     let [two, momentum] = ["q", "p"].map(|of| summary.two_time(of, "p").unwrap());
     for s in 0..=6 {
         for t in 0..=6 {
-            let exact = exact_two_time(&affine.a, &states, 10 * s, 10 * t);
+            let exact = exact_two_time(&steps, 10 * s, 10 * t);
             if s * t > 0 {
-                let variances = [states[10 * s].1, states[10 * t].1];
+                let variances = [s, t].map(|k| steps.after(START, 10 * k).covariance);
                 // var(s₁₂) = (c₁₁ c₂₂ + c₁₂²)/(n − 1) for a Gaussian, of which fourth moments are
                 // known to 3 %
                 for (found, [first, second], exact) in [
@@ -88,28 +89,12 @@ fn covariances_are_those_of_the_recursion() {
 }
 
 /// Covariances of the state at step `s` with that at step `t`.
-fn exact_two_time(
-    a: &[[f64; 2]; 2],
-    states: &[([f64; 2], [[f64; 2]; 2])],
-    s: usize,
-    t: usize,
-) -> [[f64; 2]; 2] {
-    let (first, steps) = (s.min(t), s.abs_diff(t));
-    let mut c = states[first].1;
-    for _ in 0..steps {
-        let mut next = [[0.0; 2]; 2];
-        for i in 0..2 {
-            for j in 0..2 {
-                next[i][j] = a[j][0] * c[i][0] + a[j][1] * c[i][1];
-            }
-        }
-        c = next;
+fn exact_two_time(scheme: &Scheme<2>, s: usize, t: usize) -> Matrix<2> {
+    let mut c = scheme.after(START, s.min(t)).covariance;
+    for _ in 0..s.abs_diff(t) {
+        c = product(&c, &transpose(&scheme.a));
     }
-    if s <= t {
-        c
-    } else {
-        [[c[0][0], c[1][0]], [c[0][1], c[1][1]]]
-    }
+    if s <= t { c } else { transpose(&c) }
 }
 
 /// The midpoint rule keeps q and p independent with variance kT = σ²/2ν, so C(t) = kT Aᵗ.

@@ -8,7 +8,7 @@ use sve_models::checks::assert_says;
 use sve_models::models::Oscillator;
 use sve_runtime::prelude::*;
 
-use crate::exact::Affine;
+use crate::exact::scheme;
 use crate::runs::oscillator;
 
 const H: f64 = 0.25;
@@ -27,7 +27,8 @@ fn ensemble(method: &Method, seed: u64) -> Ensemble<'_, Method> {
 /// P(q > far) at the end of `steps` steps of length `h`: q is normal with a variance that the
 /// recursion of the covariance gives.
 fn probability(method: &Method, far: f64, h: f64, steps: u64) -> f64 {
-    let variance = Affine::of(method, h).from(0.0, steps)[steps as usize].1[0][0];
+    let end = scheme(method, h).after([0.0; 2], steps as usize);
+    let variance = end.covariance[0][0];
     let x = far / (2.0 * variance).sqrt();
     // the continued fraction of erfc
     let fraction = (1..200)

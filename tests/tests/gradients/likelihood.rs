@@ -63,7 +63,7 @@ fn probabilities_by_likelihood_ratios() {
         })
         .run()
         .unwrap();
-    let exact = |k, sigma| tail(moments(endpoint(k, sigma), STEPS), LEVEL);
+    let exact = |k, sigma| tail(moments(endpoint(k, sigma), STEPS as usize), LEVEL);
     let check = |name: &str, expected: f64| {
         let found = &summary[name];
         let (off, error) = (found.mean()[1] - expected, found.standard_error()[1]);

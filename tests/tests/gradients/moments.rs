@@ -1,6 +1,7 @@
 //! Gradients of means against exact moments of the discrete maps and their derivatives.
 
 use sve_models::differences::derivative;
+use sve_models::gaussian::{Linear, Scheme};
 use sve_models::models::Kubo;
 use sve_runtime::prelude::*;
 
@@ -24,16 +25,13 @@ impl Pushed {
     }
 }
 
-/// A step z₁ = A z₀ + b ΔW.
-pub(crate) type Affine = ([[f64; 2]; 2], [f64; 2]);
-
 /// q₁ = q₀ + hp₀, p₁ = p₀ − hkq₁ + σ ΔW.
-pub(crate) fn endpoint(k: f64, sigma: f64) -> Affine {
+pub(crate) fn endpoint(k: f64, sigma: f64) -> Linear<2> {
     ([[1.0, H], [-H * k, 1.0 - H * H * k]], [0.0, sigma])
 }
 
 /// (q₁ − q₀)/h = (p₀ + p₁)/2, p₁ − p₀ = −hk(q₀ + q₁)/2 + σ ΔW.
-fn midpoint(k: f64, sigma: f64) -> Affine {
+fn midpoint(k: f64, sigma: f64) -> Linear<2> {
     let x = 0.25 * H * H * k;
     let scale = 1.0 / (1.0 + x);
     let a = [[1.0 - x, H], [-H * k, 1.0 - x]];
@@ -44,24 +42,10 @@ fn midpoint(k: f64, sigma: f64) -> Affine {
 }
 
 /// E q and E q² after some steps from (1, ½).
-pub(crate) fn moments((a, b): Affine, steps: u64) -> [f64; 2] {
-    let (mut mean, mut second) = ([1.0, 0.5], [[1.0, 0.5], [0.5, 0.25]]);
-    for _ in 0..steps {
-        let mut next = ([0.0; 2], [[0.0; 2]; 2]);
-        for i in 0..2 {
-            for j in 0..2 {
-                next.0[i] += a[i][j] * mean[j];
-                next.1[i][j] += H * b[i] * b[j];
-                for m in 0..2 {
-                    for n in 0..2 {
-                        next.1[i][j] += a[i][m] * second[m][n] * a[j][n];
-                    }
-                }
-            }
-        }
-        (mean, second) = next;
-    }
-    [mean[0], second[0][0]]
+pub(crate) fn moments(step: Linear<2>, steps: usize) -> [f64; 2] {
+    let law = Scheme::driven(step, H).after([1.0, 0.5], steps);
+    let mean = law.mean[0];
+    [mean, law.covariance[0][0] + mean * mean]
 }
 
 macro_rules! oscillator {
@@ -79,7 +63,7 @@ macro_rules! oscillator {
             .run()
             .unwrap();
         for record in 1..=4 {
-            let at = |k, sigma| moments($step(k, sigma), 10 * record as u64);
+            let at = |k, sigma| moments($step(k, sigma), 10 * record);
             for (number, name) in ["q", "q²"].into_iter().enumerate() {
                 let by_k = derivative(|d| at(k + d, sigma)[number]);
                 let by_sigma = derivative(|d| at(k, sigma + d)[number]);
