@@ -8,7 +8,7 @@ use super::symmetry_caveat;
 use crate::algebra::{Arena, Notation};
 use crate::catalogue::{Nodes, Rule};
 use crate::model::scene::{Processes, SceneNames, SceneNoise};
-use crate::scene::{Derived, Kinetic, SceneMomentum, Summand, Term, is_implicit};
+use crate::scene::{Derived, Kinetic, Summand, Term, is_implicit};
 
 const CHEBYSHEV: &str = "Chebyshev";
 const PIECEWISE: &str = "only piecewise smooth: it jumps or bends where a condition on numbers changes, or a rounded number";
@@ -60,77 +60,16 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
         arena,
         each: &derived.each,
     };
-    let noises = derived.scene.noises.iter();
-    let noises = noises.map(|noise| of_noise(noise, &names));
-    let summands = |name: String, list: &[Summand]| {
-        let lines = list.iter().map(|summand| {
-            let (value, loops) = (names.formula(summand.value), names.loops(summand.sum));
-            format!("{name} += {value} {loops}").trim_end().to_owned()
-        });
-        lines.collect::<Vec<_>>()
-    };
-    let totals = derived.totals.iter();
-    let totals = totals.flat_map(|total| summands(names.symbol(total.symbol), &total.summands));
-    let inner = derived.inner.all.iter().enumerate();
-    let inner = inner.map(|(number, (_, list))| summands(format!("S{number}"), list));
-    let forces = derived.scene.forces.iter();
-    let forces = forces.map(|force| {
-        let letter = if force.is_noise {
-            "f, of a process,"
-        } else {
-            "F"
-        };
-        format!("{letter} {}: an entry for each site", force.name)
-    });
-    let momenta = derived.momenta.iter();
-    let momenta = momenta.map(
-        |SceneMomentum {
-             name,
-             summands: list,
-             evidence,
-             ..
-         }| {
-            let mut lines = summands(format!("conserved {name}_momentum"), list);
-            let caveat = symmetry_caveat(*evidence);
-            lines.extend(caveat.map(|caveat| format!("the symmetry {name} is {caveat}")));
-            (name.clone(), lines.join("\n"))
-        },
-    );
-    let is_there = |is_noise| {
+    let has_force = |is_noise| {
         let mut forces = derived.scene.forces.iter();
         forces.any(|force| force.is_noise == is_noise)
     };
-    let [has_forces, has_noise_forces] = [false, true].map(is_there);
-    let has = |is_h1| {
-        let mut noises = derived.scene.noises.iter();
-        noises.any(|noise| noise.is_h1 == is_h1)
-    };
-    let text = |is_there, text| if is_there { text } else { "" };
-    let has_gamma = has(false);
-    let gamma = text(has_gamma, " + Σ ∂γ/∂q ∘ dW");
-    let noise_force = text(has_noise_forces, " + Σ f ∘ dW");
-    let [shift, kick] = [" + Σ ∂H₁/∂p ∘ dW", " − Σ ∂H₁/∂q ∘ dW"].map(|h1| text(has(true), h1));
-    let force = if has_forces {
-        "(∂L/∂q + F)"
-    } else {
-        "∂L/∂q"
-    };
-    let has_masses = matches!(derived.kinetic, Kinetic::Masses(_));
-    let [velocity, separator] = if has_masses {
-        ["dq = M⁻¹ p dt", "\n"]
-    } else {
-        ["dq = v dt", "\np = ∂L/∂v(v)\n"]
-    };
+    let has_gamma = derived.scene.noises.iter().any(|noise| !noise.is_h1);
+    let [has_forces, has_noise_forces] = [false, true].map(has_force);
     SceneTexts {
-        system: totals
-            .chain(inner.flatten())
-            .chain(summands("L".to_owned(), &derived.lagrangian))
-            .chain(noises)
-            .chain(forces)
-            .collect::<Vec<_>>()
-            .join("\n"),
-        momenta: momenta.collect(),
-        motion: format!("{velocity}{shift}{separator}dp = {force} dt{gamma}{kick}{noise_force}"),
+        system: system(derived, &names),
+        momenta: momenta(derived, &names),
+        motion: motion(derived, [has_gamma, has_forces, has_noise_forces]),
         sweep: sweep(&derived.terms, "I", names),
         friction: friction(derived, names),
         in_drifts: [
@@ -144,11 +83,85 @@ pub(crate) fn scene(derived: &Derived, arena: &Arena) -> SceneTexts {
             "Richardson"
         },
         is_piecewise: derived.scene.is_piecewise(arena),
-        has_masses,
+        has_masses: has_masses(derived),
         has_gamma,
         has_forces,
         has_noise_forces,
     }
+}
+
+/// Returns whether the momenta of sites are multiples of their velocities.
+fn has_masses(derived: &Derived) -> bool {
+    matches!(derived.kinetic, Kinetic::Masses(_))
+}
+
+/// Prints a line for each summand of a sum.
+fn summands(name: &str, list: &[Summand], names: &SceneNames<'_>) -> Vec<String> {
+    let lines = list.iter().map(|summand| {
+        let (value, loops) = (names.formula(summand.value), names.loops(summand.sum));
+        format!("{name} += {value} {loops}").trim_end().to_owned()
+    });
+    lines.collect()
+}
+
+/// Prints the sums, L, the noises and the forces.
+fn system(derived: &Derived, names: &SceneNames<'_>) -> String {
+    let totals = derived.totals.iter();
+    let totals =
+        totals.flat_map(|total| summands(&names.symbol(total.symbol), &total.summands, names));
+    let inner = derived.inner.all.iter().enumerate();
+    let inner = inner.flat_map(|(number, (_, list))| summands(&format!("S{number}"), list, names));
+    let noises = derived.scene.noises.iter();
+    let forces = derived.scene.forces.iter().map(|force| {
+        let letter = if force.is_noise {
+            "f, of a process,"
+        } else {
+            "F"
+        };
+        format!("{letter} {}: an entry for each site", force.name)
+    });
+    let lines = totals
+        .chain(inner)
+        .chain(summands("L", &derived.lagrangian, names))
+        .chain(noises.map(|noise| of_noise(noise, names)))
+        .chain(forces);
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Prints the momenta of symmetries, each with its name.
+fn momenta(derived: &Derived, names: &SceneNames<'_>) -> Vec<(String, String)> {
+    let momenta = derived.momenta.iter().map(|momentum| {
+        let name = &momentum.name;
+        let mut lines = summands(
+            &format!("conserved {name}_momentum"),
+            &momentum.summands,
+            names,
+        );
+        let caveat = symmetry_caveat(momentum.evidence);
+        lines.extend(caveat.map(|caveat| format!("the symmetry {name} is {caveat}")));
+        (name.clone(), lines.join("\n"))
+    });
+    momenta.collect()
+}
+
+/// Prints the equations of motion.
+fn motion(derived: &Derived, [has_gamma, has_forces, has_noise_forces]: [bool; 3]) -> String {
+    let text = |is_there, text| if is_there { text } else { "" };
+    let has_h1 = derived.scene.noises.iter().any(|noise| noise.is_h1);
+    let gamma = text(has_gamma, " + Σ ∂γ/∂q ∘ dW");
+    let noise_force = text(has_noise_forces, " + Σ f ∘ dW");
+    let [shift, kick] = [" + Σ ∂H₁/∂p ∘ dW", " − Σ ∂H₁/∂q ∘ dW"].map(|h1| text(has_h1, h1));
+    let force = if has_forces {
+        "(∂L/∂q + F)"
+    } else {
+        "∂L/∂q"
+    };
+    let [velocity, separator] = if has_masses(derived) {
+        ["dq = M⁻¹ p dt", "\n"]
+    } else {
+        ["dq = v dt", "\np = ∂L/∂v(v)\n"]
+    };
+    format!("{velocity}{shift}{separator}dp = {force} dt{gamma}{kick}{noise_force}")
 }
 
 impl SceneTexts {

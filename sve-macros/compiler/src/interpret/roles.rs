@@ -63,35 +63,11 @@ impl Lowering<'_> {
         self.declare_energy();
 
         let result = self.run(function, &space, time, &[&q, &v]);
-        let lagrangian = self.scalar_result(function, &result);
-        let mut noises = Vec::new();
-        for noise in &block.noises {
-            let arguments: &[&[Symbol]] = match noise.role {
-                Role::Gamma => &[&q],
-                Role::NoiseForce => &[&q, &v],
-                _ => &[&q, &p],
-            };
-            let result = self.run(noise, &space, time, arguments);
-            match noise.role {
-                Role::NoiseForce => noises.extend(self.noise_force(noise, &result, &space)),
-                _ => self.noise_terms(noise, &result, &mut noises),
-            }
-        }
+        let mut lagrangian = self.scalar_result(function, &result);
+        let noises = self.noises(&space, time, [&q, &v, &p]);
         let force = self.force(&space, time, &[&q, &v]);
-        let mut symmetries = Vec::new();
-        for function in &block.symmetries {
-            let result = self.run(function, &space, time, &[&q]);
-            if let Some(field) = self.vector_result(function, &result, &space) {
-                let name = function.name.to_string();
-                symmetries.push(Generator { name, field });
-            }
-        }
-        let mut constraints = Vec::new();
-        for function in &block.constraints {
-            let result = self.run(function, &space, time, &[&q]);
-            self.constraint_terms(function, &result, &mut constraints);
-        }
-        let mut lagrangian = lagrangian;
+        let symmetries = self.symmetries(&space, time, &q);
+        let constraints = self.constraints(&space, time, &q);
         let time_scale = self.time_scale(&space, time, &q);
         if let (Some(value), Some(scale), Some(energy)) =
             (lagrangian, time_scale, self.symbols.energy)
@@ -115,6 +91,49 @@ impl Lowering<'_> {
             time_scale,
             constants: std::mem::take(&mut self.constants),
         })
+    }
+
+    /// Returns the noises in the order of their processes.
+    fn noises(&mut self, space: &Space, time: Symbol, [q, v, p]: [&[Symbol]; 3]) -> Vec<NoiseTerm> {
+        let block = self.block;
+        let mut noises = Vec::new();
+        for noise in &block.noises {
+            let arguments: &[&[Symbol]] = match noise.role {
+                Role::Gamma => &[q],
+                Role::NoiseForce => &[q, v],
+                _ => &[q, p],
+            };
+            let result = self.run(noise, space, time, arguments);
+            match noise.role {
+                Role::NoiseForce => noises.extend(self.noise_force(noise, &result, space)),
+                _ => self.noise_terms(noise, &result, &mut noises),
+            }
+        }
+        noises
+    }
+
+    /// Returns the generators of the symmetries.
+    fn symmetries(&mut self, space: &Space, time: Symbol, q: &[Symbol]) -> Vec<Generator> {
+        let block = self.block;
+        let functions = block.symmetries.iter();
+        let generators = functions.filter_map(|function| {
+            let result = self.run(function, space, time, &[q]);
+            let field = self.vector_result(function, &result, space)?;
+            let name = function.name.to_string();
+            Some(Generator { name, field })
+        });
+        generators.collect()
+    }
+
+    /// Returns the constraints.
+    fn constraints(&mut self, space: &Space, time: Symbol, q: &[Symbol]) -> Vec<Constraint> {
+        let block = self.block;
+        let mut constraints = Vec::new();
+        for function in &block.constraints {
+            let result = self.run(function, space, time, &[q]);
+            self.constraint_terms(function, &result, &mut constraints);
+        }
+        constraints
     }
 
     /// Returns s, if there is a time scale.

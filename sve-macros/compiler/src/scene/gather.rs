@@ -3,7 +3,8 @@
 
 use std::collections::HashMap;
 
-use super::{Derived, Pair, share};
+use super::share::share;
+use super::{Derived, Pair};
 use crate::algebra::{Arena, Expr, Symbol};
 use crate::model::Meaning;
 

@@ -9,6 +9,7 @@
 mod forces;
 mod gather;
 mod h1;
+mod impulses;
 mod inner;
 mod kinetic;
 mod share;
@@ -22,7 +23,7 @@ mod totals;
 
 use std::collections::HashMap;
 
-use crate::algebra::{Arena, Expr, Purpose, Symbol};
+use crate::algebra::{Arena, Expr, Symbol};
 use crate::catalogue::{Nodes, Rule};
 use crate::errors::Errors;
 use crate::model::Meaning;
@@ -31,7 +32,6 @@ use forces::Forces;
 pub(crate) use gather::{Gather, Read};
 pub(crate) use inner::InnerTotals;
 pub(crate) use kinetic::{Kinetic, KineticTerm};
-use share::share;
 pub(crate) use slopes::slopes;
 pub(crate) use streams::{Pair, indices};
 pub(crate) use symmetry::{SceneMomentum, moves_nothing};
@@ -167,38 +167,8 @@ pub(crate) fn derive(scene: Scene, arena: &mut Arena) -> syn::Result<Derived> {
     };
     errors.finish(())?;
     symmetry::check(&read, arena, &mut derived)?;
-    let [kicks, shifts] = &mut derived.h1;
-    let mut all = [&mut derived.terms, &mut derived.drags, kicks, shifts];
-    for term in all.iter_mut().flat_map(|terms| terms.iter_mut()) {
-        term.slopes.clone_from(&term.gradient);
-    }
-    let gradients = all.iter_mut().flat_map(|terms| terms.iter_mut());
-    let gradients = gradients.flat_map(|t| t.gradient.iter_mut().flatten());
-    let slopes = gradients.chain(derived.kinetic.derivatives_mut());
-    arena.stabilise(Purpose::Step, slopes.collect());
-    let totals = derived.totals.iter_mut().flat_map(|t| &mut t.summands);
-    let momenta = derived.momenta.iter_mut().flat_map(|m| &mut m.summands);
-    let values = derived
-        .lagrangian
-        .iter_mut()
-        .chain(totals)
-        .chain(momenta)
-        .map(|s| &mut s.value);
-    arena.stabilise(Purpose::Values, values.collect());
-    let step = arena.symbol(derived.step);
-    let [kicks, shifts] = &mut derived.h1;
-    let all = [&mut derived.terms, &mut derived.drags, kicks, shifts];
-    for term in all.into_iter().flatten() {
-        term.impulses.clone_from(&term.gradient);
-        let impulses = term.impulses.iter_mut().flatten();
-        let mut impulses: Vec<&mut Expr> = impulses.collect();
-        if !term.is_noise {
-            for impulse in &mut impulses {
-                **impulse = arena.mul(step, **impulse);
-            }
-        }
-        share(impulses, arena);
-    }
+    derived.stabilise(arena);
+    derived.compute_impulses(arena);
     derived.mark_streams(arena);
     derived.gather(arena);
     Ok(derived)

@@ -2,7 +2,8 @@
 
 use proc_macro2::Span;
 
-use super::{Derived, Kinetic, Read, derive, share};
+use super::share::share;
+use super::{Derived, Kinetic, Read, derive};
 use crate::algebra::{Arena, Expr, Node, Symbol};
 use crate::model::scene::{
     Array, Head, IntNode, Integers, Row, Scene, Slot, SlotArray, Sum, SumId,

@@ -88,81 +88,101 @@ pub(crate) fn annotated(
     let before = errors.count();
     check_block(&item, errors);
     let is_plain = errors.count() == before;
-    let roles = take_roles(&mut item, errors);
-    let read = |function: &Rc<ImplItemFn>, role: Role| {
-        if arguments.is_reduced {
-            reduced::role_function_of(function, role)
-        } else {
-            role_function(function, role)
-        }
-    };
-
-    let mut lagrangians = Vec::new();
-    let mut others = Vec::new();
-    let mut functions = Vec::new();
-    let mut constants = Vec::new();
-    for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
-        match (member, role) {
-            (ImplItem::Fn(function), Some(role)) => {
-                let function = Rc::new(function);
-                let outer = errors.enter(&function.sig.ident.to_string());
-                match role {
-                    Role::Helper => {}
-                    // a Lagrangian that cannot be read counts as present
-                    Role::Lagrangian => lagrangians.push(errors.keep(read(&function, role))),
-                    _ => others.extend(errors.keep(read(&function, role))),
-                }
-                errors.leave(outer);
-                functions.push(function);
-            }
-            (ImplItem::Const(constant), _) => constants.push(constant),
-            _ => {}
-        }
-    }
-    check_lagrangians(&lagrangians, &functions, &item, errors);
-    let lagrangian = lagrangians.into_iter().next().flatten();
-    let mut of = |roles: &[Role]| {
-        let all = std::mem::take(&mut others).into_iter();
-        let (found, rest) = all.partition(|function| roles.contains(&function.role));
-        others = rest;
-        found
-    };
-    let lagrangian = lagrangian?;
-    let mut noises = of(&[Role::Gamma, Role::H1, Role::TangentH1]);
-    noises.extend(of(&[Role::NoiseForce]));
-    let forces = of(&[Role::Force]);
+    let mut members = Members::take(&mut item, arguments.is_reduced, errors);
+    check_lagrangians(&members, &item, errors);
+    let lagrangians = std::mem::take(&mut members.lagrangians);
+    let lagrangian = lagrangians.into_iter().next().flatten()?;
+    let mut noises = members.of(&[Role::Gamma, Role::H1, Role::TangentH1]);
+    noises.extend(members.of(&[Role::NoiseForce]));
+    let forces = members.of(&[Role::Force]);
     let readers = || [&lagrangian].into_iter().chain(&noises).chain(&forces);
     let inputs = input_type(readers(), errors);
-    let mut time_scales = of(&[Role::TimeScale]).into_iter();
-    let time_scale = time_scales.next();
-    if let Some(second) = time_scales.next() {
-        let message = "the block has two functions with `#[time_scale]`: keep one";
-        errors.push(second.name.span(), message);
-    }
+    let time_scale = members.time_scale(errors);
     is_plain.then_some(Annotated {
         arguments,
         item,
         inputs,
         noises,
         forces,
-        symmetries: of(&[Role::Symmetry]),
-        constraints: of(&[Role::Constraint]),
+        symmetries: members.of(&[Role::Symmetry]),
+        constraints: members.of(&[Role::Constraint]),
         time_scale,
-        functions,
-        constants,
+        functions: members.functions,
+        constants: members.constants,
         lagrangian,
     })
 }
 
+/// The members of a block, of which the functions with roles are read.
+#[derive(Default)]
+struct Members {
+    /// One that cannot be read counts as present.
+    lagrangians: Vec<Option<RoleFunction>>,
+    /// The functions with another role.
+    others: Vec<RoleFunction>,
+    functions: Vec<Rc<ImplItemFn>>,
+    constants: Vec<ImplItemConst>,
+}
+
+impl Members {
+    /// Takes the members out of a block.
+    fn take(item: &mut ItemImpl, is_reduced: bool, errors: &mut Errors) -> Self {
+        let roles = take_roles(item, errors);
+        let read = |function: &Rc<ImplItemFn>, role: Role| {
+            if is_reduced {
+                reduced::role_function_of(function, role)
+            } else {
+                role_function(function, role)
+            }
+        };
+        let mut members = Self::default();
+        for (member, role) in std::mem::take(&mut item.items).into_iter().zip(roles) {
+            match (member, role) {
+                (ImplItem::Fn(function), Some(role)) => {
+                    let function = Rc::new(function);
+                    let outer = errors.enter(&function.sig.ident.to_string());
+                    match role {
+                        Role::Helper => {}
+                        Role::Lagrangian => {
+                            let lagrangian = errors.keep(read(&function, role));
+                            members.lagrangians.push(lagrangian);
+                        }
+                        _ => members.others.extend(errors.keep(read(&function, role))),
+                    }
+                    errors.leave(outer);
+                    members.functions.push(function);
+                }
+                (ImplItem::Const(constant), _) => members.constants.push(constant),
+                _ => {}
+            }
+        }
+        members
+    }
+
+    /// Takes the functions with some roles, in source order.
+    fn of(&mut self, roles: &[Role]) -> Vec<RoleFunction> {
+        let all = std::mem::take(&mut self.others).into_iter();
+        let (found, rest) = all.partition(|function| roles.contains(&function.role));
+        self.others = rest;
+        found
+    }
+
+    /// Takes the function of the time scale. Reports an error if there are two.
+    fn time_scale(&mut self, errors: &mut Errors) -> Option<RoleFunction> {
+        let mut time_scales = self.of(&[Role::TimeScale]).into_iter();
+        let time_scale = time_scales.next();
+        if let Some(second) = time_scales.next() {
+            let message = "the block has two functions with `#[time_scale]`: keep one";
+            errors.push(second.name.span(), message);
+        }
+        time_scale
+    }
+}
+
 /// Reports an error if the block has no Lagrangian or several.
-fn check_lagrangians(
-    lagrangians: &[Option<RoleFunction>],
-    functions: &[Rc<ImplItemFn>],
-    item: &ItemImpl,
-    errors: &mut Errors,
-) {
-    if lagrangians.is_empty() {
-        let (at, hint) = match misspelt_lagrangian(functions) {
+fn check_lagrangians(members: &Members, item: &ItemImpl, errors: &mut Errors) {
+    if members.lagrangians.is_empty() {
+        let (at, hint) = match misspelt_lagrangian(&members.functions) {
             Some(name) => (name.span(), format!("rename `{name}` to `lagrangian`")),
             None => (
                 item.self_ty.span(),
@@ -174,7 +194,7 @@ fn check_lagrangians(
         };
         errors.push(at, format!("this block has no Lagrangian: {hint}"));
     }
-    if let Some(Some(second)) = lagrangians.get(1) {
+    if let Some(Some(second)) = members.lagrangians.get(1) {
         errors.push(
             second.name.span(),
             "the block has two functions `lagrangian`: keep one",

@@ -47,20 +47,11 @@ pub(crate) struct Solved {
 /// be found by iteration, if the first-order form is not in a vector space, if the system is too
 /// large, or if the Itô correction has to solve with a mass matrix.
 pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> Option<Euler> {
-    let is_plain = mechanics.affine_momentum
-        && model.constraints.is_empty()
-        && !model.configuration().has_rotations();
     let jet = &mechanics.lagrangian;
     let n = model.dof();
     let is_zero = |e: Expr| arena.constant_value(e) == Some(0.0);
     let is_diagonal = (0..n).all(|i| (0..n).all(|j| i == j || is_zero(jet.dvv[i][j])));
-    let has_solved_correction =
-        !is_diagonal && mechanics.noises.iter().any(|noise| noise.reads_velocity);
-    if !is_plain
-        || n > MAX_COORDINATES
-        || (!is_diagonal && n > MAX_COUPLED)
-        || has_solved_correction
-    {
+    if !has_increment(model, mechanics, is_diagonal) {
         return None;
     }
     let zero = arena.constant(0.0);
@@ -128,6 +119,22 @@ pub(crate) fn euler(model: &Model, mechanics: &Mechanics, arena: &mut Arena) -> 
         dp,
         correction,
     })
+}
+
+/// Returns whether the increment of a system is a formula, or a formula of the solution of a small
+/// linear system.
+fn has_increment(model: &Model, mechanics: &Mechanics, is_diagonal: bool) -> bool {
+    let is_plain = mechanics.affine_momentum
+        && model.constraints.is_empty()
+        && !model.configuration().has_rotations();
+    let most = if is_diagonal {
+        MAX_COORDINATES
+    } else {
+        MAX_COUPLED
+    };
+    let mut noises = mechanics.noises.iter();
+    let has_solved_correction = !is_diagonal && noises.any(|noise| noise.reads_velocity);
+    is_plain && model.dof() <= most && !has_solved_correction
 }
 
 /// Returns whether an expression depends on position or time.

@@ -55,12 +55,7 @@ pub(crate) fn gauss(
         texts,
         &cost(&names, code, count, dof),
     );
-    // Newton's method starts from the velocity of the momentum
-    let proves_start = (!context.mechanics.affine_momentum).then(|| {
-        quote!(
-            const PROVES_START: bool = true;
-        )
-    });
+    let proves_start = proves_start(context);
     let implementation = Implementation {
         private,
         doc: documentation(texts),
@@ -75,10 +70,21 @@ pub(crate) fn gauss(
         increment,
         linearise: quote!(#private::gauss::linearise(#system, state, h, #at_stages, unknowns, then)),
         increment_doc: TokenStream::new(),
-    };
-    let implementation = implementation.print();
+    }
+    .print();
     let adapted = (stages.has_adapted_steps(rule, count)).then(|| adapted(context, count, stages));
     quote!(#implementation #adapted)
+}
+
+/// Prints that Newton's method proves the start of a step, where it starts from the velocity of the
+/// momentum.
+fn proves_start(context: &Context<'_>) -> Option<TokenStream> {
+    let is_solved = !context.mechanics.affine_momentum;
+    is_solved.then(|| {
+        quote!(
+            const PROVES_START: bool = true;
+        )
+    })
 }
 
 /// Prints the steps of adapted size of a rule.

@@ -79,32 +79,12 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     let written = coordinates_type(block).filter(|ty| !is_generic && is_vector_or_nested(ty));
     let written = with_rotations.or_else(|| written.map(|ty| quote!(#ty)));
     let configuration = written.as_ref().map(|ty| quote!(, #ty));
-    let plan = plan(&private);
     let whole = written.unwrap_or_else(|| quote!([f64; #n]));
     let momenta = momenta(block, &private, [&whole, &quote!(f64)]);
     let rules = rules.iter().map(|rule| {
         let rule = super::rule_type(*rule, &runtime);
-        let (none, nothing) = (Literal::usize_unsuffixed(0), quote!(()));
-        let implementation = Implementation {
-            private: &private,
-            doc: TokenStream::new(),
-            header: quote!(impl #generics #private::StepEquations<#rule> for #self_ty #clause),
-            sizes: [&n, &m, &none],
-            types: [
-                quote!(#private::FlatStateOf<Self>),
-                nothing.clone(),
-                nothing,
-            ],
-            plan: plan.clone(),
-            returns: quote!(Increment),
-            more: TokenStream::new(),
-            prepare: TokenStream::new(),
-            start: fail.clone(),
-            increment: fail.clone(),
-            linearise: fail.clone(),
-            increment_doc: TokenStream::new(),
-        };
-        implementation.print()
+        let header = quote!(impl #generics #private::StepEquations<#rule> for #self_ty #clause);
+        step(&private, header, [&n, &m])
     });
     let rate =
         is_scaled.then(|| super::time_scale::implementation(self_ty, &whole, &private, &fail));
@@ -131,6 +111,32 @@ fn implementations(block: &ItemImpl, attribute: &TokenStream, rules: &[Rule]) ->
     };
     let implementations = within(implementations, false);
     quote!(#implementations #momenta)
+}
+
+/// The equations of a step with so many coordinates and processes.
+fn step(private: &TokenStream, header: TokenStream, [n, m]: [&dyn ToTokens; 2]) -> TokenStream {
+    let (none, nothing) = (Literal::usize_unsuffixed(0), quote!(()));
+    let fail = quote!(::core::unreachable!("the macro reported an error"));
+    let implementation = Implementation {
+        private,
+        doc: TokenStream::new(),
+        header,
+        sizes: [n, m, &none],
+        types: [
+            quote!(#private::FlatStateOf<Self>),
+            nothing.clone(),
+            nothing,
+        ],
+        plan: plan(private),
+        returns: quote!(Increment),
+        more: TokenStream::new(),
+        prepare: TokenStream::new(),
+        start: fail.clone(),
+        increment: fail.clone(),
+        linearise: fail,
+        increment_doc: TokenStream::new(),
+    };
+    implementation.print()
 }
 
 /// The type that holds inputs or an energy beside the system, if the block has any.
