@@ -53,9 +53,11 @@ macro_rules! check {
             let what = concat!(stringify!($scene), ", ", stringify!($rule));
             let integrator = Integrator::new(scene, $rule);
             check(what, &|| {
-                let mut path = integrator.trajectory(start.clone(), H, Wiener::new(3));
-                let mut state = path.advance(STEPS)?.clone();
+                let path = || integrator.trajectory(start.clone(), H, Wiener::new(3));
+                let mut state = path().advance(STEPS)?.clone();
                 let mut bits = bits_of(&state);
+                let one_by_one = path().take(STEPS as usize).last();
+                assert_eq!(one_by_one, Some(Ok(state.clone())), "{what}");
                 for seed in 0..3 {
                     let dw: Vec<f64> = spread(processes, seed).map(|x| 0.1 * x).collect();
                     integrator.step(&mut state, H, &dw)?;

@@ -10,36 +10,33 @@ pub(super) fn first_not_finite(numbers: &[f64]) -> usize {
     found.unwrap_or_default()
 }
 
-/// Adds impulses once or twice.
+/// Adds the impulses of a kick, and then, if `TWICE`, those of a second one.
 ///
 /// # Errors
 /// The number of a component whose sum is not finite, if sums are tested; nothing is then added.
 #[inline(always)]
 pub(super) fn move_all<const TWICE: bool, R: Row>(
     to: &mut [R],
-    sum: &mut [R],
+    impulses: [&[R]; 2],
     is_tested: bool,
 ) -> Result<(), usize> {
-    let (to, sum) = (R::numbers_mut(to), R::numbers_mut(sum));
-    let sums = to
-        .iter()
-        .zip(&*sum)
-        .map(|(&to, &sum)| added::<TWICE>(to, sum));
-    if is_tested && !all_finite(sums) {
-        for (sum, &to) in sum.iter_mut().zip(&*to) {
-            *sum = added::<TWICE>(to, *sum);
+    let (to, [first, second]) = (R::numbers_mut(to), impulses.map(R::numbers));
+    let impulses = || first.iter().zip(second);
+    let added = |(to, (first, second)): (&f64, (&f64, &f64))| {
+        if TWICE {
+            to + first + second
+        } else {
+            to + first
         }
-        return Err(first_not_finite(sum));
+    };
+    let mut sums = to.iter().zip(impulses()).map(added);
+    if is_tested && !all_finite(sums.clone()) {
+        return Err(sums.position(|x| !x.is_finite()).unwrap_or_default());
     }
-    for (to, sum) in to.iter_mut().zip(sum) {
-        *to = added::<TWICE>(*to, *sum);
+    for (to, impulses) in to.iter_mut().zip(impulses()) {
+        *to = added((&*to, impulses));
     }
     Ok(())
-}
-
-#[inline(always)]
-fn added<const TWICE: bool>(to: f64, sum: f64) -> f64 {
-    if TWICE { to + sum + sum } else { to + sum }
 }
 
 /// Adds impulses to listed nodes, as [`move_all`].
@@ -50,19 +47,19 @@ fn added<const TWICE: bool>(to: f64, sum: f64) -> f64 {
 pub(super) fn move_to_nodes<const TWICE: bool, R: Row>(
     nodes: &[u32],
     to: &mut [R],
-    sum: &mut [R],
+    impulses: [&[R]; 2],
     is_tested: bool,
 ) -> Result<(), usize> {
+    let of_node = |at: usize| impulses.map(|impulses| &impulses[at..=at]);
     for (at, &node) in nodes.iter().enumerate().filter(|_| is_tested) {
-        let (mut row, mut of_node) = ([to[node as usize]], [sum[at]]);
-        let moved = move_all::<TWICE, _>(&mut row, &mut of_node, true);
+        let moved = move_all::<TWICE, _>(&mut [to[node as usize]], of_node(at), true);
         if let Err(component) = moved {
             return Err(node as usize * R::LENGTH + component);
         }
     }
-    for (&node, sum) in nodes.iter().zip(sum) {
-        let sum = core::slice::from_mut(sum);
-        move_all::<TWICE, _>(core::slice::from_mut(&mut to[node as usize]), sum, false)?;
+    for (at, &node) in nodes.iter().enumerate() {
+        let to = core::slice::from_mut(&mut to[node as usize]);
+        move_all::<TWICE, _>(to, of_node(at), false)?;
     }
     Ok(())
 }

@@ -6,7 +6,8 @@ use core::ops::Range;
 
 use super::passes::{Factor, Pass};
 use super::segments::{Segments, TILE};
-use super::sweep::{Buffers, Kick, NumbersOf, Visit};
+use super::sweep::{Buffers, Kick};
+use super::visit::{NumbersOf, Visit};
 use super::{Contributions, InDrift, IndexError, Row, Scene, reads_motion};
 
 /// The use of the contributions. All functions are `#[inline(always)]`.

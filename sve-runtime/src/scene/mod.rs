@@ -11,6 +11,7 @@
 //! | `written.rs` | what loops read as they are written: rows and fields with checked indices |
 //! | `blocks.rs` | inner loops over consecutive sites, in blocks |
 //! | `sweep.rs` | a drift and the impulses of all loops, added to the momenta |
+//! | `visit.rs` | the impulses of the nodes of a piece |
 //! | `additions.rs` | impulses that are added to momenta, with tests of the results |
 //! | `drift.rs` | the motion of sites with their velocities |
 //! | `steps.rs` | steps that are lists of drifts and kicks, in place |
@@ -64,6 +65,7 @@ mod spectrum;
 mod steps;
 mod streams;
 mod sweep;
+mod visit;
 mod work;
 mod written;
 
@@ -306,6 +308,8 @@ pub struct Loop {
     /// False if the loop is always made as it is written: an inner bound depends on an outer
     /// counter, a condition reads the configuration, or a site stays where it is in a loop.
     pub is_stream: bool,
+    /// True if its impulses read increments.
+    pub has_noise: bool,
 }
 
 /// A summand of a loop.

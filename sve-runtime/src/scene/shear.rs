@@ -51,8 +51,9 @@ pub struct Prepared {
     pub(super) buffers: Buffers,
     /// The places and the momenta before a step or block, empty until a step needs a copy of them.
     before: [Vec<f64>; 2],
-    /// The increments of a kick.
-    pub(super) of_kick: Vec<f64>,
+    /// The increments of a kick, and of the one after it if both are one sweep. Empty for the
+    /// increments of the step as they are.
+    pub(super) of_kicks: [Vec<f64>; 2],
     pub(super) of_midpoint: Work,
 }
 
@@ -77,7 +78,7 @@ impl Prepared {
             buffers: Buffers::new::<S::Row>(&segments, n),
             segments,
             before: [Vec::new(), Vec::new()],
-            of_kick: Vec::new(),
+            of_kicks: [Vec::new(), Vec::new()],
             of_midpoint: Work::default(),
         })
     }
@@ -111,7 +112,7 @@ impl Prepared {
             + self.drags.len()
             + self.buffers.len()
             + kept.max(copies * self.n * S::Row::LENGTH)
-            + self.of_kick.len()
+            + self.of_kicks.iter().map(Vec::len).sum::<usize>()
             + self.of_midpoint.len();
         Layout::new::<S>(self.n, &self.segments, numbers * size_of::<f64>())
     }
@@ -178,10 +179,11 @@ impl Prepared {
         Ok(Some(self.of_midpoint.solved))
     }
 
-    /// Sets the increments of a part of a step.
-    pub(super) fn set_increments(&mut self, part: f64, dw: &[f64]) {
-        self.of_kick.clear();
-        self.of_kick.extend(dw.iter().map(|dw| part * dw));
+    /// Sets the increments of a kick, or of the one after it, to a part of those of a step.
+    pub(super) fn set_increments(&mut self, kick: usize, part: f64, dw: &[f64]) {
+        let of_kick = &mut self.of_kicks[kick];
+        of_kick.clear();
+        of_kick.extend(dw.iter().map(|dw| part * dw));
     }
 
     pub(super) fn keep<R: Row>(&mut self, state: &Phase<'_, R>, copied: Copied) {

@@ -81,43 +81,52 @@ impl<S: Scene> Kernel for Steps<'_, S> {
     type Output = Result<(u64, f64), Failed>;
 
     /// Makes the steps. A drift waits for the kick after it, with which it is one sweep, and a kick
-    /// for an equal one: the impulse is then computed once, and added twice.
+    /// for one of the same length at the same time, as that at the start of the next step: their
+    /// impulses differ by the increments alone, and are computed in one sweep.
     #[inline(always)]
     fn run(mut self) -> Self::Output {
         let (mut made, mut end) = (0, self.t);
         let mut drift: Option<Plain> = None;
-        // length, part of the increments and time
-        let mut kick: Option<[f64; 3]> = None;
+        // Length and time. A kick at the end of a step waits for that of the next one.
+        let mut kick: Option<[f64; 2]> = None;
+        let waits = matches!(
+            self.shears,
+            [StepShear::Kick { .. }, .., StepShear::Kick { .. }]
+        );
+        // the part of the increments of this step that is set
+        let mut set = None;
         let mut shears = [].iter();
         // All sweeps have one call, since each call is a copy of the loops.
         loop {
             let next = shears.next().copied();
-            // the next step has other increments
-            let is_step_over =
-                next.is_none() && (kick.is_none() || self.increments.of_step().is_empty());
+            let is_step_over = next.is_none() && (kick.is_none() || waits);
             if is_step_over && let Some(after) = self.increments.next(made, self.t) {
                 (self.t, end, shears) = (end, after, self.shears.iter());
+                set = None;
                 made += 1;
                 continue;
             }
             let next_kick = match next {
+                // the time of an impulse that does not read it makes no difference
                 Some(StepShear::Kick { h, part, at }) => {
-                    // the time of an impulse that does not read it makes no difference
-                    Some([h, part, if S::READS_TIME { self.t + at } else { 0.0 }])
+                    Some(([h, if S::READS_TIME { self.t + at } else { 0.0 }], part))
                 }
                 _ => None,
             };
-            let is_twice = next_kick.is_some() && kick == next_kick;
+            // the part of the increments of the second kick, if both are one sweep
+            let second = next_kick.filter(|&(next, _)| kick == Some(next));
+            let second = second.map(|(_, part)| part);
             let is_drift_alone = if kick.is_some() {
-                S::TOTALS > 0
+                S::TOTALS > 0 || !self.prepared.segments.nests.is_empty()
             } else {
                 next_kick.is_none()
             };
             if is_drift_alone && let Some(motion) = drift.take() {
                 self.drift(motion)?;
             }
-            if let Some([h, _, t]) = kick.take() {
-                self.kick(drift.take(), [h, t], is_twice)?;
+            if let Some(kick) = kick.take() {
+                self.kick(drift.take(), kick, second)?;
+                set = second.or(set);
             }
             match next {
                 Some(StepShear::Drift { h, friction, .. }) if is_plain::<S>() => {
@@ -135,11 +144,16 @@ impl<S: Scene> Kernel for Steps<'_, S> {
                     at: at.map(|at| self.t + at),
                     start: self.t,
                 })?,
-                Some(StepShear::Midpoint { h, part, at }) => self.midpoint([h, at], part)?,
-                Some(StepShear::Kick { part, .. }) if !is_twice => {
-                    kick = next_kick;
-                    self.prepared
-                        .set_increments(part, self.increments.of_step());
+                Some(StepShear::Midpoint { h, part, at }) => {
+                    self.midpoint([h, at], part)?;
+                    set = None;
+                }
+                Some(StepShear::Kick { part, .. }) if second.is_none() => {
+                    kick = next_kick.map(|(kick, _)| kick);
+                    if set != Some(part) {
+                        self.set_increments(part, waits);
+                        set = Some(part);
+                    }
                 }
                 None if is_step_over => return Ok((made, end)),
                 Some(StepShear::Kick { .. }) | None => {}
@@ -149,24 +163,46 @@ impl<S: Scene> Kernel for Steps<'_, S> {
 }
 
 impl<S: Scene> Steps<'_, S> {
-    /// Makes a kick, with the drift before it.
+    /// Sets the increments of a kick. `waits` is true if it may wait for those of the next step,
+    /// which are then drawn in the place of these.
+    #[inline(always)]
+    fn set_increments(&mut self, part: f64, waits: bool) {
+        if part == 1.0 && S::TOTALS == 0 && !waits {
+            self.prepared.of_kicks[0].clear();
+        } else {
+            let dw = self.increments.of_step();
+            self.prepared.set_increments(0, part, dw);
+        }
+    }
+
+    /// Makes a kick, with the drift before it; and a second one with this part of the increments of
+    /// the step, if there is one.
     #[inline(always)]
     fn kick(
         &mut self,
         motion: Option<Plain>,
         [h, t]: [f64; 2],
-        is_twice: bool,
+        second: Option<f64>,
     ) -> Result<(), Failed> {
-        if S::TOTALS > 0 {
-            let of_kick = &mut self.prepared.of_kick;
-            of_kick.resize(of_kick.len() + S::TOTALS, 0.0);
-            let totals = self.scene.totals(t, self.state.q, of_kick);
-            totals.map_err(|error| Failed::Error(index_error(error, self.t)))?;
+        let dw = self.increments.of_step();
+        let has_two = second.is_some() && !dw.is_empty();
+        if let Some(part) = second {
+            self.prepared.set_increments(1, part, dw);
         }
-        if is_twice {
-            self.sweep::<true>(motion, [h, t])
+        if S::TOTALS > 0 {
+            for of_kick in &mut self.prepared.of_kicks[..=usize::from(has_two)] {
+                of_kick.resize(dw.len(), 0.0);
+                of_kick.resize(dw.len() + S::TOTALS, 0.0);
+                let totals = self.scene.totals(t, self.state.q, of_kick);
+                totals.map_err(|error| Failed::Error(index_error(error, self.t)))?;
+            }
+        }
+        if second.is_some() {
+            self.sweep::<true>(motion, [h, t], has_two)?;
+            self.prepared.of_kicks.swap(0, 1);
+            Ok(())
         } else {
-            self.sweep::<false>(motion, [h, t])
+            self.sweep::<false>(motion, [h, t], false)
         }
     }
 
@@ -175,15 +211,18 @@ impl<S: Scene> Steps<'_, S> {
         &mut self,
         motion: Option<Plain>,
         [h, t]: [f64; 2],
+        has_two: bool,
     ) -> Result<(), Failed> {
         let Prepared {
             segments,
             masses,
             rates,
             buffers,
-            of_kick: dw,
+            of_kicks: [first, second],
             ..
         } = &mut *self.prepared;
+        let of_step = self.increments.of_step();
+        let dw = if first.is_empty() { of_step } else { first };
         let sweep = Sweep::<S, TWICE> {
             scene: self.scene,
             segments,
@@ -194,6 +233,7 @@ impl<S: Scene> Steps<'_, S> {
                 friction,
             }),
             kick: Kick { h, t, dw },
+            second: if has_two { second } else { dw },
             q: self.state.q,
             p: self.state.p,
             buffers,
@@ -253,14 +293,14 @@ impl<S: Scene> Steps<'_, S> {
 
     /// Makes a step of the midpoint rule of length `h` with its node after the time `at`.
     fn midpoint(&mut self, [h, at]: [f64; 2], part: f64) -> Result<(), Failed> {
-        self.prepared
-            .set_increments(part, self.increments.of_step());
+        let dw = self.increments.of_step();
+        self.prepared.set_increments(0, part, dw);
         let Prepared {
             segments,
             masses,
             rates,
             buffers,
-            of_kick,
+            of_kicks: [dw, _],
             of_midpoint,
             ..
         } = &mut *self.prepared;
@@ -275,7 +315,7 @@ impl<S: Scene> Steps<'_, S> {
             kick: Kick {
                 h,
                 t: self.t + at,
-                dw: of_kick,
+                dw,
             },
             start: self.t,
         };

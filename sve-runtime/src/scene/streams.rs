@@ -28,7 +28,8 @@ pub struct Streams<'a, R> {
     pub(super) rows: &'a [u32],
     pub(super) fields: &'a [f64],
     pub(super) columns: &'a [u32],
-    pub(super) dw: &'a [f64],
+    /// The increments of a kick, and of a second one at the same places.
+    pub(super) dw: [&'a [f64]; 2],
     pub(super) increments: &'a [u32],
 }
 
@@ -51,8 +52,21 @@ pub struct At<'s, 'a, R, const ROWS: usize, const COLUMNS: usize, const INCREMEN
     own: &'a [R],
     rows: &'s [&'a [R]; ROWS],
     columns: &'s [&'a [f64]; COLUMNS],
-    increments: &'s [&'a [f64]; INCREMENTS],
+    increments: &'s [[&'a [f64]; INCREMENTS]; 2],
+    kick: usize,
     place: usize,
+}
+
+impl<R, const A: usize, const B: usize, const C: usize> At<'_, '_, R, A, B, C> {
+    /// Returns another place, with the increments of a kick.
+    #[inline(always)]
+    fn of(&self, kick: usize, place: usize) -> Self {
+        Self {
+            kick,
+            place,
+            ..*self
+        }
+    }
 }
 
 impl<R: Row, const A: usize, const B: usize, const C: usize> Reads<R> for At<'_, '_, R, A, B, C> {
@@ -73,7 +87,7 @@ impl<R: Row, const A: usize, const B: usize, const C: usize> Reads<R> for At<'_,
 
     #[inline(always)]
     fn increment(&self, number: usize) -> f64 {
-        self.increments[number][self.place]
+        self.increments[self.kick][number][self.place]
     }
 }
 
@@ -85,13 +99,20 @@ pub fn add<R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS: us
     to: &mut [R],
     impulse: impl Fn(&At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
 ) {
-    put::<Add, R, ROWS, COLUMNS, INCREMENTS>(streams, to, &mut [], impulse);
+    put::<Add, R, ROWS, COLUMNS, INCREMENTS>(
+        streams,
+        to,
+        &mut [],
+        #[inline(always)]
+        |_, at| impulse(at),
+    );
 }
 
-/// The use of the impulse of a node. The function is `#[inline(always)]`.
+/// The use of the impulses of a node by two kicks, of which the second may be left out. The
+/// function is `#[inline(always)]`.
 #[doc(hidden)]
 pub trait Put {
-    fn put<R: Row>(impulse: R, to: &mut R);
+    fn put<R: Row>(impulse: impl Fn(usize) -> R, to: &mut R);
 }
 
 /// The impulse is added.
@@ -99,7 +120,8 @@ pub trait Put {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Add {}
 
-/// The impulse is added twice, one addition after the other.
+/// Both impulses are added, one after the other. They have the same derivatives, which the compiler
+/// computes once, since nothing is written between them.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub(super) enum AddTwice {}
@@ -111,34 +133,35 @@ pub(super) enum Write {}
 
 impl Put for Add {
     #[inline(always)]
-    fn put<R: Row>(impulse: R, to: &mut R) {
-        to.add(impulse);
+    fn put<R: Row>(impulse: impl Fn(usize) -> R, to: &mut R) {
+        to.add(impulse(0));
     }
 }
 
 impl Put for AddTwice {
     #[inline(always)]
-    fn put<R: Row>(impulse: R, to: &mut R) {
-        to.add(impulse);
-        to.add(impulse);
+    fn put<R: Row>(impulse: impl Fn(usize) -> R, to: &mut R) {
+        let [first, second] = [impulse(0), impulse(1)];
+        to.add(first);
+        to.add(second);
     }
 }
 
 impl Put for Write {
     #[inline(always)]
-    fn put<R: Row>(impulse: R, to: &mut R) {
-        *to = impulse;
+    fn put<R: Row>(impulse: impl Fn(usize) -> R, to: &mut R) {
+        *to = impulse(0);
     }
 }
 
-/// Puts `impulse` at each place of the streams to `to`. If `kept` is as long as `to`, it gets the
-/// old rows, and the new ones are tested: returns whether all are finite.
+/// Puts the impulses of both kicks at each place of the streams to `to`. If `kept` is as long as
+/// `to`, it gets the old rows, and the new ones are tested: returns whether all are finite.
 #[inline(always)]
 fn put<P: Put, R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS: usize>(
     streams: &Streams<'_, R>,
     to: &mut [R],
     kept: &mut [R],
-    impulse: impl Fn(&At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
+    impulse: impl Fn(usize, &At<'_, '_, R, ROWS, COLUMNS, INCREMENTS>) -> R,
 ) -> bool {
     let m = to.len();
     let own = &streams.q[streams.node..][..m];
@@ -146,7 +169,7 @@ fn put<P: Put, R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS
     // the start, the bounds are checked for each node, which is then no part of a vector.
     let mut rows = [own; ROWS];
     let mut columns: [&[f64]; COLUMNS] = [&[]; COLUMNS];
-    let mut increments: [&[f64]; INCREMENTS] = [&[]; INCREMENTS];
+    let mut increments: [[&[f64]; INCREMENTS]; 2] = [[&[]; INCREMENTS]; 2];
     #[allow(clippy::needless_range_loop)]
     {
         for k in 0..ROWS {
@@ -156,7 +179,10 @@ fn put<P: Put, R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS
             columns[k] = &streams.fields[streams.columns[k] as usize..][..m];
         }
         for k in 0..INCREMENTS {
-            increments[k] = &streams.dw[streams.increments[k] as usize..][..m];
+            for kick in 0..2 {
+                let dw = streams.dw[kick];
+                increments[kick][k] = &dw[streams.increments[k] as usize..][..m];
+            }
         }
     }
     let start = At {
@@ -164,6 +190,7 @@ fn put<P: Put, R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS
         rows: &rows,
         columns: &columns,
         increments: &increments,
+        kick: 0,
         place: 0,
     };
     let is_tested = kept.len() == m;
@@ -172,16 +199,22 @@ fn put<P: Put, R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS
     if is_tested {
         for place in 0..m {
             kept[place] = to[place];
-            let impulse = impulse(&At { place, ..start });
-            P::put(impulse, &mut to[place]);
+            P::put(
+                #[inline(always)]
+                |kick| impulse(kick, &start.of(kick, place)),
+                &mut to[place],
+            );
             for &x in R::numbers(&to[place..=place]) {
                 bits |= not_finite(x);
             }
         }
     } else {
         for place in 0..m {
-            let impulse = impulse(&At { place, ..start });
-            P::put(impulse, &mut to[place]);
+            P::put(
+                #[inline(always)]
+                |kick| impulse(kick, &start.of(kick, place)),
+                &mut to[place],
+            );
         }
     }
     bits == 0
@@ -190,14 +223,14 @@ fn put<P: Put, R: Row, const ROWS: usize, const COLUMNS: usize, const INCREMENTS
 /// The impulse of a node.
 #[doc(hidden)]
 pub trait Impulse<R> {
-    /// Returns the impulse.
-    fn at(&self, reads: &impl Reads<R>) -> R;
+    /// Returns the impulse of a kick: 0, or 1 for the second one.
+    fn at(&self, kick: usize, reads: &impl Reads<R>) -> R;
 }
 
 /// Numbers of streams as a type.
 pub trait StreamCounts {
-    /// Puts the impulse at each place of the streams to `to`. If `kept` is as long as `to`, it gets
-    /// the old rows, and the new ones are tested: returns whether all are finite.
+    /// Puts the impulses of both kicks at each place of the streams to `to`. If `kept` is as long
+    /// as `to`, it gets the old rows, and the new ones are tested: returns whether all are finite.
     #[doc(hidden)]
     fn put<P: Put, R: Row>(
         streams: &Streams<'_, R>,
@@ -224,7 +257,7 @@ impl<const A: usize, const B: usize, const C: usize> StreamCounts for Counts<A, 
             to,
             kept,
             #[inline(always)]
-            |reads| impulse.at(reads),
+            |kick, reads| impulse.at(kick, reads),
         )
     }
 }

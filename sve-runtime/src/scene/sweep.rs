@@ -1,16 +1,16 @@
-//! A sweep: nodes move, and the impulses of all loops at their new places are added to the momenta.
+//! A sweep: nodes move, and the impulses of all loops at their new places are added to the momenta,
+//! once or, with other increments, a second time.
 //!
 //! Both are done in place, tile by tile. The drift leads by what a piece of nodes reads, so that
 //! the momenta of a tile are still in the first cache when its impulses are added.
 
-use core::marker::PhantomData;
-
 use super::additions::{first_not_finite, move_all, move_to_nodes};
 use super::drift::Drift;
-use super::pieces::{Bases, Batch, Piece};
+use super::pieces::{Bases, Piece};
 use super::segments::{BATCH, Segments, TILE};
-use super::streams::{Add, AddTwice, Impulse, Write};
-use super::{Contributions, Impulses, IndexError, Reads, Row, Scene, StreamCounts, Streams};
+use super::streams::{Add, AddTwice};
+use super::visit::{CountsOf, Node, Visit, streams};
+use super::{Contributions, Impulses, IndexError, Row, Scene, StreamCounts};
 use crate::lanes::dispatch::Kernel;
 
 /// The impulse over the time `h` at the time `t`.
@@ -52,7 +52,7 @@ impl Place {
 /// Arrays that a sweep needs, of the components of rows.
 #[derive(Clone, Debug)]
 pub(super) struct Buffers {
-    /// Impulses of the pairs of one piece.
+    /// Impulses of the pairs of one piece, by two kicks.
     pub(super) of_piece: Vec<f64>,
     /// The rows of copied nodes, of `BATCH` nodes each, and of what their impulses read.
     pub(super) of_batch: Vec<f64>,
@@ -60,6 +60,8 @@ pub(super) struct Buffers {
     pub(super) dw: Vec<f64>,
     /// Impulses of all loops, if one of them is made as it is written: zeros between sweeps.
     pub(super) of_nests: Vec<f64>,
+    /// Impulses of all loops by a second kick.
+    pub(super) of_second: Vec<f64>,
     /// Increments, and totals, of midpoint steps.
     pub(super) with_totals: Vec<f64>,
     /// The momenta of a piece before its impulses, until these are tested.
@@ -71,8 +73,9 @@ impl Buffers {
         let of_nests = if segments.nests.is_empty() { 0 } else { n };
         let [rows, _, increments] = segments.counts;
         Self {
-            of_piece: vec![0.0; TILE * R::LENGTH],
+            of_piece: vec![0.0; 2 * TILE * R::LENGTH],
             of_nests: vec![0.0; of_nests * R::LENGTH],
+            of_second: Vec::new(),
             of_batch: vec![0.0; BATCH * (1 + rows) * R::LENGTH],
             dw: vec![0.0; BATCH * increments],
             with_totals: Vec::new(),
@@ -98,21 +101,28 @@ impl Buffers {
             of_batch,
             dw,
             of_nests,
+            of_second,
             with_totals,
             kept,
         } = self;
-        let arrays = [of_piece, of_batch, dw, of_nests, with_totals, kept];
-        arrays.iter().map(|array| array.len()).sum()
+        let of_piece = [of_piece, of_batch, dw, kept];
+        let arrays = of_piece
+            .into_iter()
+            .chain([of_nests, of_second, with_totals]);
+        arrays.map(Vec::len).sum()
     }
 }
 
-/// A drift, if there is one, and then the impulses of all loops, added `TWICE` or once to the
-/// momenta.
+/// A drift, if there is one, and then the impulses of all loops, added to the momenta; `TWICE` with
+/// the increments of two kicks. In a scene with loops that are made as they are written the sites
+/// have already moved.
 pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
     pub(super) scene: &'a S,
     pub(super) segments: &'a Segments,
     pub(super) drift: Option<Drift<'a>>,
     pub(super) kick: Kick<'a>,
+    /// The increments of a second kick; the same array if no impulse reads increments.
+    pub(super) second: &'a [f64],
     pub(super) q: &'a mut [S::Row],
     pub(super) p: &'a mut [S::Row],
     pub(super) buffers: &'a mut Buffers,
@@ -128,47 +138,77 @@ impl<S: Scene, const TWICE: bool> Kernel for Sweep<'_, S, TWICE> {
 
     #[inline(always)]
     fn run(mut self) -> Self::Output {
-        let mut moved = 0;
-        let gathered = self.gathered(&mut moved);
-        if self.segments.nests.is_empty() {
-            return Ok(gathered.err());
+        let has_nests = !self.segments.nests.is_empty();
+        let last = if has_nests { self.kicks() } else { 1 };
+        for round in usize::from(!has_nests)..=last {
+            let result = self.round(round);
+            if !matches!(result, Ok(None)) {
+                self.buffers.of_nests.fill(0.0);
+                return result;
+            }
         }
-        let result = match gathered {
-            Ok(()) => self.nests(moved),
-            Err(place) => Ok(Some(place)),
-        };
-        if !matches!(result, Ok(None)) {
-            self.buffers.of_nests.fill(0.0);
-        }
-        result
+        Ok(if has_nests { self.add_nests() } else { None })
     }
 }
 
-impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
+impl<'a, S: Scene, const TWICE: bool> Sweep<'a, S, TWICE> {
+    /// Returns the number of kicks with impulses of their own.
+    #[inline(always)]
+    fn kicks(&self) -> usize {
+        let is_same = core::ptr::eq(self.kick.dw, self.second);
+        if TWICE && !is_same { 2 } else { 1 }
+    }
+
+    /// Returns the kick, or the second one.
+    #[inline(always)]
+    fn kick(&self, number: usize) -> Kick<'a> {
+        let dw = if number == 0 {
+            self.kick.dw
+        } else {
+            self.second
+        };
+        Kick { dw, ..self.kick }
+    }
+
+    /// Adds contributions: in round 0 of the loops that are made as they are written and read no
+    /// increments, and then of the others, with the increments of a kick in each round.
+    #[inline(always)]
+    fn round(&mut self, round: usize) -> Result<Option<Place>, IndexError> {
+        let kick = round.max(1) - 1;
+        self.nests(round, kick)?;
+        let result = if round == 0 {
+            Ok(())
+        } else {
+            self.gathered(kick)
+        };
+        Ok(result.err())
+    }
+
     /// Moves the sites and adds the contributions of gathered loops.
     #[inline(always)]
-    fn gathered(&mut self, moved: &mut usize) -> Result<(), Place> {
+    fn gathered(&mut self, kick: usize) -> Result<(), Place> {
         let (n, segments, is_tested) = (self.q.len(), self.segments, self.is_tested);
         let has_nests = !segments.nests.is_empty();
+        let mut moved = 0;
         for (number, (piece, bases)) in segments.pieces::<S>().enumerate().take(self.pieces) {
             if let Some(drift) = &self.drift
-                && *moved < piece.ready()
+                && moved < piece.ready()
             {
-                let nodes = *moved..piece.ready().next_multiple_of(TILE).min(n);
+                let nodes = moved..piece.ready().next_multiple_of(TILE).min(n);
                 let result = drift.nodes(self.q, self.p, nodes.clone(), is_tested);
-                result.map_err(|at| Place::new(at, *moved, number))?;
-                *moved = nodes.end;
+                result.map_err(|at| Place::new(at, moved, number))?;
+                moved = nodes.end;
             }
             let result = if TWICE && !has_nests {
-                self.piece::<true>(piece, bases)
+                self.piece::<true>(piece, bases, kick)
             } else {
-                self.piece::<false>(piece, bases)
+                self.piece::<false>(piece, bases, kick)
             };
-            result.map_err(|component| Place::new(("p", component), *moved, number))?;
+            result.map_err(|component| Place::new(("p", component), moved, number))?;
         }
         if let Some(drift) = &self.drift {
-            let result = drift.nodes(self.q, self.p, *moved..n, is_tested);
-            result.map_err(|at| Place::new(at, *moved, self.pieces))?;
+            let result = drift.nodes(self.q, self.p, moved..n, is_tested);
+            result.map_err(|at| Place::new(at, moved, self.pieces))?;
         }
         Ok(())
     }
@@ -183,36 +223,42 @@ impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
         &mut self,
         piece: &Piece,
         bases: Bases<'_>,
+        kick: usize,
     ) -> Result<(), usize> {
-        let (segments, dw) = (self.segments, self.kick.dw);
+        let (scene, segments) = (self.scene, self.segments);
+        let count = if TO_P_TWICE { self.kicks() } else { 1 };
+        let kicks = [
+            self.kick(kick),
+            self.kick(kick.max(usize::from(TO_P_TWICE))),
+        ];
         let has_nests = !segments.nests.is_empty();
         let Buffers {
             of_piece,
             of_batch,
             dw: of_increments,
             of_nests,
+            of_second,
             kept,
             ..
         } = &mut *self.buffers;
-        let mut visit =
-            Visit::<S, Impulses>::new(self.scene, segments, self.kick, [of_batch, of_increments]);
         let q = &*self.q;
-        let to = if has_nests {
-            Row::rows_mut(of_nests)
-        } else {
-            &mut *self.p
+        let to = match (has_nests, kick) {
+            (false, _) => &mut *self.p,
+            (true, 0) => Row::rows_mut(of_nests),
+            (true, _) => Row::rows_mut(of_second),
         };
         let is_tested = self.is_tested && !has_nests;
         let nodes = piece.nodes();
         let first = nodes.start * S::Row::LENGTH;
         if !piece.has_others && piece.batch.is_none() {
-            let streams = streams(q, nodes.start, segments, bases, dw);
+            let node = Node::<S, Impulses>::new(scene, kicks);
+            let streams = streams(q, nodes.start, segments, bases, node.dw);
             let length = if is_tested { nodes.len() } else { 0 };
             let (to, kept) = (&mut to[nodes], &mut Row::rows_mut(kept)[..length]);
             let are_finite = if TO_P_TWICE {
-                CountsOf::<S, Impulses>::put::<AddTwice, _>(&streams, to, kept, &visit.node)
+                CountsOf::<S, Impulses>::put::<AddTwice, _>(&streams, to, kept, &node)
             } else {
-                CountsOf::<S, Impulses>::put::<Add, _>(&streams, to, kept, &visit.node)
+                CountsOf::<S, Impulses>::put::<Add, _>(&streams, to, kept, &node)
             };
             if are_finite {
                 return Ok(());
@@ -222,146 +268,71 @@ impl<S: Scene, const TWICE: bool> Sweep<'_, S, TWICE> {
             return Err(component);
         }
         // The impulse of a node is added as one number: two kicks in one have the bits of two.
-        let sum = &mut S::Row::rows_mut(of_piece)[..nodes.len()];
-        if let Some(batch) = visit.write(q, piece, bases, sum) {
-            return move_to_nodes::<TO_P_TWICE, _>(&batch.nodes, to, sum, is_tested);
+        let (sum, second) = S::Row::rows_mut(of_piece).split_at_mut(TILE);
+        let mut sums = [sum, second].map(|sum| &mut sum[..nodes.len()]);
+        let mut batch = None;
+        for (kick, sum) in kicks.into_iter().zip(&mut sums).take(count) {
+            let mut visit = Visit::new(scene, segments, kick, [of_batch, of_increments]);
+            batch = visit.write(q, piece, bases, sum);
         }
-        let moved = move_all::<TO_P_TWICE, _>(&mut to[nodes], sum, is_tested);
+        let sums = [&*sums[0], &*sums[count - 1]];
+        if let Some(batch) = batch {
+            return move_to_nodes::<TO_P_TWICE, _>(&batch.nodes, to, sums, is_tested);
+        }
+        let moved = move_all::<TO_P_TWICE, _>(&mut to[nodes], sums, is_tested);
         moved.map_err(|component| first + component)
     }
 
-    /// Adds the contributions of all loops, some of them made as they are written.
+    /// Adds the contributions of loops that are made as they are written.
     #[inline(always)]
-    fn nests(&mut self, moved: usize) -> Result<Option<Place>, IndexError> {
-        let (Kick { h, t, dw }, q) = (self.kick, &*self.q);
-        let of_nests = S::Row::rows_mut(&mut self.buffers.of_nests);
+    fn nests(&mut self, round: usize, kick: usize) -> Result<(), IndexError> {
+        let (Kick { h, t, dw }, kicks) = (self.kick(kick), self.kicks());
+        let Buffers {
+            of_nests,
+            of_second,
+            ..
+        } = &mut *self.buffers;
+        if round == 1 && kicks == 2 {
+            of_second.clear();
+            of_second.extend_from_slice(of_nests);
+        }
+        let to = S::Row::rows_mut(if kick == 0 { of_nests } else { of_second });
         for &number in &self.segments.nests {
-            Contributions::<Impulses>::nest(self.scene, number, h, t, dw, q, of_nests)?;
-        }
-        let tiles = self.p.chunks_mut(TILE).zip(of_nests.chunks_mut(TILE));
-        for (number, (p, sum)) in tiles.enumerate() {
-            if let Err(at) = move_all::<TWICE, _>(p, sum, self.is_tested) {
-                let at = number * TILE * S::Row::LENGTH + at;
-                return Ok(Some(Place::new(("p", at), moved, self.pieces)));
+            if S::LOOPS[number].has_noise == (round > 0) {
+                Contributions::<Impulses>::nest(self.scene, number, h, t, dw, &*self.q, to)?;
             }
-            sum.fill(S::Row::ZERO);
         }
-        Ok(None)
+        Ok(())
     }
-}
 
-/// A visit of pieces, with what their contributions need.
-pub(super) struct Visit<'a, S: Contributions<W>, W> {
-    node: Node<'a, S, W>,
-    segments: &'a Segments,
-    /// The copied nodes of a batch with what they read, and the increments that they read.
-    of_batch: &'a mut [S::Numbers],
-    of_increments: &'a mut [f64],
-}
-
-impl<'a, S: Scene + Contributions<W>, W> Visit<'a, S, W> {
-    /// Begins a visit. The arrays are `of_batch` and `dw` of [`Buffers`].
+    /// Adds the impulses of all loops, some of them made as they are written, to the momenta.
+    /// Returns the place of a sum that is not finite, if sums are tested.
     #[inline(always)]
-    pub(super) fn new(
-        scene: &'a S,
-        segments: &'a Segments,
-        kick: Kick<'a>,
-        [of_batch, of_increments]: [&'a mut [f64]; 2],
-    ) -> Self {
-        let what = PhantomData;
-        Self {
-            node: Node { scene, kick, what },
-            segments,
-            of_batch: NumbersOf::<S, W>::rows_mut(of_batch),
-            of_increments,
+    fn add_nests(&mut self) -> Option<Place> {
+        let kicks = self.kicks();
+        let Buffers {
+            of_nests,
+            of_second,
+            ..
+        } = &mut *self.buffers;
+        let tiles = self
+            .p
+            .chunks_mut(TILE)
+            .zip(of_nests.chunks_mut(TILE * S::Row::LENGTH));
+        for (number, (p, first)) in tiles.enumerate() {
+            let at = number * TILE * S::Row::LENGTH;
+            let second = if kicks == 2 {
+                &of_second[at..at + first.len()]
+            } else {
+                &*first
+            };
+            let impulses = [&*first, second].map(S::Row::rows);
+            if let Err(component) = move_all::<TWICE, _>(p, impulses, self.is_tested) {
+                of_nests.fill(0.0);
+                return Some(Place::new(("p", at + component), self.q.len(), self.pieces));
+            }
+            first.fill(0.0);
         }
-    }
-
-    /// Writes the sums of the contributions to the nodes of a piece. Returns the batch of a piece
-    /// of copied nodes.
-    #[inline(always)]
-    pub(super) fn write(
-        &mut self,
-        q: &[NumbersOf<S, W>],
-        piece: &Piece,
-        bases: Bases<'_>,
-        sum: &mut [NumbersOf<S, W>],
-    ) -> Option<&'a Batch> {
-        let (segments, Kick { h, t, dw }) = (self.segments, self.node.kick);
-        let batch = piece.batch.map(|number| &segments.batches[number as usize]);
-        let streams = if let Some(batch) = batch {
-            copy(batch, q, self.of_batch, dw, self.of_increments);
-            streams(self.of_batch, 0, segments, bases, self.of_increments)
-        } else {
-            streams(q, piece.nodes().start, segments, bases, dw)
-        };
-        let mut first = 0;
-        if piece.is_full {
-            CountsOf::<S, W>::put::<Write, _>(&streams, sum, &mut [], &self.node);
-            first = S::NODE_PAIRS;
-        } else {
-            sum.fill(NumbersOf::<S, W>::ZERO);
-        }
-        for pair in (first..S::PAIRS.len()).filter(|&pair| bases.has(pair)) {
-            let streams = streams.of(&segments.streams[pair]);
-            let scene = self.node.scene;
-            Contributions::<W>::contribution(scene, pair, h, t, dw, &streams, sum);
-        }
-        batch
-    }
-}
-
-/// The impulse of a node to which the first pairs contribute.
-struct Node<'a, S, W> {
-    scene: &'a S,
-    kick: Kick<'a>,
-    what: PhantomData<W>,
-}
-
-impl<S: Contributions<W>, W> Impulse<S::Numbers> for Node<'_, S, W> {
-    #[inline(always)]
-    fn at(&self, reads: &impl Reads<S::Numbers>) -> S::Numbers {
-        let Kick { h, t, dw } = self.kick;
-        self.scene.node(h, t, dw, reads)
-    }
-}
-
-pub(super) type NumbersOf<S, W> = <S as Contributions<W>>::Numbers;
-type CountsOf<S, W> = <S as Contributions<W>>::Counts;
-
-/// Copies the nodes of a batch, and what their impulses read, to consecutive places.
-#[inline(always)]
-fn copy<R: Row>(batch: &Batch, q: &[R], rows: &mut [R], dw: &[f64], increments: &mut [f64]) {
-    for (to, &node) in rows.iter_mut().zip(&batch.nodes) {
-        *to = q[node as usize];
-    }
-    for (at, list) in &batch.rows {
-        for (to, &node) in rows[BATCH * (1 + at)..].iter_mut().zip(list) {
-            *to = q[node as usize];
-        }
-    }
-    for (at, list) in &batch.increments {
-        for (to, &number) in increments[BATCH * at..].iter_mut().zip(list) {
-            *to = dw[number as usize];
-        }
-    }
-}
-
-#[inline(always)]
-fn streams<'a, R>(
-    q: &'a [R],
-    node: usize,
-    segments: &'a Segments,
-    bases: Bases<'a>,
-    dw: &'a [f64],
-) -> Streams<'a, R> {
-    Streams {
-        q,
-        node,
-        rows: bases.rows,
-        fields: &segments.columns,
-        columns: bases.columns,
-        dw,
-        increments: bases.increments,
+        None
     }
 }

@@ -214,6 +214,7 @@ impl<S: Scene> AsWritten<'_, S> {
         Loop {
             text: S::LOOPS[number % S::LOOPS.len()].text,
             is_stream: false,
+            has_noise: S::LOOPS[number % S::LOOPS.len()].has_noise,
         }
     }
 }

@@ -11,9 +11,13 @@ use crate::scene::{Derived, Pair, Root};
 /// Prints the constants.
 pub(super) fn tables(derived: &Derived, formulas: Formulas<'_>) -> TokenStream {
     let private = formulas.private;
-    let roots = derived.roots.iter().map(|root| {
+    let roots = derived.roots.iter().enumerate().map(|(number, root)| {
         let (text, is_stream) = (verbatim(&text(root, derived)), root.is_stream);
-        quote!(#private::scene::Loop { text: #text, is_stream: #is_stream })
+        let mut of_root = derived.terms.iter().filter(|term| term.root == number);
+        let has_noise = of_root.any(|term| term.is_noise);
+        quote! {
+            #private::scene::Loop { text: #text, is_stream: #is_stream, has_noise: #has_noise }
+        }
     });
     let terms = derived.terms.iter().map(|term| {
         let (in_loop, columns) = (term.root, term.columns.len());
