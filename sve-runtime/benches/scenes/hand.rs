@@ -35,10 +35,10 @@ fn avx2(kernel: impl Kernel) {
     kernel.run();
 }
 
-const TILE: usize = 512;
+pub(crate) const TILE: usize = 512;
 
 #[inline(always)]
-fn drift(q: &mut [f64], p: &[f64], h: f64) {
+pub(crate) fn drift(q: &mut [f64], p: &[f64], h: f64) {
     let p = &p[..q.len()];
     for i in 0..q.len() {
         q[i] += h * p[i];
@@ -54,7 +54,7 @@ pub(crate) struct Chain<'a> {
 }
 
 #[inline(always)]
-fn bond(beta: f64, d: f64) -> f64 {
+pub(crate) fn bond(beta: f64, d: f64) -> f64 {
     d + beta * d * d * d
 }
 
@@ -268,6 +268,27 @@ pub(crate) fn bonds(list: &[[u32; 2]], x: &[[f64; 3]], f: &mut [[f64; 3]]) {
             let t = w * d[k];
             f[i][k] += t;
             f[j][k] -= t;
+        }
+    }
+}
+
+/// Forces of angles from a list, with the potential 10 (cos + ½)².
+pub(crate) fn angles(list: &[[u32; 3]], x: &[[f64; 3]], f: &mut [[f64; 3]]) {
+    for &angle in list {
+        let [i, j, k] = angle.map(|i| i as usize);
+        let a: [f64; 3] = std::array::from_fn(|axis| x[i][axis] - x[j][axis]);
+        let b: [f64; 3] = std::array::from_fn(|axis| x[k][axis] - x[j][axis]);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (a2, b2) = (dot(a, a), dot(b, b));
+        let inverse = 1.0 / (a2 * b2).sqrt();
+        let cos = dot(a, b) * inverse;
+        let slope = -20.0 * (cos + 0.5);
+        for axis in 0..3 {
+            let on_i = slope * (b[axis] * inverse - a[axis] * cos / a2);
+            let on_k = slope * (a[axis] * inverse - b[axis] * cos / b2);
+            f[i][axis] += on_i;
+            f[k][axis] += on_k;
+            f[j][axis] -= on_i + on_k;
         }
     }
 }

@@ -1,8 +1,9 @@
-//! Atoms with pairs from lists: neighbours within a cut-off, and bonds.
+//! Atoms with lists: of neighbours within a cut-off, of bonds, and of angles.
 
 use std::hint::black_box;
 
 use sve_runtime::__private::StepShear as Shear;
+use sve_runtime::prelude::*;
 
 use crate::measure::compare;
 use crate::scenes::{Argon, Polymer};
@@ -98,6 +99,17 @@ pub(crate) fn molecules(side: usize, is_asked: &dyn Fn(&str) -> bool) {
         shears: shears.clone(),
         ..Path::new(&argon, &x, true)
     };
+    let row =
+        |i: usize| (argon.list[argon.start[i]..argon.start[i + 1]].iter()).map(move |&j| [i, j]);
+    let pairs_of_rows = (0..n).flat_map(row).collect();
+    let flat = Pairs {
+        pairs: pairs_of_rows,
+        cut2: 6.25,
+    };
+    let mut flat = Path {
+        shears: shears.clone(),
+        ..Path::new(&flat, &x, true)
+    };
     let [mut q, mut p, mut f] = state();
     compare(
         &format!("argon of {n} atoms, {} pairs", short.len()),
@@ -119,8 +131,120 @@ pub(crate) fn molecules(side: usize, is_asked: &dyn Fn(&str) -> bool) {
                 pairs,
                 Box::new(|| path.advance(count)),
             ),
+            (
+                "trajectory, flat list of pairs",
+                pairs,
+                Box::new(|| flat.advance(count)),
+            ),
         ],
     );
+}
+
+/// The atoms of [`Argon`], with one list of all pairs.
+struct Pairs {
+    pairs: Vec<[usize; 2]>,
+    cut2: f64,
+}
+
+#[variational(stormer_verlet)]
+impl Pairs {
+    fn lagrangian(&self, q: &[[f64; 3]], v: &[[f64; 3]]) -> f64 {
+        let mut l = 0.0;
+        for v in v {
+            l += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        }
+        for k in 0..self.pairs.len() {
+            let [i, j] = self.pairs[k];
+            let mut r2 = 0.0;
+            for axis in 0..3 {
+                r2 += (q[j][axis] - q[i][axis]).powi(2);
+            }
+            if r2 > self.cut2 {
+                continue;
+            }
+            let s = 1.0 / (r2 * r2 * r2);
+            l -= 4.0 * (s * s - s);
+        }
+        l
+    }
+}
+
+/// Angles of a list, with the potential 10 (cos + ½)².
+struct Angles {
+    list: Vec<[usize; 3]>,
+}
+
+#[variational(stormer_verlet)]
+impl Angles {
+    fn lagrangian(&self, q: &[[f64; 3]], v: &[[f64; 3]]) -> f64 {
+        let mut l = 0.0;
+        for v in v {
+            l += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        }
+        for angle in 0..self.list.len() {
+            let [i, j, k] = self.list[angle];
+            let (mut a2, mut b2, mut ab) = (0.0, 0.0, 0.0);
+            for axis in 0..3 {
+                let (a, b) = (q[i][axis] - q[j][axis], q[k][axis] - q[j][axis]);
+                a2 += a * a;
+                b2 += b * b;
+                ab += a * b;
+            }
+            l -= 10.0 * (ab / (a2 * b2).sqrt() + 0.5).powi(2);
+        }
+        l
+    }
+}
+
+/// Angles of chains of 50, in the order of the atoms, and shuffled.
+pub(crate) fn angles(side: usize, is_asked: &dyn Fn(&str) -> bool) {
+    let x = grid(side);
+    let n = x.len();
+    let (h, shears) = short_steps();
+    let count = if n > 10_000 { 16 } else { 64 };
+    let ordered = (2..n).filter(|k| k % 50 > 1).map(|k| [k - 2, k - 1, k]);
+    let ordered: Vec<[usize; 3]> = ordered.collect();
+    for (list, order) in [(shuffled(&ordered), "shuffled"), (ordered, "in order")] {
+        let short: Vec<[u32; 3]> = list.iter().map(|angle| angle.map(|i| i as u32)).collect();
+        let units = list.len() as f64 * count as f64;
+        let angles = Angles { list };
+        let mut path = Path {
+            shears: shears.clone(),
+            ..Path::new(&angles, &x, true)
+        };
+        let [mut q, mut p, mut f] = [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
+        compare(
+            &format!("angles of {n} atoms, {order}"),
+            is_asked,
+            vec![
+                (
+                    "by hand, plain list",
+                    units,
+                    Box::new(|| {
+                        for _ in 0..count {
+                            hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                                hand::angles(&short, x, f);
+                            });
+                        }
+                    }),
+                ),
+                (
+                    "trajectory, Störmer–Verlet",
+                    units,
+                    Box::new(|| path.advance(count)),
+                ),
+            ],
+        );
+    }
+}
+
+/// Returns the elements of a list in another order.
+fn shuffled<T: Copy>(list: &[T]) -> Vec<T> {
+    let mut shuffled = list.to_vec();
+    for i in 0..list.len() {
+        shuffled.swap(i, i * 7919 % list.len());
+    }
+    shuffled
 }
 
 /// Bonds of a list in the order of the atoms, which has runs: of one chain and of chains of 50; and
@@ -132,14 +256,10 @@ pub(crate) fn bonds(side: usize, is_asked: &dyn Fn(&str) -> bool) {
     let count = if n > 10_000 { 16 } else { 64 };
     let chains = |length: usize| (1..n).filter(move |i| i % length != 0);
     let [one, many] = [n, 50].map(|length| chains(length).map(|i| [i - 1, i]).collect::<Vec<_>>());
-    let mut shuffled = many.clone();
-    for i in 0..shuffled.len() {
-        shuffled.swap(i, i * 7919 % many.len());
-    }
     for (bonds, order) in [
         (one, "one chain"),
+        (shuffled(&many), "shuffled"),
         (many, "chains of 50"),
-        (shuffled, "shuffled"),
     ] {
         let short: Vec<[u32; 2]> = bonds.iter().map(|bond| bond.map(|i| i as u32)).collect();
         let units = bonds.len() as f64 * count as f64;

@@ -10,14 +10,17 @@ mod hand;
 mod lists;
 mod measure;
 mod midpoint;
+mod noise;
 #[path = "../../tests/scene/scenes.rs"]
 #[allow(dead_code)]
 mod scenes;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 use std::hint::black_box;
 
 use hand::dispatch;
-use lists::{bonds, grid, molecules};
+use lists::{angles, bonds, grid, molecules};
 use measure::{Case, compare};
 use scenes::{Chain, Lattice};
 use sve_runtime::__private::StepShear as Shear;
@@ -54,12 +57,17 @@ fn main() {
     for side in [4, 15, 69] {
         molecules(side, &is_asked);
         bonds(side, &is_asked);
+        angles(side, &is_asked);
     }
     for n in [34, 334, 3334] {
         all_pairs(n, &is_asked);
     }
     for n in [100, 10_000, 1_000_000] {
         midpoint::chain(n, &is_asked);
+        noise::chain(n, &is_asked);
+    }
+    for side in [10, 100, 1000] {
+        midpoint::lattice(side, &is_asked);
     }
 }
 
@@ -164,6 +172,7 @@ fn chain(n: usize, is_asked: &dyn Fn(&str) -> bool) {
     let mut endpoint = Path::new(&scene, rows(&start), false);
     let mut verlet = Path::new(&scene, rows(&start), true);
     let mut single = Path::new(&scene, rows(&start), false);
+    let mut single_verlet = Path::new(&scene, rows(&start), true);
     let beta = 0.7;
     compare(
         &format!("chain of {n}"),
@@ -202,6 +211,11 @@ fn chain(n: usize, is_asked: &dyn Fn(&str) -> bool) {
                 "single steps, endpoint",
                 units,
                 Box::new(|| (0..count).for_each(|_| single.step())),
+            ),
+            (
+                "single steps, Störmer–Verlet",
+                units,
+                Box::new(|| (0..count).for_each(|_| single_verlet.step())),
             ),
         ],
     );
@@ -297,31 +311,42 @@ fn all_pairs(n: usize, is_asked: &dyn Fn(&str) -> bool) {
     let start = State::new(x.to_vec(), vec![[0.0; 3]; n]);
     let mut path = integrator.trajectory(start, h, NoNoise);
     let steps = if n > 1000 { 16 } else { 64 };
-    let [mut q, mut p, mut f] = [x.to_vec(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
-    let mut arrays: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; n]);
-    compare(
-        &format!("all pairs of {n} bodies"),
-        is_asked,
-        vec![
-            (
-                "by hand, blocks of 16",
-                pairs,
-                Box::new(|| {
-                    hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
-                        dispatch(hand::AllPairs {
-                            x,
-                            f,
-                            arrays: &mut arrays,
-                            softening,
-                        });
+    let state = || {
+        let arrays: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; n]);
+        ([x.to_vec(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]], arrays)
+    };
+    let ([mut q, mut p, mut f], mut arrays) = state();
+    let mut cases: Vec<Case<'_>> = vec![
+        (
+            "by hand, blocks of 16",
+            pairs,
+            Box::new(move || {
+                hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                    dispatch(hand::AllPairs {
+                        x,
+                        f,
+                        arrays: &mut arrays,
+                        softening,
                     });
-                }),
-            ),
-            (
-                "trajectory, Störmer–Verlet",
-                pairs * steps as f64,
-                Box::new(|| assert!(path.advance(steps).is_ok())),
-            ),
-        ],
-    );
+                });
+            }),
+        ),
+        (
+            "trajectory, Störmer–Verlet",
+            pairs * steps as f64,
+            Box::new(|| assert!(path.advance(steps).is_ok())),
+        ),
+    ];
+    #[cfg(target_arch = "x86_64")]
+    if wide::is_here() {
+        let ([mut q, mut p, mut f], mut arrays) = state();
+        let step = move || {
+            hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
+                wide::all_pairs(x, f, &mut arrays, softening);
+            });
+        };
+        // the first case is what the others are compared with
+        cases.insert(0, ("by hand, AVX-512", pairs, Box::new(step)));
+    }
+    compare(&format!("all pairs of {n} bodies"), is_asked, cases);
 }

@@ -1,8 +1,13 @@
-//! The midpoint rule for a chain with fixed ends, beside the same iteration by hand: Chebyshev's,
-//! for the displacements, with bounds from the largest and the smallest distance of neighbours.
+//! The midpoint rule beside the same iteration by hand: Chebyshev's, for the displacements. For a
+//! chain with fixed ends, bounds come from the largest distance of neighbours; for the φ⁴ field on a
+//! periodic lattice, from the largest magnitude of the field.
 
 use std::hint::black_box;
+use std::ops::Range;
 
+use sve_runtime::__private::AnySystem;
+use sve_runtime::__private::scene::{Scene, Scenes};
+use sve_runtime::Rule;
 use sve_runtime::prelude::*;
 
 use super::hand::{Kernel, dispatch};
@@ -33,24 +38,130 @@ impl Fput {
     }
 }
 
-/// The arrays of the iteration by hand. Places and nodes have the walls at both ends.
+struct Phi4 {
+    side: usize,
+}
+
+#[variational(midpoint)]
+impl Phi4 {
+    fn lagrangian(&self, q: &[f64], v: &[f64]) -> f64 {
+        let mut l = 0.0;
+        for i in 0..self.side {
+            for j in 0..self.side {
+                let c = i * self.side + j;
+                let right = i * self.side + (j + 1) % self.side;
+                let below = (i + 1) % self.side * self.side + j;
+                l += 0.5 * v[c] * v[c] - 0.25 * (q[c] * q[c] - 1.0).powi(2);
+                l -= 0.5 * ((q[right] - q[c]).powi(2) + (q[below] - q[c]).powi(2));
+            }
+        }
+        l
+    }
+}
+
+/// A system whose forces read `S` nodes, the own one among them.
+trait Model<const S: usize>: Copy {
+    /// The number of zeros at each end of the nodes.
+    const WALLS: usize;
+    /// Returns the number of sites of a tile.
+    fn tile(self) -> usize;
+    /// Visits ranges of sites, with the first of the nodes of each kind that they read.
+    fn visit(self, sites: Range<usize>, visit: impl FnMut(Range<usize>, [usize; S]));
+    fn force(self, nodes: [f64; S]) -> f64;
+    /// Returns bounds of the derivatives of −force, near nodes that move by up to `by`.
+    fn bounds(self, nodes: &[f64], by: f64) -> [f64; 2];
+}
+
+#[derive(Clone, Copy)]
+struct OfChain;
+
+impl Model<3> for OfChain {
+    const WALLS: usize = 1;
+
+    fn tile(self) -> usize {
+        1024
+    }
+
+    #[inline(always)]
+    fn visit(self, sites: Range<usize>, mut visit: impl FnMut(Range<usize>, [usize; 3])) {
+        let first = sites.start;
+        visit(sites, [first, first + 1, first + 2]);
+    }
+
+    #[inline(always)]
+    fn force(self, [a, b, c]: [f64; 3]) -> f64 {
+        let (left, right) = (b - a, c - b);
+        right + BETA * right * right * right - (left + BETA * left * left * left)
+    }
+
+    #[inline(always)]
+    fn bounds(self, nodes: &[f64], by: f64) -> [f64; 2] {
+        let stretches = nodes.windows(2).map(|x| (x[1] - x[0]).abs());
+        let stretch = stretches.fold(0.0, f64::max) + by;
+        [0.0, 4.0 * (1.0 + 3.0 * BETA * stretch * stretch)]
+    }
+}
+
+/// A periodic square lattice with this side.
+#[derive(Clone, Copy)]
+struct OfLattice(usize);
+
+impl Model<5> for OfLattice {
+    const WALLS: usize = 0;
+
+    fn tile(self) -> usize {
+        self.0 * 1024usize.div_ceil(self.0)
+    }
+
+    #[inline(always)]
+    fn visit(self, sites: Range<usize>, mut visit: impl FnMut(Range<usize>, [usize; 5])) {
+        let Self(side) = self;
+        for row in sites.step_by(side) {
+            let (last, n) = (side - 1, side * side);
+            let [up, down] = [(row + n - side) % n, (row + side) % n];
+            visit(row..row + 1, [row, up, down, row + last, row + 1]);
+            let inner = row + 1..row + last;
+            visit(inner, [row + 1, up + 1, down + 1, row, row + 2]);
+            let end = row + last;
+            visit(end..end + 1, [end, up + last, down + last, end - 1, row]);
+        }
+    }
+
+    #[inline(always)]
+    fn force(self, [x, up, down, left, right]: [f64; 5]) -> f64 {
+        x - x * x * x + (up - x) + (down - x) + (left - x) + (right - x)
+    }
+
+    #[inline(always)]
+    fn bounds(self, nodes: &[f64], by: f64) -> [f64; 2] {
+        let field = largest(nodes) + by;
+        [-1.0, 3.0 * field * field + 7.0]
+    }
+}
+
+/// The arrays of the iteration by hand.
 struct Hand {
     q: Vec<f64>,
     p: Vec<f64>,
     d: Vec<f64>,
     update: Vec<f64>,
     nodes: [Vec<f64>; 2],
-    sweeps: usize,
-    steps: usize,
 }
 
-struct Step<'a>(&'a mut Hand, f64);
-
-#[inline(always)]
-fn force(a: f64, b: f64, c: f64) -> f64 {
-    let (left, right) = (b - a, c - b);
-    right + BETA * right * right * right - (left + BETA * left * left * left)
+impl Hand {
+    fn new<const S: usize, M: Model<S>>(_: M, q: &[f64], p: &[f64]) -> Self {
+        let zeros = |count: usize| vec![0.0; count];
+        Self {
+            q: q.to_vec(),
+            p: p.to_vec(),
+            d: zeros(q.len()),
+            update: zeros(q.len()),
+            nodes: [0, 1].map(|_| zeros(q.len() + 2 * M::WALLS)),
+        }
+    }
 }
+
+struct Step<'a, M, const S: usize>(&'a mut Hand, M, f64);
 
 #[inline(always)]
 fn largest(x: &[f64]) -> f64 {
@@ -67,65 +178,88 @@ fn largest(x: &[f64]) -> f64 {
 
 /// Updates the displacements. The slices are arguments, so that they are known not to overlap.
 #[inline(always)]
-fn relax(
-    [nodes, q, p]: [&[f64]; 3],
-    d: &mut [f64],
-    update: &mut [f64],
-    fresh: &mut [f64],
+fn relax<const S: usize>(
+    nodes: [&[f64]; S],
+    [q, p]: [&[f64]; 2],
+    [d, update, fresh]: [&mut [f64]; 3],
     h: f64,
     [alpha, beta]: [f64; 2],
+    force: impl Fn([f64; S]) -> f64,
 ) {
     let n = d.len();
-    let (a, b, c) = (&nodes[..n], &nodes[1..=n], &nodes[2..n + 2]);
-    let (q, p) = (&q[..n], &p[..n]);
-    let (update, fresh) = (&mut update[..n], &mut fresh[..n]);
+    let nodes = nodes.map(|nodes| &nodes[..n]);
+    let (q, p, update, fresh) = (&q[..n], &p[..n], &mut update[..n], &mut fresh[..n]);
     for i in 0..n {
-        let residual = d[i] - h * (p[i] + 0.5 * h * force(a[i], b[i], c[i]));
-        let change = beta * update[i] - alpha * residual;
+        let impulse = p[i] + 0.5 * h * force(std::array::from_fn(|k| nodes[k][i]));
+        let change = beta * update[i] - alpha * (d[i] - h * impulse);
         d[i] += change;
         (update[i], fresh[i]) = (change, q[i] + 0.5 * d[i]);
     }
 }
 
-impl Kernel for Step<'_> {
+#[inline(always)]
+fn kick<const S: usize>(
+    nodes: [&[f64]; S],
+    p: &mut [f64],
+    h: f64,
+    force: impl Fn([f64; S]) -> f64,
+) {
+    let n = p.len();
+    let nodes = nodes.map(|nodes| &nodes[..n]);
+    for i in 0..n {
+        p[i] += h * force(std::array::from_fn(|k| nodes[k][i]));
+    }
+}
+
+impl<const S: usize, M: Model<S>> Kernel for Step<'_, M, S> {
     #[inline(always)]
     fn run(self) {
-        const TILE: usize = 1024;
-        let Self(hand, h) = self;
-        let n = hand.d.len();
-        let q = &mut hand.q[1..=n];
+        let Self(hand, model, h) = self;
+        let Hand {
+            q,
+            p,
+            d,
+            update,
+            nodes: [old, new],
+        } = hand;
+        let (mut old, mut new, n) = (old, new, q.len());
         for i in 0..n {
-            hand.d[i] = h * hand.p[i];
-            hand.nodes[0][1 + i] = q[i] + 0.5 * hand.d[i];
-            hand.update[i] = 0.0;
+            d[i] = h * p[i];
+            old[M::WALLS + i] = q[i] + 0.5 * d[i];
+            update[i] = 0.0;
         }
-        let (guess, farthest) = (largest(&hand.d), largest(q));
-        // distances over boxes around the displacements
-        let stretch = |x: &[f64]| (x[1] - x[0]).abs();
-        let stretches = hand.nodes[0].windows(2).map(stretch);
-        let stretch = stretches.fold(0.0, f64::max) + 1.5 * guess;
-        let upper = 0.25 * h * h * 4.0 * (1.0 + 3.0 * BETA * stretch * stretch);
-        let (middle, half) = (1.0 + 0.5 * upper, 0.5 * upper);
-        let ratio = ((1.0 + upper).sqrt() - 1.0) / ((1.0 + upper).sqrt() + 1.0);
+        let (guess, farthest) = (largest(d), largest(q));
+        // over boxes around the displacements
+        let bounds = model.bounds(old, 1.5 * guess);
+        let [lower, upper] = bounds.map(|bound| 1.0 + 0.25 * h * h * bound);
+        let (middle, half) = (0.5 * (lower + upper), 0.5 * (upper - lower));
+        let ratio = (upper.sqrt() - lower.sqrt()) / (upper.sqrt() + lower.sqrt());
         let (mut alpha, mut rho, mut beta) = (1.0 / middle, half / middle, 0.0);
-        let [old, new] = &mut hand.nodes;
-        let (mut old, mut new) = (old, new);
         loop {
             let (mut change, mut size) = (0.0f64, 0.0f64);
-            for first in (0..n).step_by(TILE) {
-                let end = n.min(first + TILE);
-                let here = first..end;
-                let d = &mut hand.d[here.clone()];
-                let update = &mut hand.update[here.clone()];
-                let read = [&old[first..end + 2], &q[here.clone()], &hand.p[here]];
-                relax(read, d, update, &mut new[first + 1..=end], h, [alpha, beta]);
-                change = change.max(largest(update));
-                size = size.max(largest(d));
+            for first in (0..n).step_by(model.tile()) {
+                let tile = first..n.min(first + model.tile());
+                model.visit(tile.clone(), |at, reads| {
+                    let read = reads.map(|first| &old[first..first + at.len()]);
+                    let fresh = &mut new[M::WALLS + at.start..M::WALLS + at.end];
+                    let write = [&mut d[at.clone()], &mut update[at.clone()], fresh];
+                    let of_site = [&q[at.clone()], &p[at]];
+                    relax(
+                        read,
+                        of_site,
+                        write,
+                        h,
+                        [alpha, beta],
+                        #[inline(always)]
+                        |x| model.force(x),
+                    );
+                });
+                change = change.max(largest(&update[tile.clone()]));
+                size = size.max(largest(&d[tile]));
             }
             std::mem::swap(&mut old, &mut new);
-            hand.sweeps += 1;
             let error = change * ratio / (1.0 - ratio);
-            let of_impulse = (size + guess) / (2.0 * upper);
+            let of_impulse = (size + guess) / (2.0 * (upper - 1.0));
             if error <= f64::EPSILON / 16.0 * farthest.max(size).min(of_impulse)
                 || change <= f64::EPSILON * (size + guess)
             {
@@ -135,11 +269,19 @@ impl Kernel for Step<'_> {
             let next = 0.5 * half * alpha;
             (beta, rho) = (next * rho, next);
         }
-        for i in 0..n {
-            hand.p[i] += h * force(old[i], old[1 + i], old[2 + i]);
-            q[i] += hand.d[i];
+        model.visit(0..n, |at, reads| {
+            let read = reads.map(|first| &old[first..first + at.len()]);
+            kick(
+                read,
+                &mut p[at],
+                h,
+                #[inline(always)]
+                |x| model.force(x),
+            );
+        });
+        for (q, d) in q.iter_mut().zip(d) {
+            *q += *d;
         }
-        hand.steps += 1;
     }
 }
 
@@ -154,46 +296,56 @@ pub(crate) fn chain(n: usize, is_asked: &dyn Fn(&str) -> bool) {
     };
     let [q, p] = [0, 1].map(|at| (0..n).map(|i| amplitude(i)[at]).collect::<Vec<f64>>());
     for h in [0.02, 0.1, 0.5] {
-        let walls = |inner: &[f64]| [&[0.0][..], inner, &[0.0]].concat();
-        let mut hand = Hand {
-            q: walls(&q),
-            p: p.clone(),
-            d: vec![0.0; n],
-            update: vec![0.0; n],
-            nodes: [walls(&q), walls(&q)],
-            sweeps: 0,
-            steps: 0,
-        };
-        let integrator = Integrator::new(Fput { beta: BETA }, Midpoint);
-        let mut path = integrator.trajectory(State::new(q.clone(), p.clone()), h, NoNoise);
-        check(&mut hand, &integrator, h);
-        let units = n as f64;
-        compare(
-            &format!("midpoint, chain of {n}, h = {h}"),
-            is_asked,
-            vec![
-                (
-                    "Chebyshev by hand",
-                    units,
-                    Box::new(|| dispatch(Step(black_box(&mut hand), h))),
-                ),
-                (
-                    "trajectory, midpoint",
-                    units,
-                    Box::new(|| assert!(path.advance(1).is_ok())),
-                ),
-            ],
-        );
+        let title = format!("midpoint, chain of {n}, h = {h}");
+        let start = State::new(q.clone(), p.clone());
+        measure(&title, is_asked, OfChain, Fput { beta: BETA }, start, h);
     }
 }
 
-/// Checks that both make the same step.
-fn check(hand: &mut Hand, integrator: &Integrator<Fput, Midpoint>, h: f64) {
-    let n = hand.d.len();
-    let mut state = State::new(hand.q[1..=n].to_vec(), hand.p.clone());
-    integrator.step(&mut state, h, &[]).expect("a step");
-    dispatch(Step(hand, h));
-    for (x, y) in (state.q.iter().zip(&hand.q[1..])).chain(state.p.iter().zip(&hand.p)) {
+/// Measures square lattices.
+pub(crate) fn lattice(side: usize, is_asked: &dyn Fn(&str) -> bool) {
+    let field = |at: f64| (0..side * side).map(move |i| 1.2 * (at * i as f64).sin());
+    let start = State::new(field(0.37).collect(), field(0.83).collect());
+    let title = format!("midpoint, lattice of {side} × {side}, h = 0.1");
+    measure(&title, is_asked, OfLattice(side), Phi4 { side }, start, 0.1);
+}
+
+fn measure<S, const N: usize>(
+    title: &str,
+    is_asked: &dyn Fn(&str) -> bool,
+    model: impl Model<N>,
+    system: S,
+    start: State<Vec<f64>>,
+    h: f64,
+) where
+    Midpoint: Rule<S, Increments = [f64]>,
+    S: AnySystem<Configuration = Vec<f64>, Kind = Scenes, Target = S, Stepped = S>,
+    S: Scene<Row = [f64; 1]>,
+{
+    let mut hand = Hand::new(model, &start.q, &start.p);
+    let integrator = Integrator::new(system, Midpoint);
+    let mut path = integrator.trajectory(start, h, NoNoise);
+    let end = path.advance(1).expect("a step");
+    dispatch(Step(&mut hand, model, h));
+    // both make the same step
+    for (x, y) in (end.q.iter().zip(&hand.q)).chain(end.p.iter().zip(&hand.p)) {
         assert!((x - y).abs() < 1e-14, "{x} {y}");
     }
+    let units = hand.q.len() as f64;
+    compare(
+        title,
+        is_asked,
+        vec![
+            (
+                "Chebyshev by hand",
+                units,
+                Box::new(|| dispatch(Step(black_box(&mut hand), model, h))),
+            ),
+            (
+                "trajectory, midpoint",
+                units,
+                Box::new(|| assert!(path.advance(1).is_ok())),
+            ),
+        ],
+    );
 }
