@@ -166,15 +166,47 @@ impl<const D: usize> Neighbours<D> {
     /// displacement since they were made does not exceed the skin. Lists of another number of
     /// particles are not valid, and positions that are not finite have no valid lists.
     pub fn is_valid(&self, positions: &[impl Copy + Into<[f64; D]>]) -> bool {
-        let half = 0.5 * self.skin;
-        let is_near = |(&at, &before): (_, &[f64; D])| {
-            let at: [f64; D] = Into::into(at);
+        self.displacement2(positions) <= 0.25 * self.skin * self.skin
+    }
+
+    /// Returns the number of steps of length `h` for which the lists stay valid if no particle
+    /// moves faster than `speed`, a length in the unit of time of `h`: a trajectory makes as many
+    /// at once. It is 0 for lists that are not [valid](Self::is_valid).
+    ///
+    /// Impulses change the speeds during these steps, so that `speed` has to be a bound, such as
+    /// twice the largest speed at present.
+    ///
+    /// ```
+    /// # use sve_runtime::{NeighbourError, Neighbours};
+    /// # fn main() -> Result<(), NeighbourError> {
+    /// let mut near = Neighbours::open(1.0, 0.2)?;
+    /// near.rebuild(&[[0.0, 0.0], [0.7, 0.0]])?;
+    /// assert_eq!(near.valid_steps(&[[0.0, 0.0], [0.7, 0.0]], 2.0, 0.015), 3); // up to 0.1
+    /// assert_eq!(near.valid_steps(&[[0.0, 0.0], [0.7, 0.05]], 2.0, 0.015), 1);
+    /// # Ok(())
+    /// # }
+    /// ```
+    #[allow(clippy::cast_sign_loss)] // a negative number of steps becomes 0, and so does NaN
+    pub fn valid_steps(&self, positions: &[impl Copy + Into<[f64; D]>], speed: f64, h: f64) -> u64 {
+        let left = 0.5 * self.skin - self.displacement2(positions).sqrt();
+        (left / (speed * h).abs()) as u64
+    }
+
+    /// Returns the square of the largest displacement since the lists were made; infinity for
+    /// another number of particles and for positions that are not finite.
+    fn displacement2(&self, positions: &[impl Copy + Into<[f64; D]>]) -> f64 {
+        if positions.len() != self.positions.len() {
+            return f64::INFINITY;
+        }
+        let pairs = positions.iter().zip(&self.positions);
+        pairs.fold(0.0, |largest, (&at, &before)| {
+            let at: [f64; D] = at.into();
             let plain: [f64; D] = core::array::from_fn(|axis| at[axis] - before[axis]);
             // A particle that was put back into the box has moved by a length of the box.
-            squared(plain) <= half * half || squared(self.separation(before, at)) <= half * half
-        };
-        positions.len() == self.positions.len()
-            && positions.iter().zip(&self.positions).all(is_near)
+            let moved = squared(plain).min(squared(self.separation(before, at)));
+            let moved = if moved.is_nan() { f64::INFINITY } else { moved };
+            f64::max(largest, moved)
+        })
     }
 
     /// Makes the lists anew if they are not [valid](Self::is_valid), and returns whether it did.

@@ -122,6 +122,26 @@ fn lists_expire_where_twice_a_displacement_exceeds_the_skin() {
     assert!(near.is_valid(&empty) && near.start == [0]);
 }
 
+/// Moves one particle as fast as the bound for so many steps, and for one more.
+#[test]
+fn lists_are_valid_for_the_steps_that_a_speed_allows() {
+    let mut near = Neighbours::periodic(1.0, 0.5, [8.0]).unwrap();
+    let start = [[0.25], [3.0]];
+    assert_eq!(near.valid_steps(&start, 1.0, 0.01), 0);
+    near.rebuild(&start).unwrap();
+    // the last one in another image
+    for (before, speed, h) in [(0.0, 3.0, 0.0101), (0.1, 0.7, 0.02), (-8.2, 5.0, -0.003)] {
+        let at = |steps: u64| [[0.25], [3.0 + before + steps as f64 * speed * h]];
+        let steps = near.valid_steps(&at(0), speed, h);
+        assert!(steps > 2 && near.is_valid(&at(steps)), "{steps}");
+        assert!(!near.is_valid(&at(steps + 1)), "{steps}");
+    }
+    assert_eq!(near.valid_steps(&start, 0.0, 0.01), u64::MAX);
+    assert_eq!(near.valid_steps(&start, f64::NAN, 0.01), 0);
+    assert_eq!(near.valid_steps(&[[0.25], [3.3]], 1.0, 0.01), 0);
+    assert_eq!(near.valid_steps(&[[0.25], [f64::NAN]], 1.0, 0.01), 0);
+}
+
 #[test]
 fn valid_lists_have_every_pair_within_the_cutoff() {
     let (side, skin) = (7.0, 0.4);

@@ -200,6 +200,33 @@ fn other_lengths_and_other_fields_make_other_tables() {
 }
 
 /// The time goes on over an end of the tables of increments.
+/// A list is made anew between two blocks of a trajectory, and the noise goes on.
+#[test]
+fn a_trajectory_goes_on_with_another_list() {
+    const STEPS: [u64; 2] = [7, 8];
+    let (n, h, noise) = (30, 0.01, Wiener::new(7));
+    let mut integrator = Integrator::new(ring(n), StormerVerlet);
+    let mut path = integrator.trajectory(start(n), h, noise);
+    path.advance(STEPS[0]).unwrap();
+    let snapshot = path.snapshot();
+    integrator.system_mut().next.rotate_left(3);
+    let mut path = integrator.resume(snapshot, noise).unwrap();
+    let in_blocks = path.advance(STEPS[1]).unwrap();
+
+    let mut integrator = Integrator::new(ring(n), StormerVerlet);
+    let mut dw = vec![0.0; integrator.system().processes(n).unwrap()];
+    let mut state = start(n);
+    for step in 0..STEPS[0] + STEPS[1] {
+        if step == STEPS[0] {
+            integrator.system_mut().next.rotate_left(3);
+        }
+        Noise::increments(&mut { noise }, step, h, &mut dw).unwrap();
+        integrator.step(&mut state, h, &dw).unwrap();
+        state.t = h.mul_add((step + 1) as f64, 0.3);
+    }
+    assert_eq!(*in_blocks, state);
+}
+
 #[test]
 fn a_recorded_path_ends() {
     let recorded = Recorded::record(Wiener::new(2), 0.1, 31, 20).unwrap();
