@@ -176,21 +176,40 @@ fn largest(x: &[f64]) -> f64 {
     parts.into_iter().fold(rest, f64::max)
 }
 
+/// Cuts slices to a length. Loops over indices, since functions of arrays are not always inlined.
+#[inline(always)]
+fn cut<const S: usize>(mut nodes: [&[f64]; S], n: usize) -> [&[f64]; S] {
+    for k in 0..S {
+        nodes[k] = &nodes[k][..n];
+    }
+    nodes
+}
+
+#[inline(always)]
+fn at<const S: usize>(nodes: &[&[f64]; S], i: usize) -> [f64; S] {
+    let mut row = [0.0; S];
+    for k in 0..S {
+        row[k] = nodes[k][i];
+    }
+    row
+}
+
 /// Updates the displacements. The slices are arguments, so that they are known not to overlap.
 #[inline(always)]
 fn relax<const S: usize>(
     nodes: [&[f64]; S],
     [q, p]: [&[f64]; 2],
-    [d, update, fresh]: [&mut [f64]; 3],
-    h: f64,
-    [alpha, beta]: [f64; 2],
+    d: &mut [f64],
+    update: &mut [f64],
+    fresh: &mut [f64],
+    [h, alpha, beta]: [f64; 3],
     force: impl Fn([f64; S]) -> f64,
 ) {
     let n = d.len();
-    let nodes = nodes.map(|nodes| &nodes[..n]);
+    let nodes = cut(nodes, n);
     let (q, p, update, fresh) = (&q[..n], &p[..n], &mut update[..n], &mut fresh[..n]);
     for i in 0..n {
-        let impulse = p[i] + 0.5 * h * force(std::array::from_fn(|k| nodes[k][i]));
+        let impulse = p[i] + 0.5 * h * force(at(&nodes, i));
         let change = beta * update[i] - alpha * (d[i] - h * impulse);
         d[i] += change;
         (update[i], fresh[i]) = (change, q[i] + 0.5 * d[i]);
@@ -205,9 +224,9 @@ fn kick<const S: usize>(
     force: impl Fn([f64; S]) -> f64,
 ) {
     let n = p.len();
-    let nodes = nodes.map(|nodes| &nodes[..n]);
+    let nodes = cut(nodes, n);
     for i in 0..n {
-        p[i] += h * force(std::array::from_fn(|k| nodes[k][i]));
+        p[i] += h * force(at(&nodes, i));
     }
 }
 
@@ -239,21 +258,26 @@ impl<const S: usize, M: Model<S>> Kernel for Step<'_, M, S> {
             let (mut change, mut size) = (0.0f64, 0.0f64);
             for first in (0..n).step_by(model.tile()) {
                 let tile = first..n.min(first + model.tile());
-                model.visit(tile.clone(), |at, reads| {
-                    let read = reads.map(|first| &old[first..first + at.len()]);
-                    let fresh = &mut new[M::WALLS + at.start..M::WALLS + at.end];
-                    let write = [&mut d[at.clone()], &mut update[at.clone()], fresh];
-                    let of_site = [&q[at.clone()], &p[at]];
-                    relax(
-                        read,
-                        of_site,
-                        write,
-                        h,
-                        [alpha, beta],
-                        #[inline(always)]
-                        |x| model.force(x),
-                    );
-                });
+                model.visit(
+                    tile.clone(),
+                    #[inline(always)]
+                    |at, reads| {
+                        let read = reads.map(|first| &old[first..first + at.len()]);
+                        let fresh = &mut new[M::WALLS + at.start..M::WALLS + at.end];
+                        let (d, update) = (&mut d[at.clone()], &mut update[at.clone()]);
+                        let of_site = [&q[at.clone()], &p[at]];
+                        relax(
+                            read,
+                            of_site,
+                            d,
+                            update,
+                            fresh,
+                            [h, alpha, beta],
+                            #[inline(always)]
+                            |x| model.force(x),
+                        );
+                    },
+                );
                 change = change.max(largest(&update[tile.clone()]));
                 size = size.max(largest(&d[tile]));
             }
@@ -269,16 +293,20 @@ impl<const S: usize, M: Model<S>> Kernel for Step<'_, M, S> {
             let next = 0.5 * half * alpha;
             (beta, rho) = (next * rho, next);
         }
-        model.visit(0..n, |at, reads| {
-            let read = reads.map(|first| &old[first..first + at.len()]);
-            kick(
-                read,
-                &mut p[at],
-                h,
-                #[inline(always)]
-                |x| model.force(x),
-            );
-        });
+        model.visit(
+            0..n,
+            #[inline(always)]
+            |at, reads| {
+                let read = reads.map(|first| &old[first..first + at.len()]);
+                kick(
+                    read,
+                    &mut p[at],
+                    h,
+                    #[inline(always)]
+                    |x| model.force(x),
+                );
+            },
+        );
         for (q, d) in q.iter_mut().zip(d) {
             *q += *d;
         }
