@@ -12,7 +12,7 @@ use crate::systems::{DoublePendulum, Kubo, Oscillator, Pendulum};
 use crate::{DOUBLE, DOUBLE_STEPS, PATHS, STEPS};
 
 /// Returns the mean of the only observable at the end.
-fn end(summary: &Summary) -> f64 {
+pub(crate) fn end(summary: &Summary) -> f64 {
     assert_eq!(summary.failed(), 0, "no path fails");
     let means = summary.statistics()[0].mean();
     means[means.len() - 1]

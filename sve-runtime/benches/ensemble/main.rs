@@ -12,6 +12,7 @@
 mod check;
 mod constrained;
 mod derived;
+mod feedback;
 mod hand;
 mod limits;
 #[path = "../steps/hand.rs"]
@@ -225,6 +226,7 @@ fn main() {
     tasks.extend(oscillators());
     tasks.extend(pendulums());
     tasks.extend(constrained::tasks());
+    tasks.extend(feedback::tasks());
     let wanted: Vec<String> = std::env::args()
         .skip(1)
         .filter(|arg| !arg.starts_with('-'))
