@@ -3,6 +3,7 @@
 use std::hint::black_box;
 
 use sve_runtime::__private::StepShear as Shear;
+use sve_runtime::__private::scene::Scene;
 use sve_runtime::prelude::*;
 
 use crate::measure::compare;
@@ -200,41 +201,14 @@ impl Angles {
 pub(crate) fn angles(side: usize, is_asked: &dyn Fn(&str) -> bool) {
     let x = grid(side);
     let n = x.len();
-    let (h, shears) = short_steps();
-    let count = if n > 10_000 { 16 } else { 64 };
     let ordered = (2..n).filter(|k| k % 50 > 1).map(|k| [k - 2, k - 1, k]);
     let ordered: Vec<[usize; 3]> = ordered.collect();
     for (list, order) in [(shuffled(&ordered), "shuffled"), (ordered, "in order")] {
         let short: Vec<[u32; 3]> = list.iter().map(|angle| angle.map(|i| i as u32)).collect();
-        let units = list.len() as f64 * count as f64;
-        let angles = Angles { list };
-        let mut path = Path {
-            shears: shears.clone(),
-            ..Path::new(&angles, &x, true)
-        };
-        let [mut q, mut p, mut f] = [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
-        compare(
-            &format!("angles of {n} atoms, {order}"),
-            is_asked,
-            vec![
-                (
-                    "by hand, plain list",
-                    units,
-                    Box::new(|| {
-                        for _ in 0..count {
-                            hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
-                                hand::angles(&short, x, f);
-                            });
-                        }
-                    }),
-                ),
-                (
-                    "trajectory, Störmer–Verlet",
-                    units,
-                    Box::new(|| path.advance(count)),
-                ),
-            ],
-        );
+        let elements = list.len();
+        let by_hand = |x: &[[f64; 3]], f: &mut [[f64; 3]]| hand::angles(&short, x, f);
+        let title = format!("angles of {n} atoms, {order}");
+        beside_plain_list((&title, is_asked), &Angles { list }, &x, elements, by_hand);
     }
 }
 
@@ -252,8 +226,6 @@ fn shuffled<T: Copy>(list: &[T]) -> Vec<T> {
 pub(crate) fn bonds(side: usize, is_asked: &dyn Fn(&str) -> bool) {
     let x = grid(side);
     let n = x.len();
-    let (h, shears) = short_steps();
-    let count = if n > 10_000 { 16 } else { 64 };
     let chains = |length: usize| (1..n).filter(move |i| i % length != 0);
     let [one, many] = [n, 50].map(|length| chains(length).map(|i| [i - 1, i]).collect::<Vec<_>>());
     for (bonds, order) in [
@@ -262,38 +234,51 @@ pub(crate) fn bonds(side: usize, is_asked: &dyn Fn(&str) -> bool) {
         (many, "chains of 50"),
     ] {
         let short: Vec<[u32; 2]> = bonds.iter().map(|bond| bond.map(|i| i as u32)).collect();
-        let units = bonds.len() as f64 * count as f64;
+        let elements = bonds.len();
         let polymer = Polymer {
             bonds,
             k: 100.0,
             length: 1.0,
         };
-        let mut path = Path {
-            shears: shears.clone(),
-            ..Path::new(&polymer, &x, true)
-        };
-        let [mut q, mut p, mut f] = [x.clone(), vec![[0.0; 3]; n], vec![[0.0; 3]; n]];
-        compare(
-            &format!("bonds of {n} atoms, {order}"),
-            is_asked,
-            vec![
-                (
-                    "by hand, plain list",
-                    units,
-                    Box::new(|| {
-                        for _ in 0..count {
-                            hand::verlet([black_box(&mut q), &mut p, &mut f], h, |x, f| {
-                                hand::bonds(&short, x, f);
-                            });
-                        }
-                    }),
-                ),
-                (
-                    "trajectory, Störmer–Verlet",
-                    units,
-                    Box::new(|| path.advance(count)),
-                ),
-            ],
-        );
+        let by_hand = |x: &[[f64; 3]], f: &mut [[f64; 3]]| hand::bonds(&short, x, f);
+        let title = format!("bonds of {n} atoms, {order}");
+        beside_plain_list((&title, is_asked), &polymer, &x, elements, by_hand);
     }
+}
+
+/// Compares steps of a scene whose potential is the sum of a list with steps of which the forces of
+/// the list are added by hand: the time of an element.
+fn beside_plain_list<S: Scene<Row = [f64; 3]>>(
+    (title, is_asked): (&str, &dyn Fn(&str) -> bool),
+    scene: &S,
+    x: &[[f64; 3]],
+    elements: usize,
+    by_hand: impl Fn(&[[f64; 3]], &mut [[f64; 3]]),
+) {
+    let (h, shears) = short_steps();
+    let count = if x.len() > 10_000 { 16 } else { 64 };
+    let units = elements as f64 * count as f64;
+    let mut path = Path {
+        shears,
+        ..Path::new(scene, x, true)
+    };
+    let still = vec![[0.0; 3]; x.len()];
+    let [mut q, mut p, mut f] = [x.to_vec(), still.clone(), still];
+    let steps = || {
+        for _ in 0..count {
+            hand::verlet([black_box(&mut q), &mut p, &mut f], h, &by_hand);
+        }
+    };
+    compare(
+        title,
+        is_asked,
+        vec![
+            ("by hand, plain list", units, Box::new(steps)),
+            (
+                "trajectory, Störmer–Verlet",
+                units,
+                Box::new(|| path.advance(count)),
+            ),
+        ],
+    );
 }

@@ -233,7 +233,7 @@ impl<S: Scene> Steps<'_, S> {
                 friction,
             }),
             kick: Kick { h, t, dw },
-            second: if has_two { second } else { dw },
+            second: has_two.then_some(second),
             q: self.state.q,
             p: self.state.p,
             buffers,

@@ -121,8 +121,8 @@ pub(super) struct Sweep<'a, S: Scene, const TWICE: bool> {
     pub(super) segments: &'a Segments,
     pub(super) drift: Option<Drift<'a>>,
     pub(super) kick: Kick<'a>,
-    /// The increments of a second kick; the same array if no impulse reads increments.
-    pub(super) second: &'a [f64],
+    /// The increments of a second kick, if impulses read increments.
+    pub(super) second: Option<&'a [f64]>,
     pub(super) q: &'a mut [S::Row],
     pub(super) p: &'a mut [S::Row],
     pub(super) buffers: &'a mut Buffers,
@@ -155,17 +155,15 @@ impl<'a, S: Scene, const TWICE: bool> Sweep<'a, S, TWICE> {
     /// Returns the number of kicks with impulses of their own.
     #[inline(always)]
     fn kicks(&self) -> usize {
-        let is_same = core::ptr::eq(self.kick.dw, self.second);
-        if TWICE && !is_same { 2 } else { 1 }
+        if TWICE && self.second.is_some() { 2 } else { 1 }
     }
 
     /// Returns the kick, or the second one.
     #[inline(always)]
     fn kick(&self, number: usize) -> Kick<'a> {
-        let dw = if number == 0 {
-            self.kick.dw
-        } else {
-            self.second
+        let dw = match self.second {
+            Some(second) if number == 1 => second,
+            _ => self.kick.dw,
         };
         Kick { dw, ..self.kick }
     }
